@@ -2,7 +2,7 @@
 
 Motions with contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. A
 callback of the solver therefore looks for a conflict of limits when a solve has taken many iterations or begins again,
-and stops it where one excludes every motion.
+and stops it where one excludes every motion. Of configurations at the ends, two searches must agree that none exists.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Doubt:
     """
 
     def __init__(self, problem: Problem, coarsely: Solve, show: Progress | None) -> None:
-        self._find: Callable[[], tuple[Conflict, ...]] | None = lambda: conflicts_of(problem, coarsely)
+        self._find: Callable[[], tuple[Conflict, ...]] | None = lambda: conflicts_of(problem, coarsely, agreed=True)
         self._show, self._last = show, -1
         self.conflicts: tuple[Conflict, ...] = ()
 

@@ -55,10 +55,13 @@ def explained(solution: Solution, coarsely: Solve) -> Solution:
 
 
 def conflicts_of(
-    problem: Problem, coarsely: Solve, start: InitialGuess | Solution | None = None
+    problem: Problem, coarsely: Solve, start: InitialGuess | Solution | None = None, agreed: bool = False
 ) -> tuple[Conflict, ...]:
-    """Return the first conflicts that are found: at the ends, of torques that hold them, of the relaxed problem."""
-    found = unreached_ends(problem) or unheld_ends(problem)
+    """Return the first conflicts that are found: at the ends, of torques that hold them, of the relaxed problem.
+
+    Those at the ends are named although only one search came to them, unless they must be ``agreed``.
+    """
+    found = unreached_ends(problem, agreed) or unheld_ends(problem)
     if found:
         return found
     motion, conflicts = relaxed_motion(problem, coarsely, start)

@@ -51,16 +51,20 @@ SMALL = 1e-2
 """Slacks relative to the scale of their row that the reweighted sum counts fully."""
 BINDING = 2e-2
 """Multipliers relative to the largest one above which a row takes part in a conflict."""
+AGREEING = 1e-3
+"""Relative difference of the least sums of two starts that agree."""
 NAMED = 3
 """Rows named as the other side of a conflict."""
 
 
-def unreached_ends(problem: Problem) -> tuple[Conflict, ...]:
+def unreached_ends(problem: Problem, agreed: bool = False) -> tuple[Conflict, ...]:
     """Return the rows that must give for configurations at the ends of all phases to exist, largest slack first.
 
     Parameters
     ----------
     problem : Problem
+    agreed : bool
+        Whether two starts must come to the same least sum. A search that ends anywhere excludes no motion.
 
     Returns
     -------
@@ -75,10 +79,10 @@ def unreached_ends(problem: Problem) -> tuple[Conflict, ...]:
     unknown = ca.vertcat(*(symbol for each in ends for symbol in each.unknowns))
     rows = [row for row in (*rows, *links) if reads_only(row.value, unknown)]
     rows = [row for row in rows if ca.depends_on(row.value, unknown)]
-    return _least_slacks(problem, rows, unknown) if rows else ()
+    return _least_slacks(problem, rows, unknown, agreed) if rows else ()
 
 
-def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX) -> tuple[Conflict, ...]:
+def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agreed: bool) -> tuple[Conflict, ...]:
     """Minimise the slacks from one start after the other, and describe the least sum."""
     sides = [
         (i, sign, bound)
@@ -111,13 +115,17 @@ def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX) -> t
         return total, place, left, np.abs(np.array(found["lam_g"]).ravel())
 
     best: tuple[float, Array, Array, Array] | None = None
+    sums = []
     for start in _starts(problem):
         found = solved(start, weights)
         if found[0] < REACHED:
             return ()
+        sums.append(found[0])
         if best is None or found[0] < best[0]:
             best = found
     if best is None or not np.isfinite(best[0]):
+        return ()
+    if agreed and sum(total <= (1.0 + AGREEING) * best[0] for total in sums) < 2:
         return ()
     _, place, left, multipliers = best
     if np.sum(left > REACHED) > 1:
