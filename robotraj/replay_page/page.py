@@ -12,7 +12,7 @@ from importlib import resources
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
-SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "proof.js", "page.js")
+SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "legend.js", "proof.js", "page.js")
 
 POLICY = (
     "default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
