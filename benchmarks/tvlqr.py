@@ -5,7 +5,7 @@ cart-pole, acrobot, ur5 and panda: `rt.witness.monte_carlo` under `solution.gain
 root: a step by `rt.witness.second_opinion` under its time-varying LQR, from a seeded random error of the first state.
 
 A plan meets the default disturbances and, where a run is lost, those that its motors can answer. The rule: in 20 runs
-at a fiftieth of the default ones the feedback asks for a largest share of the torque that the plan leaves. That share
+at a fiftieth of the default ones the largest share of the torque reserve that the feedback uses is measured. It
 grows in proportion to the disturbances. They are chosen so that it is a half: a gain margin of two. A factor above 1
 is 1.
 """
@@ -66,11 +66,11 @@ PLANS: dict[str, tuple[Callable[[], rt.Solution], float]] = {
 
 
 PROBE, PROBES, SHARE = 0.02, 20, 0.5
-"""Factor of the disturbances and number of the runs that measure the reserve; share of it that may be asked for."""
+"""Factor of the disturbances and number of the runs that measure the reserve; share of it that may be used."""
 
 
 def within_reserve(solution: rt.Solution, bound: float) -> float:
-    """Return the factor of the default disturbances at which the feedback asks for half of the torque reserve."""
+    """Return the factor of the default disturbances at which the feedback uses half of the torque reserve."""
     small = rt.witness.Disturbances().scaled(PROBE)
     probe = rt.witness.monte_carlo(solution, PROBES, disturbances=small, bound=bound, seed=SEED + 1)
     return float(min(1.0, SHARE * PROBE / probe.used.max()))

@@ -180,7 +180,8 @@ def _beginnings(
 ) -> Iterator[_Beginning]:
     """Yield longer motions where durations are free, the last iterate, and variations of the default guess.
 
-    The last iterate is passed over where a longer motion, without a course of the user's own, says more.
+    The last iterate follows a guess that the user made, such as keyframes, and fixed durations. Longer motions replace
+    it where durations are free and the guess is a straight line, a solution or none.
     """
     problem, left = failed.problem, restarts.count
     free = tuple(layout.duration.column is not None for layout in nlp.layouts)

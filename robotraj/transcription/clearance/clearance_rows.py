@@ -150,18 +150,32 @@ def with_clearance_rows(nlp: Nlp, every: Sequence[Clearances], kept: Sequence[Ke
             blocks += _block(nlp, own, layout, places, group, motion, table)
     if not blocks:
         return nlp
-    constraints = nlp.rows.joined(table.finish())
-    shape = (len(constraints), len(nlp.variables))
+    return with_distances(nlp, blocks, table)
+
+
+def with_distances(nlp: Nlp, blocks: Sequence[Block], table: ScalarTable) -> Nlp:
+    """Return an NLP with further blocks whose outputs are rows on distances [m].
+
+    Parameters
+    ----------
+    nlp : Nlp
+    blocks : sequence of Block
+        Their scatters write behind the rows of ``nlp``.
+    table : ScalarTable
+        Of the new rows.
+    """
+    rows = nlp.rows.joined(table.finish())
+    shape = (len(rows), len(nlp.variables))
     for block in blocks:
         block.stage.as_tapes = nlp.engine.separate_torques
     linear = nlp.linear.copy()
     linear.resize(shape)
     return replace(
         nlp,
-        rows=constraints,
+        rows=rows,
         blocks=tuple(widen(block, *shape) for block in (*nlp.blocks, *blocks)),
         linear=linear,
-        row_scale=np.append(nlp.row_scale, np.ones(len(constraints) - len(nlp.rows))),
+        row_scale=np.append(nlp.row_scale, np.ones(len(rows) - len(nlp.rows))),
         loose_rows=None if nlp.loose_rows is None else nlp.loose_rows.joined(table.finish()),
         keeps_clear=True,
     )

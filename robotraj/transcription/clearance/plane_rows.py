@@ -11,7 +11,6 @@ it is short of may be made up for within ``RECOVERY``.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,10 +24,9 @@ from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
-from robotraj.transcription.clearance.clearance_rows import SLACK
+from robotraj.transcription.clearance.clearance_rows import SLACK, with_distances
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of, key_of
 from robotraj.transcription.clearance.supporting_planes import planes
-from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.table import Entry, ScalarTable
 
@@ -117,7 +115,6 @@ class PlaneRows:
             gather, scatter = Triplets(), Triplets()
             gather.add(np.arange(columns.size), columns.ravel(), 1.0)
             scatter.add(numbers, np.arange(len(at)), 1.0)
-            own.function.stage.as_tapes = nlp.engine.separate_torques
             blocks.append(
                 Block(
                     own.function.stage,
@@ -127,19 +124,7 @@ class PlaneRows:
                     np.zeros(len(at)),
                 )
             )
-        rows = nlp.rows.joined(table.finish())
-        shape = (len(rows), len(nlp.variables))
-        linear = nlp.linear.copy()
-        linear.resize(shape)
-        return replace(
-            nlp,
-            rows=rows,
-            blocks=tuple(widen(block, *shape) for block in (*nlp.blocks, *blocks)),
-            linear=linear,
-            row_scale=np.append(nlp.row_scale, np.ones(len(rows) - len(nlp.rows))),
-            loose_rows=None if nlp.loose_rows is None else nlp.loose_rows.joined(table.finish()),
-            keeps_clear=True,
-        )
+        return with_distances(nlp, blocks, table)
 
     def place_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Take other obstacles from now on, as many as before and in their order.

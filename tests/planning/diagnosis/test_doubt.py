@@ -1,4 +1,4 @@
-"""Motions with feet on the ground that do not exist are told early, and by their cause."""
+"""A plan with feet on the ground ends early, with its cause, where no motion exists."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def test_no_mesh_is_finer_than_the_finest_nor_cut_into_more_parts_than_most() ->
 
 
 def test_lengths_beside_short_intervals_grow_by_the_slope_at_most() -> None:
-    """One interval of ten asks for 64 parts: its neighbours shrink to its length plus the slope times the distance."""
+    """One interval of ten needs 64 parts: its neighbours shrink to its length plus the slope times the distance."""
     slope = 0.2
     refinement = rt.refinement.Equidistribute(most=64.0, slope=slope)
     errors = [0.0] * 4 + [64**4 / 4] + [0.0] * 5
