@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 import time
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from robotraj.solvers.status import STATUSES, Status
 
 if TYPE_CHECKING:
     from robotraj.native import Options
+    from robotraj.native import Outcome as NativeOutcome
     from robotraj.transcription.nlp import Nlp
 
 WARM_BARRIER = 1e-4
@@ -46,8 +47,10 @@ FACTORS = (100.0, 10.0)
 """Accuracy to which the problem of one barrier is solved before the barrier falls, in multiples of the barrier.
 
 The first takes a quarter fewer iterations. Where its line search fails, the second starts again from the guess."""
-PATIENCE, LARGER = 300, 10.0
-"""Iterations of an attempt, and factor on the first barrier of the next: about straight knees attempts may wander."""
+PATIENCE, LARGER = 500, 10.0
+"""Iterations of the first attempt, and factor on the first barrier of the next.
+
+Near singular postures such as straight knees an attempt may wander without converging."""
 SHORTEST = 1e-3
 """Shortest time limit of a fallback [s]."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
@@ -203,7 +206,7 @@ class InteriorPoint(Solver):
         barrier = self.initial_barrier
         if warm:
             barrier = min(barrier, max(WARM_BARRIER, WARM_SHARE * largest_violation(native, start, program)))
-        tried: list[Any] = []
+        tried: list[NativeOutcome] = []
         iterations = 0
         factors = FACTORS if self.barrier_factor is None else (self.barrier_factor,)
         attempts = [(barrier, factor, warm) for factor in factors]
