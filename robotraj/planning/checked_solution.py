@@ -35,7 +35,8 @@ def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Sol
     Returns
     -------
     Solution
-        Its status is ``Status.ROWS_VIOLATED`` where the solver claims success and a row is violated.
+        Its status is ``Status.ROWS_VIOLATED`` where the solver reports success but a row is violated. It is
+        ``Status.OVERDETERMINED`` where an infeasible NLP has more equations than unknowns.
     """
     outputs = nlp.outputs(outcome.w)
     broken = violations(nlp, outcome.w, ROW_TOLERANCE, outputs)
@@ -73,9 +74,9 @@ def _more_equations_than_unknowns(nlp: Nlp) -> bool:
 
 
 def _late_duals(nlp: Nlp, outcome: Outcome) -> Late[PhaseDuals]:
-    # Costates are not unique where invariants are held. A copy of the NLP is without the functions that it has made.
-    held = any(phase.dae.invariants for phase in nlp.problem.phases)
-    return Late(partial(_duals, replace(nlp), outcome), 0 if held else len(nlp.layouts))
+    # Costates are not unique where invariants are imposed as rows. The copy of the NLP has no cached functions.
+    constrained = any(phase.dae.invariants for phase in nlp.problem.phases)
+    return Late(partial(_duals, replace(nlp), outcome), 0 if constrained else len(nlp.layouts))
 
 
 def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:

@@ -1,4 +1,4 @@
-"""precompile(): the libraries of a problem, before it is planned."""
+"""precompile(): compile the C libraries of a problem before it is planned."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ class Compilation:
     Attributes
     ----------
     functions : int
-        Point functions of the problem that are worth a compiler.
+        Number of point functions that are large enough to be compiled.
     new : int
-        Number of those that the cache did not have.
+        Number of those that were not in the cache before.
     seconds : float
+        Time spent in the compiler [s].
     folder : Path
-        The cache.
+        Folder of the cache.
     """
 
     functions: int
@@ -38,7 +39,7 @@ class Compilation:
     def __str__(self) -> str:
         if not self.functions:
             return (
-                "nothing to compile: every point function is too small to repay it, or is shot rather than collocated"
+                "nothing to compile: every point function is too small to gain from it, or belongs to a shooting scheme"
             )
         return f"{self.new} of {self.functions} point functions compiled in {self.seconds:.1f} s into {self.folder}"
 
@@ -46,11 +47,11 @@ class Compilation:
 def precompile(
     problem: Problem | Phase, mesh: Mesh | Sequence[Mesh] | None = None, engine: Compiled | None = None
 ) -> Compilation:
-    """Compile the point functions of a problem into the cache, so that no plan of it waits.
+    """Compile the point functions of a problem into the cache, so that no plan of it waits for the compiler.
 
-    The libraries serve every plan of phases with the same equations: the same robot, dynamics, contacts, objective and
-    path constraints, and the same choice of free duration and parameters. Start, goal, limits, number of intervals and
-    order of the scheme may differ.
+    Every plan of phases with the same equations uses these libraries. Robot, dynamics, contacts, objective and path
+    constraints must be the same, and so must the choice of free duration and parameters. Start, goal, limits, number of
+    intervals and order of the scheme may differ.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def precompile(
     mesh : Mesh or sequence of Mesh, optional
         As for ``rt.plan``.
     engine : Compiled, optional
-        ``rt.engines.Compiled()`` by default; it is waited for in any case.
+        ``rt.engines.Compiled()`` by default. The call returns when all libraries are compiled, whatever its ``wait``.
 
     Returns
     -------
@@ -67,7 +68,7 @@ def precompile(
     Raises
     ------
     InputError
-        No compiler on this machine, or the problem cannot be transcribed.
+        There is no compiler on this machine, or the problem cannot be transcribed.
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])

@@ -1,4 +1,4 @@
-"""Conditions under which a setting is chosen, each with the words that describe it in the table of ``rt.plan``."""
+"""Conditions under which a setting is chosen, each with its text in the table of ``rt.plan``."""
 
 from __future__ import annotations
 
@@ -71,10 +71,13 @@ def _calls_native(case: Case) -> bool:
     return isinstance(solver, Solver) and solver.stagewise
 
 
-def _works_by_stages(case: Case) -> bool:
-    """Whether stages are narrow: no contacts, integrals, free roots, design parameters or few controls widen them."""
-    widens = (_is_augmented, _integrates, _is_wide_robot, _is_wide_system)
-    return _calls_native(case) and not any(wide(phase) for phase in case.problem.phases for wide in widens)
+def _has_narrow_stages(case: Case) -> bool:
+    """Whether the solver works by stages with few variables each.
+
+    Contacts, integral constraints, free roots, design parameters and few controls give a stage many variables.
+    """
+    widening = (_is_augmented, _integrates, _is_wide_robot, _is_wide_system)
+    return _calls_native(case) and not any(wide(phase) for phase in case.problem.phases for wide in widening)
 
 
 def _without_stages(case: Case) -> bool:
@@ -137,7 +140,7 @@ NO_STAGES = Condition("shooting or moving knots", _without_stages)
 CORNERS = any_phase("corners in the objective", _has_corners)
 FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
 NATIVE = Condition("solver in C++", _calls_native)
-STAGEWISE = Condition("solver by stages", _works_by_stages)
+STAGEWISE = Condition("solver by stages", _has_narrow_stages)
 ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase in case.problem.phases))
 SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
 FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])

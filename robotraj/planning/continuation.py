@@ -26,7 +26,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 
 class Same(Enum):
-    """Marks what a step leaves as in the problem."""
+    """Marks what a step leaves unchanged."""
 
     SAME = "same"
 
@@ -41,18 +41,20 @@ class ContinuationStep:
     Parameters
     ----------
     mesh : Mesh or sequence of Mesh, optional
-        Of this step.
+        Mesh of this step.
     objective, constraints, limits, contacts : optional
-        Of every phase, or by name of the phase (others keep theirs). None as ``objective`` finds any feasible motion,
-        as ``limits`` drops the joint limits. ``()`` as ``constraints`` or ``contacts`` drops them.
+        Values for every phase, or a mapping by name of the phase; phases that it does not name keep theirs.
+        ``objective=None`` finds any feasible motion. ``limits=None`` drops the joint limits, and ``()`` drops
+        ``constraints`` or ``contacts``.
     solver : Solver, optional
-        Of this step.
+        Solver of this step.
     name : str
+        Name in the record of this step.
 
     Raises
     ------
     InputError
-        The mesh is no mesh, or the solver no solver value.
+        ``mesh`` or ``solver`` has another type.
 
     Examples
     --------
@@ -103,9 +105,14 @@ def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[C
     Parameters
     ----------
     problem : Problem or Phase
-        Its ``rt.contacts.ImplicitContact``s keep their own relaxation, the last and smallest, for the problem itself.
+        The problem itself keeps the relaxations of its ``rt.contacts.ImplicitContact``s, which are the smallest.
     relaxations : sequence of float
-        Descending, such as ``[1.0, 0.1, 0.01]`` [N m, W].
+        Descending relaxations, such as ``[1.0, 0.1, 0.01]`` [N m, W].
+
+    Returns
+    -------
+    list of ContinuationStep
+        For ``rt.plan(problem, continuation=...)``.
 
     Raises
     ------
@@ -134,8 +141,8 @@ def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[C
 
 
 def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:
-    mine = {key: value.get(phase.name, SAME) if isinstance(value, Mapping) else value for key, value in given.items()}
-    return {key: value for key, value in mine.items() if value is not SAME}
+    own = {key: value.get(phase.name, SAME) if isinstance(value, Mapping) else value for key, value in given.items()}
+    return {key: value for key, value in own.items() if value is not SAME}
 
 
 def run_steps(
@@ -145,46 +152,59 @@ def run_steps(
     settings: Settings,
     progress: Progress | None = None,
 ) -> tuple[InitialGuess | Solution | None, tuple[ContinuationRecord, ...], Solution | None]:
-    """Solve the steps in order; return the guess for the problem itself, and a record of each step.
+    """Solve the steps in order, each from the solution of the last one that was solved.
 
-    A step that fails is recorded, and the next one starts from the same guess. A step that is interrupted is the last;
-    its solution, or that of the step before, is returned third, which is None otherwise.
+    A step that fails is recorded, and the next one starts from the same guess. A step that is interrupted is the last.
 
     Parameters
     ----------
     problem : Problem
     continuation : sequence of ContinuationStep
     guess : InitialGuess, Solution or None
-        Of the first step.
+        Guess of the first step.
     settings : Settings
-        Of steps without a mesh or solver.
+        Settings of every step; the mesh and solver of a step replace them.
     progress : callable, optional
+
+    Returns
+    -------
+    guess : InitialGuess, Solution or None
+        Guess for the problem itself.
+    records : tuple of ContinuationRecord
+        One for each step that was run.
+    interrupted : Solution or None
+        Solution of the interrupted step or, without one, of the step before it; None if no step was interrupted.
+
+    Raises
+    ------
+    InputError
+        ``continuation`` is no list of steps, or a step cannot be posed.
     """
     if not isinstance(continuation, Sequence):
         raise InputError(
             f"continuation= is a list of rt.planning.ContinuationStep(...); got {type(continuation).__name__}."
         )
-    for i, stage in enumerate(continuation):
-        if not isinstance(stage, ContinuationStep):
+    for i, step in enumerate(continuation):
+        if not isinstance(step, ContinuationStep):
             raise InputError(
-                f"continuation= is a list of rt.planning.ContinuationStep(...); number {i} is a {type(stage).__name__}."
+                f"continuation= is a list of rt.planning.ContinuationStep(...); number {i} is a {type(step).__name__}."
             )
     # A step that cannot be posed raises before any is solved.
-    posed = [stage.of(problem) for stage in continuation]
+    posed = [step.of(problem) for step in continuation]
     solution: Solution | None = None
     records: list[ContinuationRecord] = []
-    for i, (stage, easier) in enumerate(zip(continuation, posed, strict=True)):
+    for i, (step, easier) in enumerate(zip(continuation, posed, strict=True)):
         try:
-            own = replace(settings, mesh=stage.mesh or settings.mesh, solver=stage.solver or settings.solver)
+            own = replace(settings, mesh=step.mesh or settings.mesh, solver=step.solver or settings.solver)
             solution = solve(easier, guess, own, progress)
         except KeyboardInterrupt:
-            found = found_by(records, guess) or solution
+            found = last_solution(records, guess) or solution
             if found is None:
                 raise
             return guess, tuple(records), replace(found, status=Status.INTERRUPTED)
         records.append(
             ContinuationRecord(
-                stage.name or f"stage {i + 1}",
+                step.name or f"step {i + 1}",
                 solution.status,
                 solution.objective,
                 solution.iterations,
@@ -198,14 +218,14 @@ def run_steps(
     return guess, tuple(records), None
 
 
-def found_by(records: Sequence[ContinuationRecord], guess: InitialGuess | Solution | None) -> Solution | None:
-    """Return the last solution of the steps, as interrupted, for Ctrl-C between two solves.
+def last_solution(records: Sequence[ContinuationRecord], guess: InitialGuess | Solution | None) -> Solution | None:
+    """Return the solution of the last step that was solved, with the status of an interrupted plan.
 
     Parameters
     ----------
     records : sequence of ContinuationRecord
     guess : InitialGuess, Solution or None
-        That the steps returned.
+        Guess that ``run_steps`` returned.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A plan of the kinematics alone, as a guess for the whole problem."""
+"""A plan without dynamics, as a guess for the whole problem."""
 
 from __future__ import annotations
 
@@ -54,10 +54,11 @@ class Kinematic(InitialGuess):
     Parameters
     ----------
     mesh : Mesh
-        Of the kinematic plan, for every phase.
+        Mesh of every phase of the kinematic plan.
     guess : InitialGuess, optional
-        Of the kinematic plan; a straight line by default.
+        Guess of the kinematic plan; a straight line by default.
     solver : Solver
+        Solver of the kinematic plan.
     duration : float, optional
         Guessed duration [s] of each phase where it is free.
     """

@@ -23,11 +23,11 @@ def violations(nlp: Nlp, w: Array, tolerance: float, outputs: Sequence[Array] | 
     ----------
     nlp : Nlp
     w : ndarray (n_w,)
-        In physical units.
+        Decision vector in physical units.
     tolerance : float
-        On scaled rows and scaled variables.
+        Tolerance on scaled rows and scaled variables.
     outputs : sequence of ndarray, optional
-        ``nlp.outputs(w)``, where they are known.
+        ``nlp.outputs(w)``, if they are known.
     """
     found = _broken(nlp, nlp.rows, nlp.values(w, outputs), nlp.row_scale, w, tolerance)
     found += _broken(nlp, nlp.variables, w, 1.0 / nlp.scale, w, tolerance)

@@ -21,7 +21,7 @@ from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.progress import PlanLimits, watching
 from robotraj.planning.settings import GIVEN, resolve
-from robotraj.planning.solve import on_a_coarse_mesh, solve
+from robotraj.planning.solve import solve, solve_on_coarse_mesh
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -63,9 +63,9 @@ def plan(
     check: bool = True,
     progress: bool | None = None,
 ) -> Solution:
-    """Transcribe, solve and check.
+    """Transcribe a problem, solve it and check the solution.
 
-    The rules below decide every setting that is left open; ``solution.settings`` has them with reasons.
+    The rules below decide every setting that is left open. ``solution.settings`` holds the choices with their reasons.
 
     Parameters
     ----------
@@ -73,47 +73,48 @@ def plan(
     mesh : Mesh or sequence of Mesh, optional
         One for all phases or one for each. With ``tolerance``, the first mesh.
     guess : InitialGuess, Solution or sequence of InitialGuess, optional
-        A straight line by default, for legs an inverted pendulum. ``rt.Guess(times, q=..., tau=...)`` takes arrays, a
-        sequence has one guess for each phase. An earlier solution on any mesh and scheme is a warm start.
+        A straight line by default, and the motion of an inverted pendulum for legs. ``rt.Guess(times, q=..., tau=...)``
+        takes arrays. A sequence has one guess for each phase. An earlier solution on any mesh and scheme is a warm
+        start.
     solver : Solver, optional
-        Such as ``rt.InteriorPoint()``, which works by stages, or ``rt.Ipopt()``.
+        For example ``rt.InteriorPoint()``, which factorises stage by stage, or ``rt.Ipopt()``.
     engine : Engine, optional
         How point functions are evaluated. All engines agree to rounding. ``rt.engines.Native()`` and
         ``rt.engines.VirtualMachine()`` need no compiler; ``rt.engines.Compiled()`` keeps C libraries for later plans.
     tolerance : float, optional
-        The mesh is refined until the relative error between the knots (``rt.refinement.errors_of``) and the relative
-        change of the objective are below this. Schemes of low order need many intervals. Otherwise the status is
-        ``Status.TOLERANCE_NOT_REACHED``.
+        The mesh is refined until two measures are below this: the relative error between the knots
+        (``rt.refinement.errors_of``) and the relative change of the objective. Schemes of low order need many
+        intervals. If it is not reached, the status is ``Status.TOLERANCE_NOT_REACHED``.
     refinement : Refinement, optional
-        How meshes are refined. ``rt.refinement.SplitOrRaise()`` splits the intervals of shooting and of compressed
-        collocation, which have no order to raise.
+        How meshes are refined. ``rt.refinement.SplitOrRaise()`` splits intervals or raises their order. It only splits
+        those of shooting and of compressed collocation.
     continuation : sequence of ContinuationStep
-        Easier problems solved first, each the guess of the next: coarser meshes, fewer constraints, simpler
-        objectives. The problem itself follows the last one.
+        Easier problems to be solved first, such as with coarser meshes, fewer constraints or simpler objectives. Each
+        solution is the guess of the next problem. The problem itself comes last.
     interval_limits : ConstraintGeneration, optional
         How rows on states and controls are imposed between the collocation points.
         ``rt.interval_limits.ConstraintGeneration()`` imposes rows on states where a solution violates them, and solves
         again. ``rt.interval_limits.BernsteinBounds()`` bounds the Bernstein coefficients of the polynomials, which is
-        slightly stricter. Remaining violations are in ``solution.interval_violations`` and
+        slightly stricter. Remaining violations are listed by ``solution.interval_violations`` and
         ``solution.control_interval_violations``.
     restarts : Restarts, optional
-        Other initial guesses of a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
+        Other initial guesses for a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
         The message of a solution on one mesh names its restart.
     goals : Goals, optional
-        Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, from ``mesh`` on, until
-        all hold; ``solution.proof`` has the measured errors. With a mesh alone nothing is proved.
+        Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,
+        until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved.
     settings : Settings, optional
         ``solution.settings`` of an earlier plan, which decide every setting. With the same problem, guess and
         continuation the plan is repeated bit for bit. Other options replace single settings.
     time_limit : float, optional
         Processor time [s] of the whole plan: building, its compilers, solves on all meshes, restarts and diagnosis.
-        The best solution so far is returned; its status is ``Status.TIME_LIMIT`` unless it is a proved motion. At the
-        limit compilers are stopped and the functions that they lack are interpreted. Building one program is not
-        interrupted otherwise, and the first solve always reaches an iterate.
+        The best solution so far is returned. Its status is ``Status.TIME_LIMIT`` unless it is a proved motion. At the
+        limit compilers are stopped, and functions that are not compiled yet are interpreted. Building one program is
+        not interrupted otherwise, and the first solve always returns an iterate.
     memory_limit : float, optional
         Resident memory of the whole process [MB]. A mesh whose blocks alone would exceed it is refused before it is
-        built. Else the memory is read between solves and at each iteration, and the plan ends with
-        ``Status.MEMORY_LIMIT``. What one factorisation takes between two readings is not bounded.
+        built. Otherwise the memory is read between solves and at each iteration, and the plan ends with
+        ``Status.MEMORY_LIMIT``. The memory of one factorisation between two readings is not bounded.
     check : bool
         Raise an error where no solution was found; otherwise return the last iterate with its status.
     progress : bool, optional
@@ -126,7 +127,7 @@ def plan(
     Raises
     ------
     NoSolutionFound
-        With ``check``, when the status is not solved; the error carries the last iterate as ``.solution``.
+        With ``check``, if the status is not solved. ``error.solution`` is the last iterate.
     InputError
         An option has another type, or the problem cannot be posed.
 
@@ -142,7 +143,7 @@ def plan(
                      otherwise                                    None
     mesh             goals, a motor at every joint, dry friction  Mesh of 16 intervals, RadauIIA()
                      goals, a motor at every joint                Mesh of 16 intervals, HermiteSimpson()
-                     goals, contacts                              SharedOut()
+                     goals, contacts                              ProportionalMeshes()
                      goals                                        Mesh of 20 intervals, HermiteSimpson()
                      otherwise                                    Mesh of 20 intervals, RadauIIA()
     solver           engine=Compiled()                            Ipopt()
@@ -207,10 +208,10 @@ def plan(
         from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
 
         warn_of_self_collision(problem)
-    with watching(settings.solver, progress) as shown, ExitStack() as waiting:
+    with watching(settings.solver, progress) as shown, ExitStack() as stack:
         given_limits = time_limit is not None or memory_limit is not None
         show = PlanLimits(time_limit or np.inf, memory_limit or np.inf, shown) if given_limits else shown
-        waiting.enter_context(limited((lambda: show.left) if isinstance(show, PlanLimits) else None))
+        stack.enter_context(limited((lambda: show.left) if isinstance(show, PlanLimits) else None))
         if continuation:
             from robotraj.planning.continuation import run_steps
 
@@ -227,11 +228,11 @@ def plan(
             if not solution.success:
                 from robotraj.planning.diagnosis.explain import explained
 
-                solution = explained(solution, partial(on_a_coarse_mesh, settings=settings, progress=show))
+                solution = explained(solution, partial(solve_on_coarse_mesh, settings=settings, progress=show))
         except KeyboardInterrupt:
-            from robotraj.planning.continuation import found_by
+            from robotraj.planning.continuation import last_solution
 
-            found = found_by(records, guess)
+            found = last_solution(records, guess)
             if found is None:
                 raise
             solution = found
@@ -248,7 +249,7 @@ def plan(
 
 
 def _method(settings: Settings) -> Callable[..., Solution]:
-    """Return what plans by these settings; a process imports that method alone."""
+    """Return the function that plans by these settings. A process imports only the one that it needs."""
     if settings.goals is not None:
         from robotraj.planning.proving.prove import prove
 
@@ -261,14 +262,14 @@ def _method(settings: Settings) -> Callable[..., Solution]:
 
 
 def _careful(settings: Settings) -> Settings:
-    """Return settings whose solver stops early, for ends that the motors cannot hold; a solver that is given stays."""
+    """Return settings whose solver stops early, for ends that the motors cannot hold; a given solver is kept."""
     if settings.reasons.get("solver") == GIVEN:
         return settings
-    return replace(settings, solver=settings.solver.hopefully())
+    return replace(settings, solver=settings.solver.with_early_stop())
 
 
 def _stopped(solution: Solution, limits: PlanLimits) -> Solution:
-    """Return a solution with the status of a plan stopped by a limit: solved where its motion is proved."""
+    """Return the solution of a plan that a limit stopped; its status is solved if its motion is proved."""
     proved = solution.proof is not None and solution.proof.motion_holds
     status = Status.SOLVED if proved or limits.reached is None else limits.reached
     return replace(solution, status=status, message=f"{solution.message}; {limits.message}")

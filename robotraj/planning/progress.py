@@ -1,4 +1,4 @@
-"""Callbacks of solvers: progress in one line of a terminal, and the limits of time and memory of a whole plan."""
+"""Callbacks of solvers: progress in one line of a terminal, and limits on time and memory of a whole plan."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 @contextmanager
 def watching(solver: Solver, show: bool | None) -> Iterator[Progress | None]:
-    """Give a callback that shows iterations, or None where nobody watches."""
+    """Yield a callback that shows iterations, or None if they are not shown."""
     if show is False or (show is None and not sys.stderr.isatty()):
         yield None
         return
@@ -40,7 +40,7 @@ def watching(solver: Solver, show: bool | None) -> Iterator[Progress | None]:
 
 
 class LimitReached(KeyboardInterrupt):
-    """Raised at a limit. It ends a plan as Ctrl-C does: what was found so far is kept."""
+    """Raised at a limit. It ends a plan as Ctrl-C does, and the best solution so far is returned."""
 
 
 class PlanLimits:
@@ -52,7 +52,7 @@ class PlanLimits:
     Parameters
     ----------
     seconds : float
-        Processor time [s] from now on, of all threads of this process and of the compilers it starts; may be infinite.
+        Processor time [s] from now on, of all threads of this process and of its compilers; may be infinite.
     megabytes : float
         Resident memory of this process [MB]; may be infinite.
     show : callable or None
@@ -88,21 +88,23 @@ class PlanLimits:
         Raises
         ------
         LimitReached
+            The time or the memory of the plan exceeds its limit.
         """
         if self._show is not None:
             self._show(iteration)
         self._read()
 
     def begin(self) -> None:
-        """Let the next solve begin in any case: without it there would be no iterate to return."""
+        """Let the next solve begin whatever the clock reads: without it there would be no iterate to return."""
         self._begun = False
 
     def before_solve(self, problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None:
-        """Read the clock, unless it is the first solve, and estimate the memory of the program that is to be built.
+        """Read the clock, unless it is the first solve, and estimate the memory of the next program.
 
         Raises
         ------
         LimitReached
+            The time is over, or a later program takes more memory than is left.
         InputError
             The first program takes more memory than is left.
         """

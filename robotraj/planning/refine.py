@@ -27,13 +27,13 @@ from robotraj.transcription.schemes.onestep import OneStep
 MOST_MESHES = 25
 """Largest number of meshes."""
 MOST_INTERVALS = 10_000
-"""Largest number of intervals of all phases: beyond, errors are round-off or need a higher order."""
+"""Largest number of intervals of all phases; errors of more are round-off or need a higher order."""
 PATIENCE = 4
 """Number of successive meshes without a smaller error after which refinement stops."""
 LESS = 0.8
 """Share of the least error so far below which an error counts as smaller."""
 ALIKE = 2.0
-"""Largest ratio of the errors of these meshes."""
+"""Largest ratio of the errors of successive meshes that count as alike."""
 ROOM = 0.1
 """Largest relative change of the length of a moving interval from one mesh to the next."""
 GROWTH = 1.1
@@ -53,57 +53,58 @@ def adapt(
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
     Each mesh starts from the solution on the one before. An objective can settle only on a finer mesh than the last.
-    Where the errors hold and ``refinement`` returns no finer mesh, a smaller tolerance is used, or every interval
-    whose knots are fixed is halved.
+    If the errors are small enough but ``refinement`` returns no finer mesh, a smaller tolerance is used. Otherwise
+    every interval whose knots are fixed is halved.
 
-    Rows are added between the collocation points from a certain mesh on: the first that meets the tolerance without
-    them, or that is no better than an earlier one. Rows added on a coarse mesh would not hold on the next one. Where
-    the solver stops too far from the optimum of its mesh, its tolerance is reduced (``Solver.sharper``). The status of
-    a solution that misses the tolerance is ``Status.TOLERANCE_NOT_REACHED``.
+    Rows are added between the collocation points from the first mesh on that meets the tolerance without them, or that
+    is no better than an earlier one. Rows added on a coarse mesh would have to be found again on the next one. Where
+    the solver stops too far from the optimum of its mesh, its gap is reduced (``Solver.with_smaller_gap``). The status
+    of a solution that misses the tolerance is ``Status.TOLERANCE_NOT_REACHED``.
     """
     tolerance, refinement, limits = settings.tolerance, settings.refinement, settings.interval_limits
     assert tolerance is not None and refinement is not None
     mesh = settings.mesh
     meshes: list[Mesh] = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     steps: list[MeshStep] = []
-    # Below 1e-7 an added row would chase the solver's own round-off.
+    # Violations below 1e-7 are round-off of the solver.
     limits = replace(limits, tolerance=min(limits.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
-    known: InitialGuess | Solution | None = guess
-    holding = False
+    start: InitialGuess | Solution | None = guess
+    adding_rows = False
     sharpening = Sharpening(settings.solver)
 
-    def seen(solution: Solution) -> tuple[list[Assessment], float, bool]:
+    def assessed(solution: Solution) -> tuple[list[Assessment], float, bool]:
         """Return the assessments of all phases, the largest error, and whether the objective has settled."""
         before = steps[-1].objective if steps else np.inf
-        # If each mesh halves the distance to the optimum, the rest is as large as the last change.
+        # If each mesh halves the distance to the optimum, the remaining distance equals the last change.
         size = tolerance * max(abs(solution.objective), SMALL)
-        settled = abs(solution.objective - before) <= 0.5 * size and _missed(solution) <= size
+        settled = abs(solution.objective - before) <= 0.5 * size and _quadrature_error(solution) <= size
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
 
-    def hold(solution: Solution) -> bool:
-        nonlocal holding
-        if not holding and solution.success:
-            _, worst, settled = seen(solution)
-            holding = (worst <= tolerance and settled) or worst >= min((step.error for step in steps), default=np.inf)
-        return holding
+    def needs_rows(solution: Solution) -> bool:
+        nonlocal adding_rows
+        if not adding_rows and solution.success:
+            _, worst, settled = assessed(solution)
+            earlier = min((step.error for step in steps), default=np.inf)
+            adding_rows = (worst <= tolerance and settled) or worst >= earlier
+        return adding_rows
 
-    def solved(known: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
+    def solved(start: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
         own = replace(settings, mesh=tuple(meshes), solver=sharpening.solver, interval_limits=limits)
-        return solve(problem, known, own, progress, hold)
+        return solve(problem, start, own, progress, hold)
 
     kept: Solution | None = None
     try:
         while True:
-            solution = solved(known, hold)
-            if not solution.success and sharpening.sharpened and solution.status is not Status.INTERRUPTED:
+            solution = solved(start, needs_rows)
+            if not solution.success and sharpening.tightened and solution.status is not Status.INTERRUPTED:
                 total = added_times(total, solution.times)
-                sharpening.give_up()
-                solution = solved(known, hold)
+                sharpening.revert()
+                solution = solved(start, needs_rows)
             seconds, total = solution.seconds, added_times(total, solution.times)
             kept = solution = replace(solution, refinement=tuple(steps), times=total)
-            assessments, worst, settled = seen(solution)
+            assessments, worst, settled = assessed(solution)
             steps.append(
                 MeshStep(
                     sum(m.count for m in meshes),
@@ -115,19 +116,19 @@ def adapt(
                 )
             )
             kept = solution = replace(solution, refinement=tuple(steps))
-            reached = holding and worst <= tolerance and settled
-            blunt = sharpening.is_blunt(solution, tolerance * max(abs(solution.objective), SMALL))
-            if not solution.success or (reached and not blunt):
+            reached = adding_rows and worst <= tolerance and settled
+            tighter = sharpening.tighten_if_needed(solution, tolerance * max(abs(solution.objective), SMALL))
+            if not solution.success or (reached and not tighter):
                 return solution
             if reached:
-                known = solution
+                start = solution
                 continue
-            # While the objective still changes, smaller errors than the tolerance are needed.
+            # While the objective changes, errors must be smaller than the tolerance.
             goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
             finer = _next(solution, assessments, refinement, tolerance, goal)
-            crawls = len(steps) > 2 and steps[-1].points < GROWTH * steps[-3].points
-            while crawls and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
-                # Meshes that gain an interval or two hardly change: errors stay as they are for mesh after mesh.
+            barely_grown = len(steps) > 2 and steps[-1].points < GROWTH * steps[-3].points
+            while barely_grown and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
+                # With an interval or two more, errors would stay the same for mesh after mesh.
                 goal *= 0.3
                 finer = _next(solution, assessments, refinement, tolerance, goal)
             if worst <= tolerance and not settled and not _is_finer(meshes, finer):
@@ -135,16 +136,16 @@ def adapt(
                 if not _is_finer(meshes, closer):
                     closer = [_halved(mesh) for mesh in meshes]
                 finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
-            given_up = worst > tolerance and _stuck([step.error for step in steps])
+            given_up = worst > tolerance and _stagnates([step.error for step in steps])
             if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
-                if not holding:
-                    held = solved(solution, None)
-                    if held.status is Status.INTERRUPTED:
+                if not adding_rows:
+                    limited = solved(solution, None)
+                    if limited.status is Status.INTERRUPTED:
                         return replace(solution, status=Status.INTERRUPTED)
-                    if held.success:
-                        solution = replace(held, refinement=tuple(steps), times=added_times(total, held.times))
+                    if limited.success:
+                        solution = replace(limited, refinement=tuple(steps), times=added_times(total, limited.times))
                 return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
-            meshes, known = finer, solution
+            meshes, start = finer, solution
     except KeyboardInterrupt:
         # Ctrl-C between two solves: the solution on the last mesh is kept.
         if kept is None:
@@ -152,8 +153,8 @@ def adapt(
         return replace(kept, status=Status.INTERRUPTED)
 
 
-def _missed(solution: Solution) -> float:
-    """Return the error of the objective's integral along exact motions, whose states have no error to estimate."""
+def _quadrature_error(solution: Solution) -> float:
+    """Return the quadrature error of the objective along exact motions, whose states have no error."""
     parts = [part for part in solution.phases if part.exact]
     return abs(
         sum(
@@ -164,7 +165,7 @@ def _missed(solution: Solution) -> float:
 
 
 def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
-    """Whether meshes have more points and none has fewer; meshes whose knots move are left out."""
+    """Whether meshes have more points and none has fewer; meshes whose knots move are ignored."""
     pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
     more = [_points(b) - _points(a) for a, b in pairs]
     return not more or (min(more) >= 0 and max(more) > 0)
@@ -183,33 +184,32 @@ def _points(mesh: Mesh) -> int:
 def _halved(mesh: Mesh) -> Mesh:
     """Halve every interval, where errors are round-off and the objective has not settled.
 
-    The residual does not contain what the polynomials of the controls, Bernstein bounds or the quadrature of the
-    objective cost.
+    The residual does not measure the effect of control polynomials, Bernstein bounds and quadrature on the objective.
     """
     knots = np.interp(np.arange(2 * mesh.count + 1) / 2, np.arange(mesh.count + 1), mesh.knots)
     return Mesh(tuple(knots.tolist()), tuple(scheme for scheme in mesh.schemes for _ in range(2)))
 
 
-def _stuck(errors: list[float]) -> bool:
+def _stagnates(errors: list[float]) -> bool:
     """Whether the last meshes are no better than an earlier one and their errors are alike, as on singular arcs.
 
-    Errors that vary widely belong to different motions, as without an objective; the next one may be small enough.
+    Errors that vary widely belong to different motions, as without an objective. The next error may be small enough.
     """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
     return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
 
 
-def _stepped(part: PhaseSolution) -> bool:
-    """Whether a phase is integrated from knot to knot; its intervals are split until the objective settles."""
+def _is_integrated(part: PhaseSolution) -> bool:
+    """Whether a scheme of one step integrates the phase; its intervals are split until the objective settles."""
     return any(isinstance(scheme, OneStep) for scheme in part.mesh.schemes)
 
 
 def _next(
     solution: Solution, assessments: Sequence[Assessment], refinement: Refinement, tolerance: float, goal: float
 ) -> list[Mesh]:
-    """Refine the mesh of every phase to a goal; that of shooting to the tolerance."""
+    """Refine the mesh of every phase to a goal, and meshes of schemes of one step to the tolerance."""
     pairs = zip(solution.phases, assessments, strict=True)
-    return [_refined(part, own, refinement, tolerance if _stepped(part) else goal) for part, own in pairs]
+    return [_refined(part, own, refinement, tolerance if _is_integrated(part) else goal) for part, own in pairs]
 
 
 def _refined(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
@@ -219,5 +219,5 @@ def _refined(part: PhaseSolution, assessment: Assessment, refinement: Refinement
         return refinement.refine(mesh, assessment, tolerance)
     inner = (part.knots[1:-1] - part.t0) / part.duration
     refined = refinement.refine(Mesh((0.0, *inner, 1.0), mesh.schemes), assessment, tolerance)
-    # Knots that have reached the switches need little room.
+    # Knots are near the switches by now and need little room.
     return MovingMesh(refined.intervals, refined.scheme, max(mesh.least, 1 - ROOM), min(mesh.most, 1 + ROOM))

@@ -1,4 +1,4 @@
-"""Other initial guesses, for a problem that a solver found infeasible from the given one.
+"""Other initial guesses for a problem that a solver found infeasible from the given one.
 
 Free durations may be guessed too short. With less time than a motion needs, its constraints conflict. A solver that
 minimises their violation may then shorten the duration instead of lengthening it, and ends at a point that is locally
@@ -6,8 +6,8 @@ infeasible. The problem is first solved at a fixed and ample duration, without t
 constraints is a guess, from which the duration falls to its optimum.
 Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find a feasible point first).
 
-Guesses may also lie where gradients point to neither side of an obstacle, or at a singular pose. Seeded random
-variations of them do not; each of them ends at another branch of inverse kinematics, where a pose has several.
+Guesses may also be symmetric to an obstacle, with gradients that point to neither side, or lie at a singular pose.
+Seeded random variations avoid both. Each ends at another branch of inverse kinematics, if a pose has several.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import relaxed_motion
-from robotraj.planning.diagnosis.explain import are_sure, completed
+from robotraj.planning.diagnosis.explain import are_certain, completed
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
@@ -35,14 +35,14 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
 
-LOST = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
+RESTARTED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Statuses after which another guess is tried."""
 
-WHENCE = ", from a "
-"""What separates the message of a solver from the beginning that led to its solution."""
+RESTARTED_FROM = ", from a "
+"""Separates the message of a solver from the description of the start that led to its solution."""
 
 VARIATION = "variation of the default guess, which did not converge"
-"""How such a beginning is described."""
+"""Description of a start from a variation of the default guess."""
 
 Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
@@ -54,35 +54,36 @@ def restarted(
     guess: InitialGuess | Solution | None,
     solve: Solve,
     restarts: Restarts,
-    coarsely: Solve,
+    solve_coarse: Solve,
 ) -> Solution:
     """Solve a problem that failed again, or find why it has no solution.
 
-    The search ends at ends without a configuration (``planning.diagnosis.unreached_ends``) and at ends that the motors
-    cannot hold (``planning.diagnosis.unheld_ends``). Else the relaxed problem (``robotraj.planning.diagnosis.elastic``)
-    is solved from one beginning after the other. A motion of it that meets every row is the next guess. Where all need
-    relaxed rows, those of the least sum must give.
+    Nothing is tried where an end has no configuration (``planning.diagnosis.unreached_ends``) or cannot be held by the
+    motors (``planning.diagnosis.unheld_ends``). Otherwise the relaxed problem (``planning.diagnosis.elastic``) is
+    solved from one start after the other. A motion of it that meets every row is the next guess. If all of them need
+    relaxed rows, those of the least sum are the conflicts.
 
     Parameters
     ----------
     failed : Solution
-        The solution of the solver.
+        The failed solution of the solver.
     nlp : Nlp
-        Its program, with the guessed durations.
+        Its NLP, with the guessed durations.
     guess : InitialGuess, Solution or None
-        That of the user. The default guess is varied only where none is given.
+        Guess of the user. The default guess is varied only where none is given.
     solve : callable
+        ``solve(problem, guess)`` solves on the same mesh.
     restarts : Restarts
-    coarsely : callable
-        Solves on a coarse mesh, for the relaxed problem.
+    solve_coarse : callable
+        ``solve_coarse(problem, guess)`` solves the relaxed problem on a coarse mesh.
 
     Returns
     -------
     Solution
-        The first that was found, else the one that failed; with the seconds and iterations of all attempts.
+        The first that was found, else the failed one, with the times and iterations of all attempts.
     """
     problem = failed.problem
-    if failed.status not in LOST or undefined_expression(failed):
+    if failed.status not in RESTARTED or undefined_expression(failed):
         return failed
     unreached = unreached_ends(problem)
     if unreached:
@@ -92,8 +93,8 @@ def restarted(
         return replace(failed, status=Status.INFEASIBLE, conflicts=unheld)
     least: tuple[Conflict, ...] = ()
     relaxed: Solution | None = None
-    for beginning in _beginnings(failed, nlp, guess, restarts):
-        motion, conflicts = relaxed_motion(beginning.problem, coarsely, beginning.guess)
+    for start in _starts(failed, nlp, guess, restarts):
+        motion, conflicts = relaxed_motion(start.problem, solve_coarse, start.guess)
         if motion is None:
             continue
         failed = _counted(failed, motion)
@@ -102,7 +103,7 @@ def restarted(
         if conflicts:
             if relaxed is None or _total(conflicts) < _total(least):
                 least, relaxed = conflicts, motion
-            if beginning.certain and all(conflict.physical for conflict in conflicts):
+            if start.certain and all(conflict.physical for conflict in conflicts):
                 break
             continue
         found = solve(problem, motion)
@@ -110,24 +111,24 @@ def restarted(
         if found.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED)
         if found.success:
-            message = found.message + WHENCE + beginning.described(nlp, found)
+            message = found.message + RESTARTED_FROM + start.described(nlp, found)
             return replace(found, message=message, times=failed.times, iterations=failed.iterations)
-        # Rows are met on a coarse mesh: no limit excludes a motion.
+        # All rows are met on a coarse mesh, so no limit excludes a motion.
         least, relaxed = (), motion
     if not all(conflict.physical for conflict in least) and guess is None:
-        # Rows of the user's own, such as obstacles, may have motions on their other side.
+        # Constraints of the user, such as obstacles, may be passed on another side.
         for branch, seed in enumerate(restarts.seeds, 1):
             found = solve(problem, other_guess(problem, branch, (seed,)))
             failed = _counted(failed, found)
             if found.status is Status.INTERRUPTED:
                 return replace(failed, status=Status.INTERRUPTED)
             if found.success:
-                message = f"{found.message}{WHENCE}{VARIATION}"
+                message = f"{found.message}{RESTARTED_FROM}{VARIATION}"
                 return replace(found, message=message, times=failed.times, iterations=failed.iterations)
     if not least:
         return failed
-    conflicts = completed(problem, least, relaxed, coarsely)
-    return replace(failed, conflicts=conflicts, status=Status.INFEASIBLE if are_sure(conflicts) else failed.status)
+    conflicts = completed(problem, least, relaxed, solve_coarse)
+    return replace(failed, conflicts=conflicts, status=Status.INFEASIBLE if are_certain(conflicts) else failed.status)
 
 
 def _total(conflicts: Sequence[Conflict]) -> float:
@@ -141,22 +142,23 @@ def _counted(failed: Solution, attempt: Solution) -> Solution:
 
 
 @dataclass(frozen=True, eq=False)
-class _Beginning:
-    """Where the relaxed problem starts.
+class _Start:
+    """A start of the relaxed problem.
 
     Attributes
     ----------
     problem : Problem
-        The problem, its free durations fixed where ``durations`` are given.
+        The problem; its free durations are fixed if ``durations`` are given.
     guess : InitialGuess, Solution or None
+        Guess of the relaxed problem.
     durations : tuple of float
-        Of all phases [s]; empty where they are left as they are.
+        Durations of all phases [s]; empty if they stay free.
     free : tuple of bool
-        Whether the problem leaves the duration of a phase open.
+        Whether the duration of each phase is free in the problem.
     certain : bool
-        Whether other guesses change nothing where limits of joints alone must give.
+        Whether conflicts of joint limits alone end the search, since they do not depend on the guess.
     varied : bool
-        Whether the guess is another one than the default guess.
+        Whether the guess is a variation of the default guess.
     """
 
     problem: Problem
@@ -167,25 +169,23 @@ class _Beginning:
     varied: bool = False
 
     def described(self, nlp: Nlp, found: Solution) -> str:
-        """Describe the beginning of a solution."""
+        """Describe the start from which a solution was found."""
         if self.varied:
             return VARIATION
         if self.durations:
-            return _whence(nlp, self.free, self.durations, found)
+            return _motion_text(nlp, self.free, self.durations, found)
         return "motion that meets every row on a coarse mesh"
 
 
-def _beginnings(
-    failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, restarts: Restarts
-) -> Iterator[_Beginning]:
+def _starts(failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, restarts: Restarts) -> Iterator[_Start]:
     """Yield longer motions where durations are free, the last iterate, and variations of the default guess.
 
-    The last iterate follows a guess that the user made, such as keyframes, and fixed durations. Longer motions replace
-    it where durations are free and the guess is a straight line, a solution or none.
+    The last iterate is tried after a guess of the user, such as keyframes, and where all durations are fixed. Longer
+    motions replace it where durations are free and the guess is a straight line, a solution or none.
     """
     problem, left = failed.problem, restarts.count
     free = tuple(layout.duration.column is not None for layout in nlp.layouts)
-    longer: _Beginning | None = None
+    longer: _Start | None = None
     if any(free):
         tried: set[tuple[float, ...]] = set()
         for times in restarts.longer[:left]:
@@ -200,21 +200,21 @@ def _beginnings(
                     for phase, duration, is_free in zip(problem.phases, durations, free, strict=True)
                 ]
             except InputError:
-                # A fixed duration that the speed limits do not allow is refused; the next one is longer.
+                # A phase refuses a fixed duration that is too short for its speed limits. The next one is longer.
                 continue
-            longer = _Beginning(Problem(ample, problem.links), None, durations, free)
+            longer = _Start(Problem(ample, problem.links), None, durations, free)
             yield longer
     if left and (isinstance(guess, InitialGuess) and not isinstance(guess, StraightLine) or not any(free)):
         left -= 1
-        yield _Beginning(problem, failed, certain=not any(free))
+        yield _Start(problem, failed, certain=not any(free))
     if guess is None:
         for branch, seed in enumerate(restarts.seeds[:left], 1):
             varied = other_guess(problem, branch, (seed,))
-            yield replace(longer or _Beginning(problem, None), guess=varied, varied=True)
+            yield replace(longer or _Start(problem, None), guess=varied, varied=True)
 
 
-def _whence(nlp: Nlp, free: Sequence[bool], durations: tuple[float, ...], found: Solution) -> str:
-    """Describe the motion from which a solution was found, and whether the guess was shorter than the solution."""
+def _motion_text(nlp: Nlp, free: Sequence[bool], durations: tuple[float, ...], found: Solution) -> str:
+    """Describe the longer motion from which a solution was found, and why the guess failed."""
     chosen = [i for i, is_free in enumerate(free) if is_free]
     seconds = " and ".join(f"{durations[i]:.3g} s" for i in chosen)
     short = sum(found.phases[i].duration - _duration(nlp, i, 1.0) for i in chosen) > 0

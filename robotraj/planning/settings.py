@@ -1,4 +1,4 @@
-"""Settings that the user leaves open, decided by one table of rules.
+"""Decisions on the settings that the user leaves open, by one table of rules.
 
 The first rule of a setting whose conditions hold applies. Settings are decided in the order of ``SETTINGS``: a
 condition may read given settings and those decided before.
@@ -18,7 +18,7 @@ from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import conditions as when
 from robotraj.planning.conditions import Case, Condition
-from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, SharedOut, graded
+from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, ProportionalMeshes, graded
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
@@ -46,10 +46,11 @@ class Rule:
     setting : str
         Name of the setting and of the option of ``rt.plan``.
     conditions : tuple of Condition
-        All of them must hold.
+        Conditions that must all hold.
     choice : object
+        Value of the setting, or a rule for it such as ``ProportionalMeshes``.
     reason : str
-        A clause that ends a line of printed settings.
+        Clause at the end of a line of printed settings.
     """
 
     setting: str
@@ -74,17 +75,17 @@ RULES: tuple[Rule, ...] = (
     _rule(
         "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
     ),
-    _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh finds the course of the motion"),
-    _rule("mesh", when.PROVED, when.CONTACTS, SharedOut(), "a coarse mesh finds the course of a step"),
-    _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh finds the course of the motion"),
+    _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh approximates the motion"),
+    _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
+    _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
     _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
     _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
-    _rule("solver", when.CORNERS, Ipopt(), "of many local optima it stays with the one next to the guess"),
-    _rule("solver", when.PROVED, InteriorPoint(tolerance=1e-6), "a hundredth of what the goals allow"),
+    _rule("solver", when.CORNERS, Ipopt(), "it finds the local optimum next to the guess"),
+    _rule("solver", when.PROVED, InteriorPoint(tolerance=1e-6), "a hundredth of the allowed errors"),
     _rule("solver", when.ALWAYS, InteriorPoint(), "it finds the optima of IPOPT in less time"),
     _rule("engine", when.FLOATING, Native(), "large graphs are evaluated fastest by compiled code"),
-    _rule("engine", when.NATIVE, Native(), "the solver calls it without CasADi"),
+    _rule("engine", when.NATIVE, Native(), "the solver calls it directly, without CasADi"),
     _rule("engine", when.ALWAYS, VirtualMachine(), "small graphs need no compiled code"),
     _rule(
         "interval_limits",
@@ -133,7 +134,7 @@ RULES: tuple[Rule, ...] = (
         when.EXACT,
         when.STICKING,
         Equidistribute(second=3.0, finest=400, slope=0.3),
-        "many knots are needed where joints stick and slide, and beside these places, which move from mesh to mesh",
+        "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
     _rule(
         "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
@@ -156,9 +157,9 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     ----------
     problem : Problem
     given : mapping of str to object
-        Options by name; None leaves one open. They replace those of ``settings``.
+        Options by name; None leaves an option open. They replace those of ``settings``.
     settings : Settings, optional
-        Of an earlier plan. Nothing is left open then.
+        Settings of an earlier plan, which leave nothing open.
 
     Returns
     -------
@@ -167,14 +168,14 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     Raises
     ------
     InputError
-        An option is of another kind, or ``refinement`` is given with a mesh alone.
+        An option has another type, or ``refinement`` is given with a mesh alone.
     """
     if settings is not None and not isinstance(settings, Settings):
         raise InputError(f"settings= must be the settings of a solution, solution.settings; got {settings!r}.")
     values: dict[str, Any] = {}
     reasons: dict[str, str] = {}
     proved = settings is not None and settings.goals is not None
-    reopened = ("goals", "refinement") if proved and _on_its_own(given) else ()
+    reopened = ("goals", "refinement") if proved and _replaces_goals(given) else ()
     for name in SETTINGS:
         if given.get(name) is not None:
             values[name], reasons[name] = _checked(name, given[name]), GIVEN
@@ -184,7 +185,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
         if name not in values:
             case = Case(problem, values)
             rule = next(rule for rule in RULES if rule.setting == name and rule.holds(case))
-            choice = rule.choice.of(problem) if isinstance(rule.choice, SharedOut) else rule.choice
+            choice = rule.choice.of(problem) if isinstance(rule.choice, ProportionalMeshes) else rule.choice
             values[name], reasons[name] = choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:
         raise InputError(
@@ -195,7 +196,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
 
 
 def table() -> str:
-    """Print the rules as the table in the docstring of ``rt.plan``: setting, condition, choice."""
+    """Return the rules as the table in the docstring of ``rt.plan``: setting, condition, choice."""
     rows = [("setting", "where", "choice")]
     rows += [(r.setting, ", ".join(c.text for c in r.conditions), as_call(r.choice)) for r in RULES]
     widths = [max(len(row[i]) for row in rows) for i in range(3)]
@@ -206,7 +207,7 @@ def table() -> str:
     return "\n".join(line.rstrip() for line in [rule, lines[0], rule, *lines[1:], rule])
 
 
-def _on_its_own(given: Mapping[str, object]) -> bool:
+def _replaces_goals(given: Mapping[str, object]) -> bool:
     """Whether a mesh or a tolerance is given, which replaces the goals of earlier settings."""
     return given.get("mesh") is not None or given.get("tolerance") is not None
 

@@ -17,7 +17,7 @@ from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import PlanLimits
-from robotraj.planning.proving.clearing import ROUGH, ROUNDS, Clearing
+from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
@@ -40,10 +40,10 @@ from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
-    from robotraj.planning.diagnosis.doubt import Doubt
+    from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
 COARSE, COARSE_STEP = 15, 6
-"""Intervals of a phase of the relaxed problem, which shows the limits that conflict; with contacts."""
+"""Intervals of a phase of the relaxed problem, without and with contacts."""
 PATIENCE = 200
 """Largest number of iterations of the relaxed problem."""
 
@@ -56,12 +56,12 @@ def solve(
     hold: Callable[[Solution], bool] | None = None,
     lower: bool = False,
 ) -> Solution:
-    """Solve a problem on a mesh and check the answer outside the solver.
+    """Solve a problem on a mesh and check the solution outside the solver.
 
     Rows of the state that the solution violates between its collocation points are added there, by
     ``settings.interval_limits``, and the problem is solved again from the last solution. Added rows of a guess are
-    taken over on the intervals that both meshes have. If the problem cannot be solved with further rows, the solution
-    without them is kept, and ``interval_violations`` lists what is violated.
+    kept on the intervals that both meshes have. If the problem cannot be solved with further rows, the solution
+    without them is returned. Its ``interval_violations`` lists the violated rows.
 
     A problem that cannot be solved from its guess is solved from other ones (``robotraj.planning.restarts``).
 
@@ -73,7 +73,8 @@ def solve(
     progress : callable, optional
         Called once an iteration; a ``PlanLimits`` also before the solve.
     hold : callable, optional
-        Whether a first solution is worth rounds; by default every one is. Without, distances may be ``ROUGH``.
+        Returns whether limits between the points are imposed after a first solution; by default they always are.
+        Without them, distances may fall short by ``ROUGH_SHORTFALL``.
     lower : bool
         Whether limits of controls that the motion exceeds between the points are lowered there (``margins``).
     """
@@ -90,60 +91,62 @@ def solve(
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
     clearing, margins = Clearing(nlp, as_guess(guess)), LoweredLimits()
-    unkept, nlp = nlp, clearing.rows(nlp)
+    without_clearance, nlp = nlp, clearing.rows(nlp)
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
     if (clearing or (added and not same)) and multipliers is not None:
         multipliers = lengthened(multipliers, nlp)
-    doubt = _doubt(problem, guess, settings, progress)
-    solution, w = _solve(nlp, guess, multipliers, solver, doubt or progress, began)
-    if doubt is not None and doubt.conflicts:
-        return replace(solution, status=Status.INFEASIBLE, conflicts=doubt.conflicts)
+    check = _infeasibility_check(problem, guess, settings, progress)
+    solution, w = _solve(nlp, guess, multipliers, solver, check or progress, began)
+    if check is not None and check.conflicts:
+        return replace(solution, status=Status.INFEASIBLE, conflicts=check.conflicts)
     if solution.status is Status.INTERRUPTED and not interval_limits.rounds:
-        # No time is left to look between the points of an iterate.
+        # No time is left to check an interrupted iterate between its points.
         return solution
     try:
         if settings.restarts.count and not solution.success:
 
-            def once_more(asked: Problem, start: InitialGuess | Solution | None) -> Solution:
-                # Rows are added to solutions of the problem itself: others are guesses.
-                worth = hold if asked is problem else _never
-                return solve(asked, start, replace(settings, restarts=Restarts(0)), progress, worth, lower)
+            def solve_again(posed: Problem, start: InitialGuess | Solution | None) -> Solution:
+                # Rows are added to solutions of the problem itself; other solutions are guesses.
+                needs_rounds = hold if posed is problem else _no_rounds
+                return solve(posed, start, replace(settings, restarts=Restarts(0)), progress, needs_rounds, lower)
 
             from robotraj.planning.restarts import restarted
 
-            coarsely = partial(on_a_coarse_mesh, settings=settings, progress=progress)
-            solution = restarted(solution, nlp, guess, once_more, settings.restarts, coarsely)
+            solve_coarse = partial(solve_on_coarse_mesh, settings=settings, progress=progress)
+            solution = restarted(solution, nlp, guess, solve_again, settings.restarts, solve_coarse)
             if solution.success:
                 return solution
         found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
         clearing.measure(solution, clearing.binds(nlp, w))
         margins.measure(solution)
-        held = hold is None or hold(solution)
-        rounds = interval_limits.rounds if held else 0
-        allowed = 0.0 if rounds else ROUGH
+        limited = hold is None or hold(solution)
+        rounds = interval_limits.rounds if limited else 0
+        allowed = 0.0 if rounds else ROUGH_SHORTFALL
         for number in range(max(rounds, ROUNDS if clearing or lower else 0)):
             new = rows_to_add(nlp, found, added) if number < rounds else []
-            exceeded = lower and held and bool(margins.found)
+            exceeded = lower and limited and bool(margins.found)
             settled = bool(interval_limits.rounds) or clearing.settled
             if not (new or exceeded or not clearing.proved(allowed) or not settled) or not solution.success:
                 break
             began = time.perf_counter()
             if moving:
-                # Knots start again from where the mesh has them: moved ones hold on to the arcs they came to stand on.
-                unkept = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
-                unkept = with_added_rows(unkept, [*added, *new], unkept.guess)
+                # Knots start again from those of the mesh, since moved knots stay on the arcs that they have reached.
+                without_clearance = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
+                without_clearance = with_added_rows(without_clearance, [*added, *new], without_clearance.guess)
             else:
-                unkept = with_added_rows(unkept, new, w) if new else continued_at(unkept, w)
+                without_clearance = (
+                    with_added_rows(without_clearance, new, w) if new else continued_at(without_clearance, w)
+                )
             if exceeded:
                 margins.lower()
-            # The program is made anew where distances have further rows or other planes, not where bounds change.
-            remade = bool(clearing) and (bool(new) or not clearing.proved(allowed) or not settled)
-            base = unkept if remade or new or not clearing else continued_at(nlp, w)
+            # The program is built again where distances have further rows or other planes, not where bounds change.
+            rebuilt = bool(clearing) and (bool(new) or not clearing.proved(allowed) or not settled)
+            base = without_clearance if rebuilt or new or not clearing else continued_at(nlp, w)
             nlp = with_margins(base, margins.amounts)
-            nlp = clearing.rows(nlp) if remade else nlp
+            nlp = clearing.rows(nlp) if rebuilt else nlp
             warm = solver.from_nearby() if clearing else solver
-            # Rows that are added between the points come before those on distances, which they number anew.
+            # Rows that are added between the points come before those on distances, whose numbers change.
             alike = not clearing or (clearing.numbered and not new and not moving)
             known = earlier_multipliers(solution, nlp, True) if alike else None
             again, w = _solve(nlp, solution, known, warm, progress, began)
@@ -164,20 +167,20 @@ def solve(
     return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
 
 
-def _doubt(
+def _infeasibility_check(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None
-) -> Doubt | None:
-    """Return the callback that doubts a first solve with contacts, which is not restarted where it fails."""
+) -> InfeasibilityCheck | None:
+    """Return the callback that checks a first solve with contacts, which has no restarts; None for other solves."""
     known = isinstance(guess, Solution) and guess.success
     relaxed = isinstance(settings.solver, InteriorPoint) and settings.solver.fallback is None
     if known or relaxed or settings.restarts.count or not any(phase.contacts for phase in problem.phases):
         return None
-    from robotraj.planning.diagnosis.doubt import Doubt
+    from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
-    return Doubt(problem, partial(on_a_coarse_mesh, settings=settings, progress=progress), progress)
+    return InfeasibilityCheck(problem, partial(solve_on_coarse_mesh, settings=settings, progress=progress), progress)
 
 
-def on_a_coarse_mesh(
+def solve_on_coarse_mesh(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
 ) -> Solution:
     """Solve a relaxed problem once on few intervals."""
@@ -193,8 +196,8 @@ def on_a_coarse_mesh(
     return solve(problem, guess, few, progress)
 
 
-def _by_the_other(nlp: Nlp, progress: Progress | None, failed: Outcome) -> Outcome:
-    """Solve by the interior-point method after IPOPT; the failed outcome is kept where that fails too."""
+def _solve_by_interior_point(nlp: Nlp, progress: Progress | None, failed: Outcome) -> Outcome:
+    """Solve by the interior-point method after IPOPT failed; return the failed outcome if that fails too."""
     found = InteriorPoint(fallback=None).solve(nlp, progress)
     iterations, times = failed.iterations + found.iterations, added_times(failed.times, found.times)
     if found.status is not Status.SOLVED:
@@ -203,7 +206,7 @@ def _by_the_other(nlp: Nlp, progress: Progress | None, failed: Outcome) -> Outco
     return replace(found, message=message, iterations=iterations, times=times)
 
 
-def _never(solution: Solution) -> bool:
+def _no_rounds(solution: Solution) -> bool:
     return False
 
 
@@ -224,7 +227,7 @@ def _solve(
     progress: Progress | None,
     began: float,
 ) -> tuple[Solution, np.ndarray]:
-    """Solve a transcribed problem that is being built since ``began``; also return the decision vector."""
+    """Solve a transcribed problem whose building began at ``began``; also return the decision vector."""
     shared = guess.shared if isinstance(guess, Start) else None
     known = guess.multipliers if isinstance(guess, Solution) else shared.known if shared else None
     if known is not None and known.origin is not None:
@@ -232,12 +235,12 @@ def _solve(
     else:
         outcome = solver.solve(nlp, progress, multipliers)
     if outcome.status is Status.ITERATION_LIMIT and solver == Ipopt():
-        # A default limit ends the attempt of one solver, not the plan.
-        outcome = _by_the_other(nlp, progress, outcome)
+        # A default limit ends the solve of one solver, not the plan.
+        outcome = _solve_by_interior_point(nlp, progress, outcome)
     outcome = replace(outcome, w=unwrapped(nlp, outcome.w))
     if shared is not None:
         shared.keep(nlp, outcome.multipliers)
-    # Building is all that a solver does not count, such as assembling the functions of the NLP.
+    # Building includes all times that a solver does not count, such as for assembling the functions of the NLP.
     own = outcome.times.get("setup", 0.0) + outcome.times.get("solve", 0.0)
     times = {"build": time.perf_counter() - began - own - nlp.compiling, "compile": nlp.compiling}
     return checked_solution(nlp, outcome, times), outcome.w

@@ -1,4 +1,4 @@
-"""What an earlier solution gives to a solve: its program, its rows between the points, its multipliers."""
+"""Data of an earlier solution for a solve: its program, its rows between the points, its multipliers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 NEAR = 0.1
-"""Largest violation of a scaled row at a guess from another problem whose multipliers are still taken over."""
+"""Largest violation of a scaled row at a guess from another problem whose multipliers are used."""
 
 
 def earlier_program(
@@ -32,9 +32,9 @@ def earlier_program(
     engine: Engine | None,
     interval_limits: ConstraintGeneration,
 ) -> Nlp | None:
-    """Return the NLP of an earlier solution of a problem like this one, or of earlier starts, with this one's numbers.
+    """Return the NLP of an earlier solution or of earlier starts, with the numbers of this problem.
 
-    None is returned where that has another structure, or further rows on distances or between its points.
+    None is returned if the NLP has another structure, or further rows on distances or between its points.
     """
     if isinstance(guess, Start):
         return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits)
@@ -54,9 +54,10 @@ def earlier_program(
 def earlier_rows(
     problem: Problem, mesh: Mesh | Sequence[Mesh], guess: InitialGuess | Solution | None
 ) -> tuple[list[AddedRow], bool]:
-    """Return rows added for an earlier solution that this problem has as well; and whether all are on the same mesh.
+    """Return the added rows of an earlier solution that this problem has as well, and whether these are all of them.
 
-    On another mesh, rows are taken over on the intervals that begin and end as before, whatever their schemes.
+    On another mesh, rows are kept on the intervals that begin and end as before, whatever their schemes. The second
+    value is False then.
     """
     if not isinstance(guess, Solution) or not guess.added_rows or len(guess.phases) != len(problem.phases):
         return [], False
@@ -68,9 +69,9 @@ def earlier_rows(
     pairs = list(zip(guess.phases, problem.phases, strict=True))
     if not all(rows(part.phase) == rows(phase) for part, phase in pairs):
         return [], False
-    # A row of the same name may hold at another time, or depend on what is not known between the points.
-    held = [{row.number for row in phase.rows.of_state} for phase in problem.phases]
-    added = [each for each in guess.added_rows if each.row in held[each.phase]]
+    # A row of the same name may hold at another time, or depend on variables that are unknown between the points.
+    of_state = [{row.number for row in phase.rows.of_state} for phase in problem.phases]
+    added = [each for each in guess.added_rows if each.row in of_state[each.phase]]
     if all(part.mesh == here for part, here in zip(guess.phases, meshes, strict=True)):
         return added, len(added) == len(guess.added_rows)
     kept = [_kept_intervals(part.mesh, here) for part, here in zip(guess.phases, meshes, strict=True)]
@@ -80,7 +81,7 @@ def earlier_rows(
 
 
 def _kept_intervals(before: Mesh, after: Mesh) -> dict[int, int]:
-    """Intervals of a mesh that another mesh has as well: number here -> number there; none where knots move."""
+    """Map the intervals of a mesh to the same intervals of another mesh, by number; empty where knots move."""
     if isinstance(before, MovingMesh) or isinstance(after, MovingMesh):
         return {}
     numbers = {ends: k for k, ends in enumerate(_ends(after))}
@@ -99,9 +100,9 @@ def _broken_by(nlp: Nlp) -> float:
 
 
 def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extended: bool) -> Multipliers | None:
-    """Return multipliers of an earlier solution of the same NLP, or of one nearby; those of added rows start at zero.
+    """Return multipliers of an earlier solution of the same NLP, or of one nearby; those of added rows are zero.
 
-    Far from the earlier problem its multipliers, and the small barrier that belongs to them, cost more than they save.
+    Far from the earlier problem, its multipliers and their small barrier take more iterations than a cold start.
     """
     if not isinstance(guess, Solution) or guess.multipliers is None or not guess.success:
         return None
@@ -125,7 +126,7 @@ def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extende
 def lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
     """Return multipliers with zeros for the rows and columns that were added last.
 
-    They are found when they are first read: not every solver reads them, and finding them may take a further solve.
+    They are computed when they are first read. Not every solver reads them, and they may take a further solve.
     """
     return LateMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
 

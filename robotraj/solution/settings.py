@@ -26,7 +26,7 @@ class Restarts(OneLine):
     Parameters
     ----------
     count : int
-        Largest number of beginnings that are tried: first longer motions, then variations. 0 turns restarts off.
+        Largest number of starts that are tried: first longer motions, then variations. 0 turns restarts off.
     longer : sequence of float
         Factors by which guessed free durations are multiplied. With each, a motion without objective is planned
         first; the problem then starts from it. It needs a free duration.
@@ -36,7 +36,7 @@ class Restarts(OneLine):
     Raises
     ------
     InputError
-        A negative number of beginnings, or a factor that is not above 0.
+        A negative number of starts, or a factor that is not above 0.
     """
 
     count: int = 5

@@ -158,7 +158,7 @@ class Solver(OneLine, ABC):
         """Return this solver with at most this number of iterations; itself where it has no such limit."""
         return self
 
-    def hopefully(self) -> Solver:
+    def with_early_stop(self) -> Solver:
         """Return this solver for a problem that seldom has a solution: it stops early, and no other is tried."""
         return self
 
@@ -193,7 +193,7 @@ class Solver(OneLine, ABC):
         """Return this solver with a limit of wall-clock seconds for one solve; itself where it has no such limit."""
         return self
 
-    def sharper(self, factor: float) -> Solver:
+    def with_smaller_gap(self, factor: float) -> Solver:
         """Return this solver with ``factor`` times its gap of the objective; itself where it cannot change the gap.
 
         An interior-point method stops where multiplier times distance from the bound is small at every bound. The gap

@@ -127,7 +127,7 @@ class InteriorPoint(Solver):
                 f"InteriorPoint(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}."
             )
 
-    def hopefully(self) -> InteriorPoint:
+    def with_early_stop(self) -> InteriorPoint:
         """Return this solver with a third of its iterations and without its fallback."""
         return replace(self, fallback=None, max_iterations=max(1, self.max_iterations // 3))
 

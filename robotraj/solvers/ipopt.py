@@ -111,7 +111,7 @@ class Ipopt(Solver):
         """Return this solver with no more than these iterations."""
         return replace(self, max_iterations=min(self.max_iterations, iterations))
 
-    def hopefully(self) -> Ipopt:
+    def with_early_stop(self) -> Ipopt:
         """Return this solver with a tenth of its iterations."""
         return self.at_most(max(1, self.max_iterations // 10))
 
@@ -119,7 +119,7 @@ class Ipopt(Solver):
         """Return this solver with a limit of wall-clock seconds for one solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
-    def sharper(self, factor: float) -> Ipopt:
+    def with_smaller_gap(self, factor: float) -> Ipopt:
         """Return this solver with a smaller last barrier, unless ``options`` set ``compl_inf_tol``."""
         if "compl_inf_tol" in self.options:
             return self

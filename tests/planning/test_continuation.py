@@ -44,7 +44,7 @@ def test_the_last_stage_is_the_problem_itself(arm: rt.Robot) -> None:
     assert staged.objective == pytest.approx(direct.objective, rel=1e-7)
     assert len(staged.phases[0].knots) == 21
     first, second = staged.continuation
-    assert (first.name, second.name) == ("coarse and free", "stage 2")
+    assert (first.name, second.name) == ("coarse and free", "step 2")
     assert first.status is second.status is rt.solvers.Status.SOLVED
     assert first.objective < second.objective - 1e-6
     assert "coarse and free: solved" in str(staged)

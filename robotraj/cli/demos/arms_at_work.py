@@ -7,9 +7,10 @@ import pinocchio as pin
 
 from robotraj.cli.demos.demo import Demo
 from robotraj.dynamics.obstacles.shapes import Box
-from robotraj.planning.paths.retime import path_phase
+from robotraj.planning.paths.joint_path import as_path
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.frame_pose import FramePose, FramePosition
 from robotraj.problem.constraints.task_space.axis import FrameAxis
 from robotraj.problem.links.continuity import Continuity
@@ -86,7 +87,9 @@ def drawn_path() -> Demo:
             jacobian = pin.computeFrameJacobian(ur5.model, data, q, tool)
             q = q + np.linalg.solve(jacobian, pin.log(data.oMf[tool].actInv(target)).vector)
         drawn.append(q)
-    return Demo(path_phase(np.array(drawn), ur5))
+    follow = FollowPath(as_path(np.array(drawn)), 0.0, 0.0)
+    free = ur5.limits.with_(position=np.inf)
+    return Demo(Phase(ur5, (0.0, 1e3), objective=Duration(), constraints=[follow], limits=free, name="path"))
 
 
 def _placed(robot: Robot, q: np.ndarray) -> pin.SE3:

@@ -1,10 +1,10 @@
 """Limits that conflict with each other: the problem with relaxed rows, at the least total relaxation.
 
-Each inequality l <= c(point) <= u of a phase becomes l - w s <= c <= u + w s with a slack s >= 0 of the row and a scale
-w in its unit, and the sum of the slacks is minimised. The slack of an integral is spread over the phase's duration.
-Dynamics, ends of the state, contacts and links stay exact. The least sum leaves most slacks at zero; a second,
-reweighted solve reduces their number further. Where limits of speeds, accelerations, torques or controls must give, a
-longer duration may do instead: the least one is found with exact rows.
+Each inequality l <= c(point) <= u of a phase becomes l - w s <= c <= u + w s, where s >= 0 is the slack of the row and
+w its scale in its unit. The sum of the slacks is minimised. The slack of an integral is spread over the phase's
+duration. Dynamics, ends of the state, contacts and links stay exact. The least sum leaves most slacks at zero. A
+second, reweighted solve reduces their number further. Where limits of speeds, accelerations, torques or controls must
+be relaxed, a longer duration may suffice instead. The least one is found with exact rows.
 Source: Candes, Wakin and Boyd, Enhancing sparsity by reweighted l1 minimization, J. Fourier Anal. Appl. 14 (2008);
 Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), for the elastic mode.
 """
@@ -48,7 +48,7 @@ SMALL = 1e-3
 LONGEST = 30.0
 """Longest duration that is tried, relative to the longest allowed one."""
 AT_AN_END = 5.0
-"""Weight of slacks of rows at one end: what a motion is for gives after the limits."""
+"""Weight of slacks of rows at one end: limits are relaxed before the goals of the motion."""
 
 
 KEPT = (Where.RATE,)
@@ -57,7 +57,7 @@ KEPT = (Where.RATE,)
 
 @dataclass(frozen=True)
 class _RelaxedRow:
-    """One row to relax: the table that evaluates it, the parameter that is its slack, an integral's duration [s]."""
+    """One row to relax: its table, its slack (a parameter's name) and, for an integral, its duration [s]."""
 
     table: RowTable
     row: PhaseRow
@@ -66,7 +66,7 @@ class _RelaxedRow:
 
     @property
     def rate(self) -> float:
-        """What a slack adds to the expression of the row: its unit, of an integral by the longest duration."""
+        """Change of the row's expression by a slack of 1: its scale, for an integral divided by the duration."""
         return self.scale / self.duration
 
     @property
@@ -125,14 +125,14 @@ def relaxed_motion(
     solve : callable
         ``solve(problem, guess)``.
     guess : InitialGuess, Solution or None
-        Where the relaxed problem starts.
+        Guess of the relaxed problem.
 
     Returns
     -------
     motion : Solution or None
-        Solution of the relaxed problem; None if it was not solved either, unless it was interrupted.
+        Solution of the relaxed problem, or its iterate after an interrupt; None if it was not solved.
     conflicts : tuple of Conflict
-        Largest relative slack first; empty if no slack is needed: then the motion satisfies every row.
+        Largest relative slack first. They are empty if the motion satisfies every row without a slack.
     """
     try:
         relaxed, entries = _relaxed(problem, {})
@@ -160,8 +160,8 @@ def relaxed_motion(
     return found, tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
 
-def enough_time(problem: Problem, solve: Solve, motion: Solution) -> Conflict | None:
-    """Return the least duration of a single phase with which its rows can hold; None where none was found.
+def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Conflict | None:
+    """Return the least duration [s] with which the rows of a single phase hold; None if none was found.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def enough_time(problem: Problem, solve: Solve, motion: Solution) -> Conflict | 
     solve : callable
         ``solve(problem, guess)``.
     motion : Solution
-        Of the relaxed problem.
+        Solution of the relaxed problem, the guess for a longer one.
     """
     phase = problem.phases[0]
     longest = phase.duration_bounds[1]
@@ -186,7 +186,7 @@ def enough_time(problem: Problem, solve: Solve, motion: Solution) -> Conflict | 
     relative = needed / longest - 1.0
     if relative < SMALL:
         return None
-    return Conflict(phase.name, "duration", needed, longest, needed, "s", relative, True, "alone would do")
+    return Conflict(phase.name, "duration", needed, longest, needed, "s", relative, True, "alone suffices")
 
 
 def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_RelaxedRow]]]:

@@ -1,6 +1,6 @@
-"""Rows that the configurations at the ends of phases must satisfy, with the symbols that they read.
+"""Rows that the configurations at the ends of phases must satisfy, with their symbols.
 
-They are the limits, what the user gave at an end, contacts, links, and the mean speeds between both ends.
+They are the limits, the states given at an end, contacts, links, and the mean speeds between both ends.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from robotraj.robot.limits import Limits
 
 SHORTEST = 1e-3
 """Least duration of a phase [s], which keeps mean speeds finite."""
-EXACT, ENDS, HELD, GIVEN = 1e3, 20.0, 5.0, 1.0
+QUATERNION_WEIGHT, END_WEIGHT, CONSTRAINT_WEIGHT, LIMIT_WEIGHT = 1e3, 20.0, 5.0, 1.0
 """Weights of slacks: lengths of quaternions; states given at an end; contacts, links and frames at an end; limits."""
 
 
 @dataclass(frozen=True, eq=False)
 class EndRow:
-    """A row of the relaxed problem: value, bounds, and how it is named."""
+    """A row of the relaxed problem: value, bounds in ``unit``, name, and weight of its slack."""
 
     value: ca.SX
     lower: float
@@ -47,7 +47,7 @@ class EndRow:
 
 @dataclass(frozen=True, eq=False)
 class PhaseEnds:
-    """Symbols of the two ends of a phase, and the points of them."""
+    """Symbols of the two ends of a phase, and the points built from them."""
 
     phase: Phase
     first: ca.SX
@@ -86,7 +86,7 @@ def ends_of_phases(phases: Sequence[Phase]) -> list[PhaseEnds]:
 
 
 def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
-    """Yield the rows of one phase: limits, what the user gave, contacts, mean speeds."""
+    """Yield the rows of one phase: limits, given states, contacts, mean speeds."""
     phase, size = ends.phase, position_count(ends.phase)
     table = phase.rows
     # A kinematic plan has the same symbols among its algebraic variables and its controls.
@@ -99,27 +99,29 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
     )
     for where, point, x, t, given in sides:
         for row, i in table.bounds_of(phase.body.states[:size], Where.THROUGHOUT, where):
-            yield EndRow(x[i], row.lower, row.upper, phase.name, row.label, row.unit, t, GIVEN, True)
+            yield EndRow(x[i], row.lower, row.upper, phase.name, row.label, row.unit, t, LIMIT_WEIGHT, True)
         for variable, value, low, high in zip(phase.body.states[:size], ca.vertsplit(x[:size]), *given, strict=False):
             label = f"{where.value} {variable.quantity}, {variable.label}"
-            yield EndRow(value, low, high, phase.name, label, variable.unit, t, ENDS, True)
+            yield EndRow(value, low, high, phase.name, label, variable.unit, t, END_WEIGHT, True)
         here = [row for row in read if row.where in (Where.THROUGHOUT, where)]
         values = _values(ends, here, x, t)
         for row, value in zip(here, values, strict=True):
-            weight = GIVEN if row.where is Where.THROUGHOUT else HELD
+            weight = LIMIT_WEIGHT if row.where is Where.THROUGHOUT else CONSTRAINT_WEIGHT
             yield EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, weight)
         held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
         for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
             label = f"{variable.quantity}, {variable.label}"
-            weight = EXACT if variable.quantity == "unit quaternion" else HELD
+            weight = QUATERNION_WEIGHT if variable.quantity == "unit quaternion" else CONSTRAINT_WEIGHT
             yield EndRow(value, 0.0, 0.0, phase.name, label, variable.unit, t, weight)
     middle = ends.begun + 0.5 * ends.duration
     for name, value, low, high in zip(
         phase.parameter_names, ca.vertsplit(ends.parameters), *phase.parameter_bounds, strict=True
     ):
-        yield EndRow(value, low, high, phase.name, f"parameter {name}", "", middle, GIVEN, True)
+        yield EndRow(value, low, high, phase.name, f"parameter {name}", "", middle, LIMIT_WEIGHT, True)
     least, longest = phase.duration_bounds
-    yield EndRow(ends.duration, max(least, SHORTEST), longest, phase.name, "duration", "s", ends.duration, GIVEN, True)
+    yield EndRow(
+        ends.duration, max(least, SHORTEST), longest, phase.name, "duration", "s", ends.duration, LIMIT_WEIGHT, True
+    )
     yield from _mean_speeds(ends)
 
 
@@ -148,7 +150,9 @@ def _mean_speeds(ends: PhaseEnds) -> Iterator[EndRow]:
             i = positions.index(joint)
             mean = (ends.last[i] - ends.first[i]) / ends.duration
             half = ends.begun + 0.5 * ends.duration
-            yield EndRow(mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, GIVEN, True)
+            yield EndRow(
+                mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, LIMIT_WEIGHT, True
+            )
 
 
 def rows_of_links(problem: Problem, ends: Sequence[PhaseEnds]) -> Iterator[EndRow]:
@@ -159,7 +163,9 @@ def rows_of_links(problem: Problem, ends: Sequence[PhaseEnds]) -> Iterator[EndRo
         at = ends[link.phases[0]]
         for row, value in zip(link.rows, values, strict=True):
             name = f"{row.label} of {link.name}"
-            yield EndRow(value, row.lower, row.upper, at.phase.name, name, row.unit, at.begun + at.duration, HELD)
+            yield EndRow(
+                value, row.lower, row.upper, at.phase.name, name, row.unit, at.begun + at.duration, CONSTRAINT_WEIGHT
+            )
 
 
 def reads_only(value: ca.SX, unknown: ca.SX) -> bool:

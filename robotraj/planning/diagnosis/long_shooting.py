@@ -1,8 +1,9 @@
 """A warning before planning: a plan of an arm by a scheme of one step that would take over a minute.
 
-An iteration evaluates second derivatives of every interval: (intervals) (variables of an interval) (operations of its
-integrator) steps. Single shooting has the controls of all intervals as variables, the other schemes of one step a state
-and the controls of one. The forward dynamics of a robot take operations in proportion to its joints.
+An iteration evaluates second derivatives of every interval. It takes (intervals) (variables of an interval) (operations
+of its integrator) operations. The variables of single shooting are the controls of all intervals. Those of the other
+schemes of one step are one state and the controls of one interval. The operations of forward dynamics are proportional
+to the number of joints.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ STAGES = 4
 POINTS = 3
 """Evaluations in an interval of compressed Hermite-Simpson."""
 ITERATIONS = 50
-"""Those of a solve that has no good guess."""
+"""Iterations of a solve without a good guess."""
 SECONDS = 5e-8
 """Processor time of an operation, its derivatives and interpretation [s]; measured with a ur5."""
 
@@ -57,8 +58,8 @@ def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None
     seconds = shooting_seconds(problem, mesh)
     if seconds > LONG:
         warnings.warn(
-            f"Shooting or compressed collocation on this mesh takes about {seconds:.0f} s of processor time, "
-            f"{seconds / LONG:.0f} minutes: use collocation with inner points, such as mesh=rt.Mesh(20) or no mesh, or "
-            "fewer intervals; time_limit= ends it.",
+            f"Shooting or compressed collocation on this mesh takes about {seconds:.0f} s of processor time "
+            f"({seconds / LONG:.0f} minutes). Use collocation with inner points, such as mesh=rt.Mesh(20) or no mesh, "
+            "or fewer intervals. time_limit= bounds the time.",
             stacklevel=3,
         )

@@ -1,4 +1,4 @@
-"""Memory of a plan: what the process holds, and what a problem on a mesh takes at the least."""
+"""Memory of a plan: the resident memory of the process, and a lower bound for a problem on a mesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robotraj.transcription.schemes.shooting import SingleShooting
 NUMBER = 8
 """Size of a number [bytes]."""
 MATRICES = 2
-"""Dense blocks of a point that every solver holds at least: its derivatives and a factor of them."""
+"""Least number of dense blocks for each point: its derivatives and their factor."""
 MB = 1e6
 
 
@@ -24,7 +24,7 @@ def resident() -> float:
 
 
 def least_memory(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
-    """Return a lower bound of the memory [MB] of the blocks of all intervals; solvers take several times as much."""
+    """Return a lower bound on the memory [MB] of the blocks of all intervals; solvers take several times as much."""
     meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     total = 0.0
     for phase, own in zip(problem.phases, meshes, strict=True):

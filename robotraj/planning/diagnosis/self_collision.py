@@ -32,7 +32,7 @@ def warn_of_self_collision(problem: Problem) -> None:
             try:
                 touching = touching_links(robot, np.asarray(q))
             except InputError:
-                # The URDF or a mesh is gone since the robot was loaded: a plan does not need them.
+                # The URDF or a mesh was removed after the robot was loaded. A plan does not need them.
                 return
             if touching:
                 warnings.warn(

@@ -1,4 +1,4 @@
-"""Expressions without a value, such as the root of a negative number: which one, where, and at which operation."""
+"""Expressions without a finite value, such as the root of a negative number: which, where, and by which operation."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ OPERATIONS = {
     ca.OP_ADD: "{0:.6g} + {1:.6g}",
     ca.OP_SUB: "{0:.6g} - {1:.6g}",
 }
-"""How operations that may have no value are written."""
+"""Text of operations whose result may not be finite."""
 SHOWN = 4
 """Variables that are shown with their values."""
 
 
 def undefined_expression(solution: Solution) -> str:
-    """Return a sentence on the first expression without a value along the iterate of a failed plan; else "".
+    """Return a sentence on the first expression that is not finite along the iterate of a failed plan; else "".
 
     Equations, rows and objectives are evaluated at the collocation points, then their first derivatives. Derivatives
     of a robot's equations exist everywhere.
@@ -81,7 +81,7 @@ def _along(part: PhaseSolution, order: int) -> str:
 
 
 def _filled(times: Array, rows: Array) -> Array:
-    """Return values (n, m) at times; where a rate is not finite, neither is its state, and a neighbour replaces it."""
+    """Return values (n, m) at times (m,). Values that are not finite are interpolated from their neighbours."""
     filled = np.array(rows)
     for row in filled:
         known = np.isfinite(row)

@@ -1,12 +1,12 @@
 """Ends of a motion at rest that the motors cannot hold: static torques beyond their limits.
 
-A pose at rest is held if torques and contact forces balance gravity, 0 = RNEA(q, 0, 0) - B tau - J' f, within their
-limits and dry friction. The least excess over the torque limits is the solution of a linear program,
+A pose is held at rest if torques and contact forces balance gravity, 0 = RNEA(q, 0, 0) - B tau - J' f, within their
+limits and dry friction. The least excess e over the torque limits solves a linear program,
 
-    minimise  sum_j e_j / tau_j    subject to the balance,  |tau_j| <= limit_j + e_j,  f_normal >= 0.
+    minimise  sum_j e_j / limit_j    subject to the balance,  |tau_j| <= limit_j + e_j,  f_normal >= 0.
 
-A robot can pass through such a pose, and even reach it while gravity slows it down. The ends are therefore not refused;
-they are reported as a cause where a solve fails.
+A robot can pass through such a pose, and can even reach it while gravity slows it down. Such ends are therefore not
+refused. They are reported as a cause where a solve fails.
 """
 
 from __future__ import annotations
@@ -36,9 +36,10 @@ NOTICED = 1e-6
 
 
 def unheld_ends(problem: Problem) -> tuple[Conflict, ...]:
-    """Return the torque limits that hold no fixed end at rest, with the torques that would, the largest excess first.
+    """Return the torque limits that are too small to hold a fixed end at rest, the largest relative excess first.
 
-    Phases of Systems and phases with design parameters are not judged, nor are poses that no torque balances.
+    The torques that hold it are the needed bounds. Phases of Systems and phases with design parameters are skipped, and
+    so are poses that no torque balances.
     """
     found = [
         conflict
@@ -82,7 +83,7 @@ def _unheld(phase: Phase, end: str, bounds: Bounds, time: float) -> list[Conflic
 
 
 def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
-    """Return the excess e (nu,) of the torques that hold a state; zeros where no torque does."""
+    """Return the excess e (nu,) [N m, N] of the torques that hold a state; zeros where no torque does."""
     robot = phase.robot
     assert robot is not None
     if not phase.contacts and robot.nu == robot.nv:
@@ -129,7 +130,7 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
 
 
 def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
-    """Return rows (m, forces) of |f_x| <= mu f_z and |f_y| <= mu f_z on level ground, which the cone lies within."""
+    """Return rows (m, forces) of |f_x| <= mu f_z and |f_y| <= mu f_z on level ground; they contain the cone."""
     rows = []
     for bound in phase.bound_contacts:
         contact = bound.contact
@@ -146,7 +147,10 @@ def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
 
 
 def _held_easily(load: Array, by_torques: Array, by_forces: Array, allowed: Array, least: Array) -> bool:
-    """Whether the balance of least norm, torques relative to their limits, keeps every limit: no program is needed."""
+    """Whether the balance of least norm, with torques relative to their limits, keeps every limit.
+
+    No linear program is needed then.
+    """
     weight = max(float(np.abs(load).max(initial=0.0)), 1.0)
     columns = np.hstack([by_torques * allowed, by_forces * weight])
     found = np.linalg.lstsq(columns, -load, rcond=1e-10)[0]

@@ -6,8 +6,8 @@ These conditions are necessary and few. Every row is relaxed by slacks s >= 0,
 
     minimise  sum_i w_i s_i    subject to  l_i - c_i s_i <= h_i(q_0, q_1, T, p) <= u_i + c_i s_i,
 
-from several seeded starts. Where the least sum is zero, configurations exist; else rows with slacks must give, and rows
-with multipliers conflict with them.
+where c_i is the scale of row i, from several seeded starts. Configurations exist if the least sum is zero. Otherwise
+rows with slacks must be relaxed, and rows with multipliers conflict with them.
 Source: Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), section 4.4 (elastic mode).
 """
 
@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.planning.diagnosis.end_rows import (
-    ENDS,
-    EXACT,
-    HELD,
+    CONSTRAINT_WEIGHT,
+    END_WEIGHT,
+    QUATERNION_WEIGHT,
     SHORTEST,
     EndRow,
     ends_of_phases,
@@ -44,7 +44,7 @@ REACHED = 1e-5
 STARTS, STARTS_MOVING = 12, 3
 """Seeded starts for robots with a fixed root and systems, and for those with a moving root."""
 ITERATIONS = 150
-"""Of the solver, from one start."""
+"""Largest number of iterations of the solver from one start."""
 NEARNESS = 1e-6
 """Weight of the squared distance from the start, which makes the minimum unique."""
 SMALL = 1e-2
@@ -54,27 +54,27 @@ BINDING = 2e-2
 AGREEING = 1e-3
 """Relative difference of the least sums of two starts that agree."""
 NAMED = 3
-"""Rows named as the other side of a conflict."""
+"""Largest number of rows that are named as the other side of a conflict."""
 
 
 def unreached_ends(problem: Problem, agreed: bool = False) -> tuple[Conflict, ...]:
-    """Return the rows that must give for configurations at the ends of all phases to exist, largest slack first.
+    """Return the rows to relax for configurations at the ends of all phases to exist, largest slack first.
 
     Parameters
     ----------
     problem : Problem
     agreed : bool
-        Whether two starts must come to the same least sum. A search that ends anywhere excludes no motion.
+        Whether two starts must end at the same least sum, since one local minimum does not exclude a motion.
 
     Returns
     -------
     tuple of Conflict
-        Empty where such configurations were found, and where the ends are fixed and nothing else reads them.
+        Empty where such configurations were found, or where the ends are fixed and no other row depends on them.
     """
     ends = ends_of_phases(problem.phases)
     rows = [row for each in ends for row in rows_at_ends(each)]
     links = list(rows_of_links(problem, ends))
-    if not links and not any(row.weight == HELD or not row.physical for row in rows):
+    if not links and not any(row.weight == CONSTRAINT_WEIGHT or not row.physical for row in rows):
         return ()
     unknown = ca.vertcat(*(symbol for each in ends for symbol in each.unknowns))
     rows = [row for row in (*rows, *links) if reads_only(row.value, unknown)]
@@ -148,9 +148,9 @@ def _conflicts(
     giving = [k for k in np.argsort(-left) if left[k] > REACHED]
     binding = [k for k in np.argsort(-multipliers) if multipliers[k] > BINDING * multipliers.max() and k not in giving]
     named = [rows[sides[k][0]] for k in binding if rows[sides[k][0]].name != "duration"]
-    named = [row for row in named if row.weight != EXACT]
+    named = [row for row in named if row.weight != QUATERNION_WEIGHT]
     # States that the user fixed are named where nothing else conflicts.
-    named = [row for row in named if row.weight != ENDS] or named
+    named = [row for row in named if row.weight != END_WEIGHT] or named
     others = list(dict.fromkeys(row.name for row in named))[:NAMED]
     reason = f"against {', '.join(others)}" if others else ""
     found = []

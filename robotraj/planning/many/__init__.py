@@ -1,1 +1,1 @@
-"""Many plans at once: sweeps over problems, many starts of one, and the processes that share the work."""
+"""Many plans at once: sweeps over problems, many starts of one problem, and their worker processes."""

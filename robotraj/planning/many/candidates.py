@@ -24,9 +24,10 @@ MOST = 64
 
 
 def with_candidates(find: Callable[..., Solution]) -> Callable[..., Solution]:
-    """Return the method ``find(problem, ...)`` of a plan, applied to every combination of candidates.
+    """Return a function that applies ``find(problem, ...)`` to every combination of candidates.
 
-    The plan of least objective is returned, with the seconds and iterations of all; without a solution, the last one.
+    It returns the solution of least objective, with the seconds and iterations of all plans. Where none succeeds, it
+    returns the first.
     """
 
     def best(problem: Problem, *arguments: object) -> Solution:

@@ -15,14 +15,14 @@ LEAST_RANGE = 1e-3
 """Smallest range relative to which states are compared [their SI unit]."""
 
 
-def equal(a: float, b: float, tolerance: float) -> bool:
+def equal_objectives(a: float, b: float, tolerance: float) -> bool:
     """Whether two objectives differ by at most tolerance (1 + abs(a))."""
     return abs(a - b) <= tolerance * (1.0 + abs(a))
 
 
-def same(a: Solution, b: Solution, objective: float, trajectory: float, problem: Problem) -> bool:
+def same_optimum(a: Solution, b: Solution, objective: float, trajectory: float, problem: Problem) -> bool:
     """Whether two solutions agree within the tolerances of their objectives and of their trajectories."""
-    if not equal(a.objective, b.objective, objective):
+    if not equal_objectives(a.objective, b.objective, objective):
         return False
     parts = zip(a.phases, b.phases, problem.phases, strict=True)
     return all(_distance(p, q, len(phase.body.states)) <= trajectory for p, q, phase in parts)

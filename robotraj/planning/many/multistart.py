@@ -15,7 +15,7 @@ from robotraj._util.errors import InputError, Interrupted
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess, default_guess, other_guess
-from robotraj.planning.many.local_optima import equal, same
+from robotraj.planning.many.local_optima import equal_objectives, same_optimum
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import attach, check_options, detach
 from robotraj.planning.many.workers import run
@@ -65,7 +65,7 @@ class Multistart:
     starts : int
         Number of starts that were run.
     iterations : int
-        Of all starts.
+        Iterations of all starts.
     left : int
         Number of starts that were not run because of Ctrl-C.
     objective_tolerance, trajectory_tolerance : float
@@ -146,11 +146,11 @@ def multistart(
     patience : int, optional
         Stop when this many starts in a row found no lower optimum; by default all starts are run.
     guess : InitialGuess, Solution or sequence of InitialGuess, optional
-        A straight line by default. Where a pose decides an end, every start takes another branch of inverse kinematics,
-        and among obstacles another path.
+        A straight line by default. Where an end is given by a pose, every start takes another branch of inverse
+        kinematics. Among obstacles every start takes another path.
     executor : concurrent.futures.Executor, optional
-        As of ``rt.sweep``: one new process per core by default. A process takes about a second to begin; where a start
-        takes less, ``ThreadPoolExecutor(1)`` is faster.
+        As for ``rt.sweep``: one new process per core by default. A process takes about a second to begin.
+        ``ThreadPoolExecutor(1)`` is faster where a start takes less.
     objective_tolerance : float
         Two solutions are one optimum if their trajectories agree and their objectives differ by less than this times
         1 + |objective|.
@@ -158,8 +158,8 @@ def multistart(
         Trajectories agree if no state differs by more than this times its range at equal fractions of each phase. No
         duration may differ by more than this relative to the longer one.
     **options
-        Of ``rt.plan``: mesh, solver, tolerance, continuation ... ``rt.InteriorPoint(fallback=None)`` counts its failed
-        starts as failures; IPOPT would take longer for them than for all others.
+        Of ``rt.plan``: mesh, solver, tolerance, continuation ... With ``rt.InteriorPoint(fallback=None)`` failed starts
+        are not repeated by IPOPT, which takes longer for them than for all others.
 
     Returns
     -------
@@ -170,22 +170,22 @@ def multistart(
     Raises
     ------
     InputError
-        ``starts`` or ``patience`` is below 1; a spread, seed or tolerance is negative or no number; the problem cannot
-        be posed; or ``rt.plan`` does not have an option.
+        ``starts`` or ``patience`` is below 1. A spread, seed or tolerance is negative or no number. The problem cannot
+        be posed, or ``rt.plan`` does not have an option.
     """
     problem = Problem([problem]) if isinstance(problem, Phase) else problem
     if not isinstance(problem, Problem):
         raise InputError(f"rt.multistart takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
-    if not _counts(starts, 1) or not _measures(spread):
+    if not _is_count(starts, 1) or not _is_size(spread):
         raise InputError(
             f"rt.multistart needs at least 1 start and a spread of 0 or more; got {starts!r} and {spread!r}."
         )
-    if patience is not None and not _counts(patience, 1):
+    if patience is not None and not _is_count(patience, 1):
         raise InputError(f"rt.multistart needs a patience of at least 1 start, or None; got {patience!r}.")
-    if not _counts(seed, 0):
+    if not _is_count(seed, 0):
         raise InputError(f"rt.multistart takes a whole number of 0 or more as seed; got {seed!r}.")
     for name, value in (("objective_tolerance", objective_tolerance), ("trajectory_tolerance", trajectory_tolerance)):
-        if not _measures(value):
+        if not _is_size(value):
             raise InputError(f"rt.multistart needs {name}= of 0 or more; got {value!r}.")
     for name in ("check", "progress"):
         if name in options:
@@ -198,7 +198,7 @@ def multistart(
     left = 0
     try:
         every: Sequence[Solution] = run(
-            _plan, _Search(problem, first, options), guesses, executor, _out_of(patience, objective_tolerance)
+            _plan, _Search(problem, first, options), guesses, executor, _patience_reached(patience, objective_tolerance)
         )
         found = dict(enumerate(every))
     except Interrupted as stopped:
@@ -207,7 +207,7 @@ def multistart(
     groups: list[list[int]] = []
     for _, i in solved:
         for group in groups:
-            if same(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
+            if same_optimum(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
                 group.append(i)
                 break
         else:
@@ -233,39 +233,39 @@ class _Search:
     options: Choices
 
 
-class _Own(threading.local):
+class _OfThread(threading.local):
     """Data that the starts of a thread share: a compiled program is used by one thread at a time."""
 
     def __init__(self) -> None:
-        self.known: WeakKeyDictionary[_Search, Shared] = WeakKeyDictionary()
+        self.shared: WeakKeyDictionary[_Search, Shared] = WeakKeyDictionary()
 
 
-_own = _Own()
+_of_thread = _OfThread()
 
 
 def _plan(search: _Search, guess: InitialGuess) -> Solution:
-    shared = _own.known.setdefault(search, Shared(search.first))
+    shared = _of_thread.shared.setdefault(search, Shared(search.first))
     start = Start(guess, shared)
     return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))
 
 
-def _counts(value: object, least: int) -> bool:
+def _is_count(value: object, least: int) -> bool:
     return isinstance(value, int | np.integer) and not isinstance(value, bool) and bool(value >= least)
 
 
-def _measures(value: object) -> bool:
+def _is_size(value: object) -> bool:
     return isinstance(value, float | int | np.floating | np.integer) and bool(0 <= value < np.inf)
 
 
-def _out_of(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:
-    """Return whether the last ``patience`` starts found no optimum lower than the earlier ones; None for no limit."""
+def _patience_reached(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:
+    """Return a test whether the last ``patience`` starts found no lower optimum; None without a limit."""
     if patience is None:
         return None
 
     def stop(found: Sequence[Solution]) -> bool:
         costs = [s.objective if s.success else np.inf for s in found]
         lowest = min(costs)
-        first = next((i for i, cost in enumerate(costs) if equal(cost, lowest, tolerance)), len(costs))
+        first = next((i for i, cost in enumerate(costs) if equal_objectives(cost, lowest, tolerance)), len(costs))
         return len(costs) - 1 - first >= patience
 
     return stop

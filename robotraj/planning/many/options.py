@@ -1,4 +1,4 @@
-"""Options of ``rt.plan`` by name, as functions that plan take and pass them on."""
+"""Types of the options of ``rt.plan`` by name, for functions that pass them on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Choices(TypedDict, total=False):
-    """What ``rt.plan`` may leave open, but for the guess."""
+    """Options of ``rt.plan`` that may be left open, except for the guess."""
 
     mesh: Mesh | Sequence[Mesh] | None
     solver: Solver | None
@@ -36,7 +36,7 @@ class Choices(TypedDict, total=False):
 
 
 class GuessedChoices(Choices, total=False):
-    """The same with the guess."""
+    """Options that may be left open, with the guess."""
 
     guess: InitialGuess | Solution | Sequence[InitialGuess] | None
 

@@ -1,4 +1,4 @@
-"""Starts of one problem: all use the transcription and the program of the solver that the first plan built."""
+"""Starts of one problem: all use the transcription and the solver's program of the first plan."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 
 class Shared:
-    """Data that plans of one problem on one mesh share, built at first use; for one thread at a time.
+    """Data that plans of one problem on one mesh share, built at first use. One thread may use it at a time.
 
-    Scales are those of one guess, so that the result of a start does not depend on the order of the starts.
+    Variables and rows are scaled at one guess, so that the result of a start does not depend on the order of starts.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Shared:
         self._problem: Problem | None = None
         self._nlp: Nlp | None = None
         self.known: Multipliers | None = None
-        """Multipliers of the last solve; their ``origin`` has the data of its solver."""
+        """Multipliers of the last solve. Their ``origin`` holds the program of its solver."""
 
     def transcribed(
         self,
@@ -48,7 +48,7 @@ class Shared:
         engine: Engine | None,
         interval_limits: ConstraintGeneration,
     ) -> Nlp | None:
-        """Return the NLP with a guess; None for another problem, mesh or engine than the first."""
+        """Return the NLP with a guess; None if problem, mesh, engine or interval limits differ from the first."""
         meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
         if self._nlp is None:
             self._problem, self._nlp = problem, transcribe(problem, meshes, self._reference, engine, interval_limits)
@@ -64,7 +64,7 @@ class Shared:
     def keep(self, nlp: Nlp, known: Multipliers) -> None:
         """Keep the results of a solve of the shared NLP."""
         if self._nlp is not None and nlp.blocks is self._nlp.blocks:
-            # The NLP holds the functions that were assembled for the solver.
+            # This NLP has the cached functions that were assembled for the solver.
             self._nlp, self.known = nlp, known
 
 
@@ -75,7 +75,9 @@ class Start(InitialGuess):
     Parameters
     ----------
     guess : InitialGuess
+        The guess itself.
     shared : Shared
+        Data of the earlier plans.
     """
 
     guess: InitialGuess

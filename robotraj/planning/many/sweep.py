@@ -34,14 +34,14 @@ def sweep(
     Parameters
     ----------
     problems : sequence of Problem or Phase
-        Problems are sent to workers; closures of lambdas in them must be picklable by cloudpickle.
+        Problems are sent to workers by cloudpickle, which must be able to pickle the closures of their lambdas.
     executor : concurrent.futures.Executor, optional
         Processes, threads or ``dask.distributed.Client.get_executor()``. By default one new process per core. It is
         spawned, so a script needs ``if __name__ == "__main__":`` around the call. ``ThreadPoolExecutor(1)`` plans in
         this process, one problem after the other.
     chain : bool
         Plan in this process, each problem from the solution of the last one that was solved. Neighbouring problems,
-        such as gaits of rising speed, take fewer iterations; problems of other local optima may follow the first one's.
+        such as gaits of rising speed, take fewer iterations then. All may stay near the local optimum of the first.
     **options
         Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ...
 
@@ -53,7 +53,7 @@ def sweep(
     Raises
     ------
     InputError
-        A problem, named by its number, cannot be posed or pickled; ``rt.plan`` has no such option; a chain has an
+        A problem, named by its number, cannot be posed or pickled. ``rt.plan`` has no such option, or a chain has an
         executor.
     Interrupted
         Ctrl-C was pressed; ``found`` has the solutions so far, by the numbers of their problems.
@@ -138,7 +138,7 @@ def _numbered_plan(options: GuessedChoices, number: int, problem: Problem) -> So
 
 
 def detach(solution: Solution) -> Solution:
-    """Return a solution without its problem, for a process that has the problem."""
+    """Return a solution without its problem, to be sent to a process that has the problem."""
     bare: Any = None
     return replace(solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases))
 

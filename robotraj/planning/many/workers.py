@@ -1,9 +1,9 @@
 """Work in any ``concurrent.futures`` executor, with results in the order of the tasks.
 
-Data shared by all tasks is sent with each task and unpacked once per worker. So all tasks of a problem use the same
-graphs. Processes exchange data by cloudpickle: equations of Systems and expressions of constraints are mostly lambdas,
-which the standard library cannot pickle. Threads share memory and send nothing. Results that only sending requires,
-such as costates, are computed later there.
+Data shared by all tasks is sent with each task and unpacked once per worker, so that all tasks use the same graphs.
+Processes exchange data by cloudpickle. Equations of Systems and expressions of constraints are mostly lambdas, which
+the standard library cannot pickle. Threads share memory and send nothing. Values that are computed at first use, such
+as costates, are then computed later; between processes they are computed before they are sent.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import cloudpickle
 
@@ -37,14 +37,14 @@ def run(
     Parameters
     ----------
     work : callable
-        A function of a module.
+        ``work(shared, task)``, a function defined in a module.
     shared, tasks : picklable by cloudpickle
     executor : concurrent.futures.Executor, optional
-        Threads, processes or Dask's ``client.get_executor()``. By default one new process per core, started by spawn:
-        it inherits nothing from this process.
+        Threads, processes or Dask's ``client.get_executor()``. By default one new process per core. It is spawned and
+        inherits nothing from this process.
     enough : callable, optional
-        Returns whether the first results are enough. Only these are returned then, and tasks that have not begun are
-        not computed. The result does not depend on the executor.
+        ``enough(results)`` returns whether the first results suffice. Only these are returned then, and tasks that have
+        not begun are not computed. The result does not depend on the executor.
 
     Raises
     ------
@@ -84,8 +84,8 @@ def run(
         return _first(lambda task: executor.submit(_call, common, task), packed, cloudpickle.loads, enough)
     except BrokenProcessPool as error:
         raise RobotrajError(
-            "A worker process died. In a script, start it from under `if __name__ == '__main__':`, because "
-            "every worker imports the script; else a worker ran out of memory: use fewer, with executor=."
+            "A worker process died. Every worker imports the script: put its call under `if __name__ == '__main__':`. "
+            "If it is there, a worker ran out of memory: give an executor= of fewer workers."
         ) from error
 
 
@@ -99,7 +99,7 @@ def _first(
     futures: list[Future[S]] = []
     results: list[R] = []
     try:
-        # Processes start while tasks are submitted, which takes seconds: Ctrl-C is caught then as well.
+        # Processes start while tasks are submitted, which takes seconds. Ctrl-C is handled during that time as well.
         for task in tasks:
             futures.append(submit(task))
         for future in futures:
@@ -121,5 +121,6 @@ def _call(common: bytes, task: bytes) -> bytes:
 
 
 @lru_cache(maxsize=4)
-def _unpacked(common: bytes) -> Any:
-    return cloudpickle.loads(common)
+def _unpacked(common: bytes) -> tuple[Callable[[object, object], object], object]:
+    work, shared = cloudpickle.loads(common)
+    return work, shared

@@ -1,1 +1,1 @@
-"""Motions along given paths and through given places: retiming, waypoints without a stop."""
+"""Motions along given paths and through given waypoints."""

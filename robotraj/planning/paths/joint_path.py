@@ -1,9 +1,9 @@
-"""Paths of joints as piecewise polynomials: through configurations, of splines, of planned motions."""
+"""Joint paths as piecewise polynomials, from configurations, splines or planned motions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 JointPath: TypeAlias = "ArrayLike | Solution | PiecewisePolynomial | Callable[[Array], ArrayLike]"
 """What ``as_path`` takes."""
 HIGHEST = 5
-"""Degree of the spline through configurations, which bounds jerks; lower with fewer than six of them."""
+"""Degree of the spline through configurations, which has continuous jerks; lower with fewer than six of them."""
 PIECES = 32
 """Number of pieces by which a function of the parameter is approximated."""
 
@@ -29,16 +29,23 @@ def as_path(path: JointPath, parameters: ArrayLike | None = None) -> PiecewisePo
     Parameters
     ----------
     path : array (m, nq), Solution, PiecewisePolynomial, spline or callable
-        An array of configurations [rad, m] is interpolated by a spline of degree 5, or lower with fewer than six. Of a
-        solution, the positions over time are taken. Splines of SciPy are taken as they are. Other functions of s give
-        (nq,) or (m, nq), and are interpolated; their interval is ``path.path_interval``, as in TOPP-RA, else [0, 1].
+        An array of configurations [rad, m] is interpolated by a spline of degree 5, or lower with fewer than six. A
+        solution gives its positions over time. Splines of SciPy are converted exactly. Other functions of s return
+        (nq,) and are interpolated. Their interval is ``path.path_interval``, as in TOPP-RA, else [0, 1].
     parameters : array (m,), optional
-        Ascending parameters of the configurations; by default the length of the polygon through them, from 0 to 1.
+        Ascending parameters of the configurations. The default is the length of the polygon through them, scaled to
+        [0, 1].
+
+    Returns
+    -------
+    PiecewisePolynomial
+        From s to q (nq,).
 
     Raises
     ------
     InputError
-        A path of another kind or shape, equal neighbours, parameters that do not ascend, numbers that are not finite.
+        The path has another type or shape, equal neighbours or numbers that are not finite, or parameters that do not
+        ascend.
     """
     if isinstance(path, PiecewisePolynomial):
         return path
@@ -84,7 +91,7 @@ def _of_solution(solution: Solution) -> PiecewisePolynomial:
     return PiecewisePolynomial(np.concatenate(breaks), sites, values)
 
 
-def _of_function(path: Callable[[Any], ArrayLike]) -> PiecewisePolynomial:
+def _of_function(path: Callable[[Array], ArrayLike]) -> PiecewisePolynomial:
     coefficients, places = getattr(path, "c", None), getattr(path, "x", None)
     if isinstance(places, np.ndarray) and isinstance(coefficients, np.ndarray) and coefficients.ndim == 3:
         return _sampled(path, places, coefficients.shape[0] - 1)
@@ -95,8 +102,8 @@ def _of_function(path: Callable[[Any], ArrayLike]) -> PiecewisePolynomial:
     return _sampled(path, np.linspace(first, last, PIECES + 1), HIGHEST)
 
 
-def _sampled(path: Callable[[Any], ArrayLike], breaks: Array, degree: int) -> PiecewisePolynomial:
-    """Return the pieces of a polynomial of that degree on every interval, from its values."""
+def _sampled(path: Callable[[Array], ArrayLike], breaks: Array, degree: int) -> PiecewisePolynomial:
+    """Interpolate a path on every interval by a polynomial of that degree."""
     sites = np.linspace(0.0, 1.0, degree + 1) if degree else np.array([0.5])
     values = []
     for start, end in zip(breaks[:-1], breaks[1:], strict=True):

@@ -62,12 +62,12 @@ def retime(
     path : array (m, nq), Solution, spline or callable
         See ``rt.planning.as_path``.
     robot : Robot, optional
-        That of the solution whose path is retimed, where it is left out.
+        The robot of the solution by default, if the path is a solution.
     parameters : array (m,), optional
         Parameters of an array of configurations.
     limits : Limits, optional
-        Limits of speed, acceleration and torque; those of the robot by default. The path is compared with the limits of
-        position, and no motion along it can change that.
+        Limits of speed, acceleration and torque; those of the robot by default. The path must lie within the limits of
+        position.
     jerk, torque_rate : float, Between, sequence or mapping by joint, optional
         Limits of da/dt [rad/s^3, m/s^3] and of d tau/dt [N m/s, N/s]; a number bounds both signs.
     start_speed, end_speed : float, optional
@@ -88,46 +88,15 @@ def retime(
     Raises
     ------
     InputError
-        No robot, a path that is none, or one beyond a limit of position.
+        There is no robot, the path has another type or shape, or it exceeds a limit of position.
     NoSolutionFound
         The limits allow no motion along the path, for example because a joint cannot hold its weight there.
 
     Notes
     -----
-    Source: Bobrow, Dubowsky and Gibson, International Journal of Robotics Research 4 (1985), for motions on paths;
-    Pham and Pham, IEEE Transactions on Robotics 34 (2018), for the method that the benchmarks compare with.
+    Source: Bobrow, Dubowsky and Gibson, International Journal of Robotics Research 4 (1985). The benchmarks compare
+    with Pham and Pham, IEEE Transactions on Robotics 34 (2018).
     """
-    phase = path_phase(
-        path,
-        robot,
-        parameters=parameters,
-        limits=limits,
-        jerk=jerk,
-        torque_rate=torque_rate,
-        start_speed=start_speed,
-        end_speed=end_speed,
-        constraints=constraints,
-        design=design,
-        objective=objective,
-    )
-    return plan(phase, **options)
-
-
-def path_phase(
-    path: JointPath,
-    robot: Robot | None = None,
-    *,
-    parameters: ArrayLike | None = None,
-    limits: Limits | None = None,
-    jerk: BoundsLike | float = None,
-    torque_rate: BoundsLike | float = None,
-    start_speed: float | None = 0.0,
-    end_speed: float | None = 0.0,
-    constraints: Sequence[Constraint] = (),
-    design: Mapping[str, Quantity | Sequence[Quantity]] | None = None,
-    objective: Objective | None = None,
-) -> Phase:
-    """Return the phase that ``retime`` plans; parameters and errors are its own."""
     if robot is None and isinstance(path, Solution):
         robot = path.phases[0].phase.robot
     if not isinstance(robot, Robot):
@@ -139,7 +108,7 @@ def path_phase(
     for kind, bounds in ((JointJerk, jerk), (JointTorqueRate, torque_rate)):
         if bounds is not None:
             every.append(kind(_symmetric(bounds)))
-    return Phase(
+    phase = Phase(
         robot,
         (0.0, LONGEST),
         objective=Duration() if objective is None else objective,
@@ -148,10 +117,11 @@ def path_phase(
         limits=given.with_(position=np.inf),
         name="path",
     )
+    return plan(phase, **options)
 
 
 def _check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
-    """Raise an InputError that names the joint and the place where a path is beyond the limits of position."""
+    """Raise an InputError that names the joint and the parameter s at which a path exceeds a limit of position."""
     q = path.inside(PLACES)
     if q.shape[-1] != len(limits.joints):
         raise InputError(f"The path has {q.shape[-1]} joints, but the robot {len(limits.joints)}.")

@@ -1,4 +1,4 @@
-"""Places that a robot passes without a stop, as one problem of linked phases."""
+"""Waypoints that a robot passes without a stop, as one problem of linked phases."""
 
 from __future__ import annotations
 
@@ -29,33 +29,33 @@ Place: TypeAlias = "ArrayLike | Constraint"
 
 
 class Waypoints(Problem):
-    """A motion through places in their order: from rest to rest, or around and around; it stops at no place between.
+    """A motion through places in their order, from rest to rest or periodic, without a stop in between.
 
-    Each leg from a place to the next is a phase with a free duration, and states run on from leg to leg. The
-    objectives of the legs add up; by default the whole motion takes the least time.
+    Each leg from a place to the next is a phase with a free duration. Positions and velocities are continuous from leg
+    to leg. The objectives of the legs add up; by default the whole motion takes the least time.
 
     Parameters
     ----------
     robot : Robot
     places : sequence of array (nq,) or Constraint
-        Two at least. Configurations, or constraints that hold there, such as ``rt.FramePosition``, ``rt.FramePose`` or
-        ``rt.constraints.PoseRegion``; inverse kinematics finds their branches.
+        At least two configurations [rad, m], or constraints that hold there, such as ``rt.FramePosition``,
+        ``rt.FramePose`` or ``rt.constraints.PoseRegion``. Inverse kinematics finds configurations of constraints.
     cyclic : bool
-        The motion returns from the last place to the first one, and passes it as it began: with the same positions and
-        speeds. Otherwise it starts and ends at rest.
+        Whether the motion returns from the last place to the first one, and ends there with the positions and speeds of
+        its start. Otherwise it starts and ends at rest.
     objective : Objective, optional
-        Of every leg; ``rt.Duration()`` by default.
+        Objective of every leg; ``rt.Duration()`` by default.
     duration : (float, float) or Between
         Bounds of the duration of a leg [s].
     constraints : sequence of Constraint
-        Of every leg.
+        Constraints of every leg.
     limits : Limits, optional
         Those of the robot by default.
 
     Raises
     ------
     InputError
-        No robot, fewer than two places, or a place that is neither a configuration nor a constraint.
+        There is no robot, there are fewer than two places, or a place is neither a configuration nor a constraint.
     """
 
     def __init__(

@@ -1,1 +1,1 @@
-"""Plans that are measured between their points until they are proved."""
+"""Plans whose mesh is refined until their errors between the collocation points meet their goals."""

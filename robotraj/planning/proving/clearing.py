@@ -1,4 +1,4 @@
-"""Rounds of rows on distances: added where pairs come near, raised where a proof between the points is short."""
+"""Rounds of rows on distances: added where pairs come near, raised where the proof between the points falls short."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""
-ROUGH = 2e-2
-"""What may be short on a first mesh, which only finds the course of the motion [m]."""
+ROUGH_SHORTFALL = 2e-2
+"""Shortfall of a distance that is allowed on a first mesh, which only approximates the motion [m]."""
 MORE = 1.2
-"""Distances are raised this many times what was short: the motion moves along, and with it what is short."""
+"""Ratio of the raise of a distance to its shortfall; above 1, since the motion changes with the raise."""
 GAIN = 3e-3
-"""What the planes of a further motion may gain on a first mesh, as a share of the objective."""
+"""Relative decrease of the objective by the planes of the last motion, below which a first mesh needs no others."""
 ACTIVE = 1e-4
 """Distance above its bound up to which a row is active [m]."""
 LEAST = 2e-5
@@ -34,21 +34,21 @@ LEAST = 2e-5
 MOST = 0.02
 """Largest amount by which a distance is raised in one round [m]."""
 DEEP = 0.03
-"""How far a motion may be inside a shape and still fix the planes of the next round [m]."""
+"""Largest penetration of a shape by a motion that fixes the planes of the next round [m]."""
 
 
 class Clearing:
-    """The distances that one NLP keeps, from solve to solve.
+    """The rows on distances of one NLP, from solve to solve.
 
-    Rows are planes between shapes that a known motion fixes: the guess, then each solution that is hardly inside a
-    shape. They hold the homotopy class of the guess.
+    A row keeps two shapes on both sides of a plane. A known motion fixes the planes: the guess, then each solution that
+    penetrates no shape by more than ``DEEP``. The planes preserve the homotopy class of the guess.
 
     Parameters
     ----------
     nlp : Nlp
-        Before its first solve.
+        The NLP before its first solve.
     guess : InitialGuess or None
-        Of the problem; the default guess without one.
+        Guess of the problem; None for the default guess.
     """
 
     def __init__(self, nlp: Nlp, guess: InitialGuess | None) -> None:
@@ -77,7 +77,7 @@ class Clearing:
         return bool(self._every)
 
     def rows(self, nlp: Nlp) -> Nlp:
-        """Add rows on the pairs that are near along the known motion, or were."""
+        """Add rows on the pairs that are near along the known motion, or were near along an earlier one."""
         if not self._every:
             return nlp
         from robotraj.transcription.clearance.clearance_rows import Raised, near_pairs, with_clearance_rows
@@ -98,13 +98,13 @@ class Clearing:
         return bool(np.any(left < ACTIVE))
 
     def measure(self, solution: Solution, bound: bool) -> None:
-        """Prove the distances along a solution; what is short has rows next, or raised ones.
+        """Prove the distances along a solution. Where the proof falls short, rows are added or raised next.
 
         Parameters
         ----------
         solution : Solution
         bound : bool
-            Whether rows on distances are active, so that other planes may gain something.
+            Whether rows on distances are active, so that other planes may reduce the objective.
         """
         if not self._every:
             return
@@ -123,12 +123,12 @@ class Clearing:
                 self._motions[i] = _solved(solution, own)
 
     def proved(self, allowed: float) -> bool:
-        """Whether all distances of the solution that was measured are proved, but for what is allowed [m]."""
+        """Whether all distances of the measured solution are proved, up to an ``allowed`` shortfall [m]."""
         return all(bool(np.all(found.distances >= own.pairs.margin - allowed)) for own, found in self._found)
 
     @property
     def settled(self) -> bool:
-        """Whether the planes of the last motion gained too little to be found on this mesh first."""
+        """Whether further planes on this mesh would reduce the objective by less than ``GAIN``."""
         last = self._objectives[-2:]
         if not self._every or last[-1] == -np.inf:
             return True

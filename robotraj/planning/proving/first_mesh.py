@@ -1,4 +1,4 @@
-"""Meshes of a plan whose mesh was left open: pure functions of what is known before a solve."""
+"""First meshes of a plan whose mesh was left open, from the problem alone."""
 
 from __future__ import annotations
 
@@ -14,34 +14,35 @@ from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
 COARSE = 16
-"""Intervals of the first mesh: it finds the course of the motion, and what a finer one gains is measured against it."""
+"""Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
 SYSTEM = 20
-"""The same for systems and robots without a motor at every joint."""
+"""Intervals of the first mesh for systems and robots without a motor at every joint."""
 STEP = 4
-"""The same for the longest phase of a motion with contacts, in Lobatto's intervals of four points."""
+"""Intervals of the longest phase of a motion with contacts, by Lobatto IIIA with four points."""
 FEWEST = 2
-"""The same for its shortest phases."""
+"""Intervals of its shortest phases."""
 CROWDING = 0.8
-"""How far the knots are drawn to the ends, from 0 for equal intervals to 1."""
+"""Concentration of the knots at the ends, from 0 for equal intervals to 1."""
 
 
 STICKING = RadauIIA(3)
 """Scheme of motions with dry friction for the least integral.
 
-Simpson's rule sees a joint that starts and stops inside every interval at its middle alone: the sum that is minimised
-then lies percents below the integral. With one more point, and none shared, the two agree.
+A joint may start and stop inside every interval, and Simpson's rule has only its middle inside. The sum that is
+minimised is then lower than the integral by percents. With one more point, and none shared, the two agree.
 """
 
 
 @dataclass(frozen=True)
-class SharedOut:
-    """Meshes of several phases, with intervals in proportion to their durations.
+class ProportionalMeshes:
+    """Meshes of several phases, with numbers of intervals in proportion to the durations.
 
     Attributes
     ----------
     most, least : int
-        Intervals of the longest phase, and of the shortest ones.
+        Numbers of intervals of the longest phase, and of the shortest ones.
     scheme : Scheme
+        Scheme of all intervals.
     """
 
     most: int = STEP
@@ -61,7 +62,7 @@ class SharedOut:
 def graded(count: int, scheme: Scheme | None = None) -> Mesh:
     """Crowd intervals at both ends, where motions start and stop; Hermite-Simpson by default.
 
-    The knots are (1 + (1 - c) x + c sin(pi x / 2)) / 2 at equally spaced x in [-1, 1], c = ``CROWDING``.
+    The knots are (1 + (1 - c) x + c sin(pi x / 2)) / 2 at equally spaced x in [-1, 1]. Here c is ``CROWDING``.
     """
     x = np.linspace(-1.0, 1.0, count + 1)
     knots = 0.5 * (1.0 + (1.0 - CROWDING) * x + CROWDING * np.sin(0.5 * np.pi * x))

@@ -1,4 +1,4 @@
-"""Limits of controls that a motion exceeds between its points, lowered there by the excess."""
+"""Limits of controls, lowered on the intervals where a motion exceeds them between its points."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robotraj.transcription.interval_limits.interval_violations import IntervalV
 from robotraj.transcription.interval_limits.margins import LimitedInterval
 
 MORE = 1.1
-"""Margins are this many times the excess: what they change moves the motion, and its excess with it."""
+"""Ratio of a margin to the excess; above 1, since the motion changes with the margin."""
 
 
 class LoweredLimits:
@@ -24,7 +24,7 @@ class LoweredLimits:
     Attributes
     ----------
     amounts : dict
-        By how much the limits of rows are lowered on intervals, in their SI unit.
+        Margin by which the limit of a row is lowered on an interval, in the unit of the row.
     """
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class LoweredLimits:
         self._found: Late[IntervalViolation] = Late(list)
 
     def measure(self, solution: Solution) -> None:
-        """Look at another solution from now on."""
+        """Take the excess of another solution from now on."""
         self._found = Late(partial(_exceeded, solution.phases))
 
     @property
@@ -41,7 +41,7 @@ class LoweredLimits:
         return self._found
 
     def violations(self, problem: Problem) -> Late[Violation]:
-        """Return the same as violations of a solution: many a plan on a given mesh is never asked for them."""
+        """Return them as violations of a solution, computed at first use: many plans need none."""
         return Late(partial(between_points, problem, self._found))
 
     def lower(self) -> None:

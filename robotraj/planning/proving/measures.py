@@ -24,24 +24,24 @@ from robotraj.transcription.schemes.mesh import Mesh
 Array = NDArray[np.float64]
 
 ORDER, ORDER_OF_ENDS = 2.0, 1.5
-"""Powers of the number of intervals by which an objective nears its optimum: with integrals, and of the ends alone.
+"""Orders of convergence of an objective in the number of intervals: with integrals, and of the ends alone.
 
-Least time leaves controls at their limits, with switches inside intervals. Compared with meshes four times as fine,
-what is left of least times of arms falls with a power between 1 and 2, of integrals of squared torques above 2.
+In least time controls stay at their limits and switch inside intervals. Both orders were measured with arms, against
+meshes four times as fine: between 1 and 2 for least times, above 2 for integrals of squared torques.
 """
 SMALL = 1e-2
-"""Objectives below this settle to the goal times this, not to the goal times themselves."""
+"""Least size of an objective to which its errors are relative."""
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
-"""How many times as many intervals the next mesh has, for the sake of the objective."""
+"""Bounds on the growth of the number of intervals for the convergence of the objective."""
 CLEARLY = 1.4
-"""Ratio of the numbers of intervals of two meshes whose objectives are compared."""
+"""Least ratio of the numbers of intervals of two meshes whose objectives are compared."""
 SAFETY = 1.1
 """Factor on the growth that the order of the objective predicts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """A proof with what the next mesh needs of it.
+    """Measures of a solution, from which the proof and the next mesh follow.
 
     Attributes
     ----------
@@ -49,16 +49,18 @@ class Measured:
     objective : float
         Value of the objective along the motion, its integrals by Gauss's rule.
     intervals : int
-        Of the phase with most intervals.
+        Number of intervals of the phase with most of them.
     before : Measured or None
-        Of the mesh before.
-    errors, broken : tuple of ndarray
-        For each phase, of every interval (K,): the larger of its relative error and of the error of its part of the
-        objective's integral, scaled to the same goal; relative violation of path rows.
-    coarse: float
-        What the controls' highest degree contributes to the objective, relative; 0 where it is not measured.
+        Measures on the mesh before.
+    errors : tuple of ndarray (K,)
+        For each phase, the error of every interval: the larger of its relative error and of its error of the
+        objective's integral, scaled to the same goal.
+    broken : tuple of ndarray (K,)
+        For each phase, the relative violation of path rows on every interval.
+    coarse : float
+        Relative contribution of the controls' highest degree to the objective; 0 where it is not measured.
     order : float
-        Power of the number of intervals by which the objective nears its optimum.
+        Order of convergence of the objective in the number of intervals.
     """
 
     proof: Proof
@@ -71,15 +73,15 @@ class Measured:
     order: float
 
     def next_meshes(self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float) -> tuple[Mesh, ...]:
-        """Refine the mesh of every phase so that the goals should hold, by at least ``growth``."""
-        seen = zip(parts, self.errors, self.broken, strict=True)
+        """Refine the mesh of every phase to the goals, with at least ``growth`` times as many intervals."""
+        measures = zip(parts, self.errors, self.broken, strict=True)
         return tuple(
             refinement.refine(part.mesh, _assessment(errors, broken, growth), self.proof.goals.error)
-            for part, errors, broken in seen
+            for part, errors, broken in measures
         )
 
     def with_violations(self, solution: Solution) -> Measured:
-        """Return the measures with the excess over limits that a solution of the same motion lists."""
+        """Return the measures with the excess over limits that a solution of the same motion has."""
         between = (*solution.interval_violations, *solution.control_interval_violations)
         excess = [violation.relative for violation in between if violation.name != "clearance"]
         shortfall = max((violation.amount for violation in between if violation.name == "clearance"), default=0.0)
@@ -102,16 +104,21 @@ class Measured:
 
 
 def measured(solution: Solution, before: Measured | None, goals: Goals, bending: bool = False) -> Measured:
-    """Measure a solution between its collocation points, and its objective against that of meshes before.
+    """Measure a solution between its collocation points, and compare its objective with those of meshes before.
 
     Parameters
     ----------
     solution : Solution
     before : Measured or None
+        Measures on the mesh before.
     goals : Goals
     bending : bool
         Whether controls bend sharply in a few intervals, as torques do where joints stick and slide. The next mesh then
         has its intervals where their highest degree contributes to the objective.
+
+    Returns
+    -------
+    Measured
     """
     parts = solution.phases
     count = max(part.mesh.count for part in parts)
@@ -132,7 +139,7 @@ def measured(solution: Solution, before: Measured | None, goals: Goals, bending:
         finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)
         unsettled = gained / (finer - 1.0)
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
-    # An interval's share of what the objective may err by counts as much as its error may.
+    # The error of the integral on an interval is scaled so that its goal is the same as that of the relative error.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
     needs = tuple(
         np.maximum(own, share * np.maximum(np.abs(of_objective), of_bends))
@@ -155,9 +162,9 @@ def _beyond_limits(part: PhaseSolution, index: int) -> Array:
 
 
 def _coarser(before: Measured | None, count: int) -> Measured | None:
-    """Return the last measures on a mesh so much coarser that the change of the objective bounds what is left of it.
+    """Return the last measures on a mesh coarser by ``CLEARLY``, or those on the coarsest mesh without one.
 
-    Where no mesh is, those of the coarsest.
+    The change of the objective from there bounds its remaining error.
     """
     while before is not None and before.before is not None and CLEARLY * before.intervals > count:
         before = before.before

@@ -1,8 +1,8 @@
-"""Plan until the plan is proved: solve, measure between the points, and go straight to what is missing.
+"""Plan until the plan is proved: solve, measure the errors between the points, and refine the mesh.
 
-A first, coarse mesh finds the course of the motion, a second one its optimum. The order of the scheme predicts from the
-errors of the intervals, and from what the objective changed by, which mesh is needed. Limits of torques that an exact
-motion exceeds between the points are lowered there by the excess, on the same mesh.
+A first, coarse mesh approximates the motion, and a second one finds its optimum. The order of the scheme predicts the
+mesh that is needed, from the errors of the intervals and from the change of the objective. Where an exact motion
+exceeds limits of torques between the points, they are lowered there by the excess, on the same mesh.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
-from robotraj.planning.diagnosis.explain import are_sure
+from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.progress import PlanLimits
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
-from robotraj.planning.restarts import WHENCE
+from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import MeshStep, added_times
@@ -27,21 +27,21 @@ from robotraj.transcription.refinement.equidistribution import Equidistribute, e
 from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 8
-"""Meshes tried before a plan is given back as it is."""
+"""Largest number of meshes of a plan."""
 ENOUGH = 4
-"""The same for a motion that is proved, whose objective has not settled; joints that stick and slide go on."""
+"""Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
 PATIENCE, PATIENCE_STICKING = 150, 300
-"""Iterations of a solve that may improve an objective, or the start of another solve, and nothing else."""
+"""Iterations of a solve that can only improve an objective or the guess of another solve."""
 SOFTER = 1.25
-"""Least growth from the mesh of one friction to that of the next, less soft one."""
+"""Least growth of the number of intervals from one soft friction to the next, less soft one."""
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
-"""Ends of a solve after which no other mesh is tried."""
+"""Statuses after which no other mesh is tried."""
 SECOND = 1.5
-"""Growth from a first mesh that could not be solved to the second one."""
-STUCK = 0.7
-"""Share of the error of one mesh that is left on the next, beyond which the one after has ``DOUBLED`` intervals.
+"""Growth of the number of intervals from a first mesh that could not be solved to the second one."""
+STAGNATION = 0.7
+"""Ratio of the errors of two successive meshes above which the next one has ``DOUBLED`` times as many intervals.
 
-Where that leaves as much, the plan is given back as it is.
+If the ratio stays above it, the plan is returned as it is.
 """
 DOUBLED = 2.0
 
@@ -54,14 +54,14 @@ def prove(
     Returns
     -------
     Solution
-        With ``proof``; its status is ``Status.NOT_PROVED`` where it is no motion within its limits. A finer mesh that
-        cannot be solved does not take away what a coarser one found.
+        With ``proof``. Its status is ``Status.NOT_PROVED`` if it is no motion within its limits. If a finer mesh cannot
+        be solved, it is the solution on the coarser one.
     """
     return _Refining(problem, settings, progress).plan(guess)
 
 
 class _Refining:
-    """The solves of one plan: what they found, and what they took."""
+    """The solves of one plan, on one mesh after the other, with their times and iterations."""
 
     def __init__(self, problem: Problem, settings: Settings, progress: Progress | None) -> None:
         assert settings.goals is not None
@@ -70,16 +70,16 @@ class _Refining:
         self.steps: list[MeshStep] = []
         self.times: dict[str, float] = {}
         self.iterations = 0
-        self.whence = ""
-        """The beginning that led to a solution, where the guess did not."""
+        self.restart = ""
+        """Description of the restart that led to a solution; empty where the guess did."""
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
         self.measures: Measured | None = None
-        """Of the best solution so far."""
-        self.seen: tuple[object, Measured] | None = None
-        """Phases of the last solution that was measured before its motion was held, and these measures."""
-        self.held = False
-        """Whether the motion on the present mesh is held between its points."""
+        """Measures of the best solution so far."""
+        self.unchecked: tuple[object, Measured] | None = None
+        """Phases and measures of the last solution that was measured before limits were imposed between its points."""
+        self.limits_between = False
+        """Whether limits are imposed between the points on the present mesh."""
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
@@ -87,13 +87,13 @@ class _Refining:
         meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
         soft = self._with_soft_friction(guess, meshes)
         if soft is not None:
-            guess, meshes = soft, self._bent(soft)
+            guess, meshes = soft, self._finer_where_bent(soft)
         last: Solution | None = None
-        best_held, stuck = False, 0
+        best_limited, stagnant = False, 0
         for number in range(MOST_MESHES):
             first = number == 0
             try:
-                self.held = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self.sticking)
+                self.limits_between = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self.sticking)
                 last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
             except KeyboardInterrupt:
                 if last is None:
@@ -103,30 +103,33 @@ class _Refining:
                 return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
             if last.success:
                 self.best = last = self._measured(last, self.measures)
-                best_held = self.held
-            elif not first or last.status in LIMITS_OF_THE_USER or are_sure(last.conflicts):
+                best_limited = self.limits_between
+            elif not first or last.status in LIMITS_OF_THE_USER or are_certain(last.conflicts):
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break
             if number >= ENOUGH - 1 and not self.sticking and self.best is not None and _is_motion(self.best):
                 break
-            stuck = stuck + 1 if self._stuck() else 0
-            if stuck > 1:
+            stagnant = stagnant + 1 if self._stagnates() else 0
+            if stagnant > 1:
                 break
-            least = DOUBLED if stuck else 1.0 if not first else self._second if soft is None else SECOND
+            least = DOUBLED if stagnant else 1.0 if not first else self._second if soft is None else SECOND
             finer = self._finer(meshes, least)
             if finer == meshes:
                 break
             meshes = finer
         assert last is not None
-        if self.best is not None and not best_held and not _is_motion(self.best):
-            self._hold_best()
+        if self.best is not None and not best_limited and not _is_motion(self.best):
+            self._limit_best_between()
         return self._concluded(self.best or last)
 
-    def _hold_best(self) -> None:
-        """Hold the best motion between its points, where its mesh was to be followed by one that was not solved."""
+    def _limit_best_between(self) -> None:
+        """Solve on the mesh of the best motion with limits imposed between its points.
+
+        They were left to a finer mesh, which was not solved.
+        """
         assert self.best is not None and self.measures is not None
-        before, self.held = self.measures.before, True
+        before, self.limits_between = self.measures.before, True
         try:
             found = self._on(tuple(part.mesh for part in self.best.phases), self.best, first=False, nearby=True)
         except KeyboardInterrupt:
@@ -136,16 +139,16 @@ class _Refining:
             self.best = self._measured(found, before)
 
     def _is_settled(self, solution: Solution) -> bool:
-        """Whether the mesh of a solution is fine enough, so that its motion is worth holding between its points."""
-        self.seen = solution.phases, measured(solution, self.measures, self.goals, bending=self.sticking)
-        seen = self.seen[1]
-        self.held = seen.proof.error <= self.goals.error and seen.growth <= 1.0
-        return self.held
+        """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
+        measures = measured(solution, self.measures, self.goals, bending=self.sticking)
+        self.unchecked = solution.phases, measures
+        self.limits_between = measures.proof.error <= self.goals.error and measures.growth <= 1.0
+        return self.limits_between
 
-    def _stuck(self) -> bool:
-        """Whether the error exceeds its goal and hardly fell on the last mesh, so that the next would not do."""
+    def _stagnates(self) -> bool:
+        """Whether the error exceeds its goal and hardly fell on the last mesh."""
         errors = [step.error for step in self.steps[-2:]]
-        return len(errors) == 2 and errors[1] > self.goals.error and errors[1] > STUCK * errors[0]
+        return len(errors) == 2 and errors[1] > self.goals.error and errors[1] > STAGNATION * errors[0]
 
     @property
     def _second(self) -> float:
@@ -154,7 +157,7 @@ class _Refining:
         return refinement.second if isinstance(refinement, Equidistribute) else SECOND
 
     def _finer(self, meshes: tuple[Mesh, ...], least: float) -> tuple[Mesh, ...]:
-        """Return the next meshes: of the same knots, more closely, where there is nothing to measure."""
+        """Return the next meshes; without measures, all intervals are divided evenly."""
         refinement = self.settings.refinement
         assert refinement is not None
         if self.best is None or self.measures is None:
@@ -162,7 +165,7 @@ class _Refining:
         return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth))
 
     def _with_soft_friction(self, guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Solution | None:
-        """Solve with dry friction that saturates at larger speeds; None without friction, or where all that failed."""
+        """Solve with dry friction that saturates at larger speeds; None without friction, or if all solves failed."""
         if not self.sticking or isinstance(guess, Solution):
             return None
         limits = replace(self.settings.interval_limits, rounds=0)
@@ -178,13 +181,13 @@ class _Refining:
                 break
             if softer.success:
                 found = softer
-                meshes = self._bent(found)
+                meshes = self._finer_where_bent(found)
         if isinstance(self.progress, PlanLimits):
             self.progress.begin()
         return found
 
-    def _bent(self, soft: Solution) -> tuple[Mesh, ...]:
-        """Return meshes that are finer where torques bend: with less soft friction they bend more sharply there."""
+    def _finer_where_bent(self, soft: Solution) -> tuple[Mesh, ...]:
+        """Return meshes that are finer where torques bend, since they bend more sharply with less soft friction."""
         refinement = self.settings.refinement
         assert refinement is not None
         return measured(soft, None, self.goals, bending=True).next_meshes(soft.phases, refinement, SOFTER)
@@ -194,14 +197,14 @@ class _Refining:
     ) -> Solution:
         """Solve on meshes; where torques exceed their limits between the points, lower the limits there.
 
-        The first meshes only find a start: a failure there is met on the next, and so is what exceeds limits. Where the
-        objective needs a finer mesh, so is that, unless the motion is to be held.
+        Limits between the points are ignored on the first meshes, which only find a guess for the next. They are also
+        ignored where the objective needs a finer mesh, unless ``limits_between``.
         """
         settings = replace(self.settings, mesh=meshes)
         if nearby:
             settings = replace(settings, solver=self._warm)
         if self.measures is not None and self.measures.before is not None and self.measures.proof.motion_holds:
-            # The motion is known by now, and only its objective is left to settle.
+            # The motion is proved, and only its objective has not settled.
             patience = PATIENCE_STICKING if self.sticking else PATIENCE
             settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
         if first:
@@ -210,16 +213,18 @@ class _Refining:
         if self.best is None:
             # Other guesses were tried on the first mesh.
             settings = replace(settings, restarts=Restarts(0))
-        return self._solve(self.problem, start, settings, lower=True, hold=None if self.held else self._is_settled)
+        return self._solve(
+            self.problem, start, settings, lower=True, hold=None if self.limits_between else self._is_settled
+        )
 
     @property
     def _warm(self) -> Solver:
         """The solver of a solve that starts from a solution on another mesh."""
         solver = self.settings.solver
         if self.sticking:
-            # Joints that stick and slide change places from mesh to mesh.
+            # The times at which joints stick and slide differ from mesh to mesh.
             return solver
-        # Limits of rates are active nearly everywhere in least time, and change sides from mesh to mesh.
+        # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh.
         return solver.from_nearby(altered=any(phase.rows.rates for phase in self.problem.phases))
 
     def _solve(
@@ -233,17 +238,17 @@ class _Refining:
         found = solve(problem, start, settings, self.progress, hold, lower)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations
-        _, _, whence = found.message.partition(WHENCE)
-        self.whence = whence or self.whence
+        _, _, restart = found.message.partition(RESTARTED_FROM)
+        self.restart = restart or self.restart
         return found
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
-        """Measure between the points, and what a finer mesh than those ``before`` may gain."""
-        if self.seen is not None and self.seen[0] is solution.phases and self.seen[1].before is before:
-            self.measures = self.seen[1].with_violations(solution)
+        """Measure a solution between its points, and compare it with the solutions ``before``."""
+        if self.unchecked is not None and self.unchecked[0] is solution.phases and self.unchecked[1].before is before:
+            self.measures = self.unchecked[1].with_violations(solution)
         else:
             self.measures = measured(solution, before, self.goals, bending=self.sticking)
-        self.seen = None
+        self.unchecked = None
         proof, parts = self.measures.proof, solution.phases
         points = sum(len(part.points) for part in parts)
         intervals = sum(part.mesh.count for part in parts)
@@ -252,13 +257,16 @@ class _Refining:
         return replace(solution, proof=proof)
 
     def _concluded(self, solution: Solution) -> Solution:
-        """Say how the whole plan ended: a motion beyond its limits is no success, an early optimum is one."""
+        """Return the solution with the status and records of the whole plan.
+
+        A motion beyond its limits has ``Status.NOT_PROVED``. A motion whose objective has not settled counts as solved.
+        """
         status = solution.status
         if status is Status.SOLVED and not _is_motion(solution):
             status = Status.NOT_PROVED
         message = solution.message
-        if self.whence and WHENCE not in message:
-            message += WHENCE + self.whence
+        if self.restart and RESTARTED_FROM not in message:
+            message += RESTARTED_FROM + self.restart
         return replace(
             solution,
             status=status,

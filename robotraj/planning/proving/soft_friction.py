@@ -1,8 +1,8 @@
 """Continuation in the speed at which dry friction saturates.
 
-Dry friction F tanh(v / v_s) changes its sign within v_s. From a guess that knows no reversals, a solver ends in a poor
-local optimum, or takes hundreds of iterations. The first meshes are solved with a larger v_s, each the guess of the
-next; the last ones with that of the robot.
+Dry friction F tanh(v / v_s) changes its sign within v_s. From a guess without reversals, a solver ends in a poor local
+optimum, or takes hundreds of iterations. The problem is first solved with larger v_s, each solution the guess of the
+next, and then with the v_s of the robot.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def softened(problem: Problem, factor: float) -> Problem:
 
 
 def needs_softening(problem: Problem) -> bool:
-    """Whether a robot with a fixed root and dry friction moves for the least integral: in least time no joint rests."""
+    """Whether a robot with a fixed root and dry friction minimises an integral; in least time no joint rests."""
     return any(_has_friction(phase) and _integrates(phase) for phase in problem.phases)
 
 

@@ -1,4 +1,4 @@
-"""The motion that a control loop drove: the first piece of every plan, joined."""
+"""The motion that a control loop followed: the first piece of every plan, joined."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
 
 SITES = 5
-"""Values of each piece: a polynomial of degree four holds one of an interval of Hermite-Simpson exactly."""
+"""Values of each piece: a polynomial of degree four represents an interval of Hermite-Simpson exactly."""
 
 
 def driven(replans: Sequence[Replan], until: float) -> Solution:
@@ -33,15 +33,15 @@ def driven(replans: Sequence[Replan], until: float) -> Solution:
     Parameters
     ----------
     replans : sequence of Replan
-        In the order of their steps, two at least.
+        At least two, in the order of their steps.
     until : float
         End of the last piece [s].
 
     Returns
     -------
     Solution
-        Of one phase from the first step to ``until``. Its status is ``Status.NOT_PROVED`` and its objective NaN: it is
-        no solution of one problem.
+        One phase from the first step to ``until``. Its status is ``Status.NOT_PROVED`` and its objective NaN, since it
+        does not solve one problem.
 
     Raises
     ------
@@ -50,7 +50,10 @@ def driven(replans: Sequence[Replan], until: float) -> Solution:
     """
     times = np.array([*(replan.t for replan in replans), float(until)])
     if len(replans) < 2 or not np.all(np.diff(times) > 0.0):
-        raise InputError("driven() joins the plans of two steps or more, whose times ascend up to until=.")
+        raise InputError(
+            f"driven() got {len(replans)} plans with times {times[:-1].tolist()} and until={until}; give at least two "
+            "plans whose times ascend up to until."
+        )
     sites = lobatto_sites(SITES)
     curves = []
     for name in ("x", "z", "u"):

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Replan(OneLine):
-    """What ``Replanner.step`` returns.
+    """The plan of one step, returned by ``Replanner.step``.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Replan(OneLine):
     motion : PhaseSolution
         The planned motion, on the same clock.
     fresh : bool
-        Whether this step's plan meets its rows. Otherwise ``motion`` is that of the last step that did.
+        Whether the iterate of this step meets its rows. Otherwise ``motion`` is that of the last step that did.
     status : Status
         How the solve of this step ended; ``Status.TIME_LIMIT`` at the deadline.
     violation : float

@@ -1,4 +1,4 @@
-"""Plan again from measured states, within a deadline, without building anything."""
+"""Plan again from measured states, within a deadline, without building the program again."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 INTERVALS = 50
-"""Intervals of the mesh that is used where none is given."""
+"""Number of intervals of the default mesh."""
 RETURNING = 0.1
-"""Share of the deadline kept for what follows the solver."""
+"""Share of the deadline reserved for checking and returning the iterate."""
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
-"""Ends of a solve whose iterate is the start of the next one."""
+"""Statuses after which the iterate is the start of the next solve."""
 FEASIBLE = 1e-4
 """Largest violation of a scaled row at which an iterate is a plan."""
 
@@ -54,40 +54,40 @@ FEASIBLE = 1e-4
 class Replanner:
     """One problem, solved again and again from measured states.
 
-    The first plan is solved when the replanner is made; it builds and compiles everything. A step changes the fixed
+    The first plan is solved when the replanner is made, which builds and compiles the program. A step changes the fixed
     values of the ends, starts the interior-point method at the last iterate with its multipliers, and stops at the
-    deadline. An iterate that meets the rows is the new plan, converged or not; otherwise the earlier plan is kept, and
-    the next step goes on from the iterate.
+    deadline. An iterate that meets the rows is the new plan, converged or not. Otherwise the earlier plan is kept, and
+    the next step continues from the iterate.
 
     Parameters
     ----------
     problem : Phase or Problem
-        One phase whose start is fixed. Fixed values of its ends, fixed parameters and the time of its start change with
-        every step. A moving goal is a parameter, or a function of ``point.t``. Obstacles of ``rt.CollisionFree`` move
-        in time, or are given with every step.
+        One phase whose start is fixed. A step may change the fixed values of its ends, fixed parameters and the time of
+        its start. A moving goal is a parameter or a function of ``point.t``. Obstacles of ``rt.CollisionFree`` are
+        functions of time, or are given with every step.
     mesh : Mesh, optional
         50 Hermite-Simpson intervals by default.
     deadline : float, optional
         Wall-clock seconds of a step; none by default. The solver reads the clock once an iteration.
     guess : InitialGuess or Solution, optional
-        Of the first plan.
+        Guess of the first plan.
     solver : InteriorPoint, optional
-        Of the steps. The default stops at 1e-4 and starts at a barrier of 1e-3: near its last solution a smaller
-        barrier takes more iterations. Limits become active or inactive from step to step.
+        Solver of the steps. The default has a tolerance of 1e-4 and a first barrier of 1e-3. A smaller barrier takes
+        more iterations near the last solution, since limits become active or inactive from step to step.
 
     Raises
     ------
     InputError
-        Several phases, a start that is not fixed, or a problem whose ends cannot move without building it again.
+        The problem has several phases, its start is not fixed, or its ends cannot change without a new program.
     NoSolutionFound
         The first plan was not found.
 
     Notes
     -----
     Limits hold at the collocation points and, for speeds and positions, between them. Distances hold there between the
-    shapes that were nearest along the last plan (``transcription.clearance.plane_rows``). A step proves nothing; the
-    feedback of a controller makes up for what is left. Source of the scheme: Diehl, Bock, Schloeder, A real-time
-    iteration scheme for nonlinear optimization in optimal feedback control, SIAM J. Control Optim. 43 (2005).
+    shapes that were nearest along the last plan (``transcription.clearance.plane_rows``). A step proves nothing; a
+    feedback controller must correct the remaining errors. Source: Diehl, Bock, Schloeder, A real-time iteration scheme
+    for nonlinear optimization in optimal feedback control, SIAM J. Control Optim. 43 (2005).
     """
 
     def __init__(
@@ -117,7 +117,8 @@ class Replanner:
             self._planes, origin = _with_planes(self.first)
         if origin is None:
             raise InputError(
-                "The interior-point method kept no program of this problem, so that it cannot be replanned."
+                "A Replanner needs the program of rt.InteriorPoint, which solved this problem without one. Give "
+                "another mesh or scheme."
             )
         self._phase = self.first.phases[0].phase
         self._compiled = origin.compiled
@@ -144,14 +145,14 @@ class Replanner:
         t : float
             Time of the measurement [s], on a clock of the caller's choice. It is ``point.t`` at the start of the plan.
         start : State
-            The measured state; it may lie outside its limits by what sensors add.
+            The measured state. Measurement errors may move it beyond its limits.
         end : State, optional
-            The new end, with the same values fixed as that of the problem; the last one by default.
+            The new end, which fixes the same values as that of the problem; the last one by default.
         parameters : mapping of str to float, optional
             New values of fixed parameters of the problem; the last ones by default.
         obstacles : sequence of Obstacle, optional
-            Where the obstacles of ``rt.CollisionFree`` were seen, as many as the problem has and in their order; the
-            last ones by default. Those that are functions of time follow the clock of the caller.
+            The obstacles of ``rt.CollisionFree`` at their measured poses, in the number and order of the problem; the
+            last ones by default. Obstacles that are functions of time follow the clock of the caller.
 
         Returns
         -------
@@ -161,13 +162,13 @@ class Replanner:
         Raises
         ------
         InputError
-            A state that leaves values open which the problem fixes, an unknown parameter, another number of obstacles,
-            or NaN.
+            A state leaves values open that the problem fixes, a parameter is unknown, the number of obstacles differs,
+            or a number is not finite.
         """
         began = time.perf_counter()
         if obstacles is not None:
             if self._planes is None:
-                raise InputError("step(obstacles=) moves those of rt.CollisionFree, which the problem does not have.")
+                raise InputError("step(obstacles=) moves obstacles of rt.CollisionFree, but the problem has none.")
             self._planes.place_obstacles(obstacles)
         formulation = self._program.at(self._numbers.values(t, start, end, parameters or {}))
         if self._planes is not None:
@@ -190,7 +191,7 @@ class Replanner:
         violation = _violation(formulation, w)
         fresh = violation <= FEASIBLE
         if fresh or (status in UNFINISHED and np.isfinite(violation)):
-            # The next step goes on from an iterate that had no time left: starting anew, it would not end either.
+            # The next step continues from an unfinished iterate. From the earlier one it would not finish either.
             self._w, self._lam = w, found.lam
         if fresh:
             trajectory = extract(formulation.nlp, w)[0]
@@ -211,7 +212,7 @@ class Replanner:
 
 
 def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
-    """Solve the problem of a plan again from it, with the rows on distances that every step has."""
+    """Solve the problem of a plan again from its solution, with the rows on distances of every step."""
     from robotraj.transcription.clearance.plane_rows import PlaneRows
 
     settings, problem = first.settings, first.problem

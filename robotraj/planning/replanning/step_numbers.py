@@ -1,4 +1,4 @@
-"""The numbers that a step of a control loop changes, read from states and parameters."""
+"""The numbers that a step of a control loop changes, from its states and parameters."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PARAMETERS = 2
-"""Start time and duration of a phase come before its parameters."""
+"""Number of scalars of a phase before its parameters: start time and duration."""
 
 
 class StepNumbers:
@@ -40,7 +40,7 @@ class StepNumbers:
         if loose:
             raise InputError(f"A Replanner needs a fixed start, but that of {phase.name!r} leaves {loose[0]!r} open.")
         columns = np.concatenate([layout.knots[k][own] for k, own in zip((0, -1), self._fixed, strict=True)])
-        # A value beyond a limit by round-off keeps a range.
+        # A value that exceeds a limit by round-off has distinct bounds and is not a fixed column.
         self._kept = variables.lower[columns] == variables.upper[columns]
         self.columns = columns[self._kept]
         self._names = [n for n, s in zip(phase.parameter_names, layout.parameters, strict=True) if s.column is None]
@@ -49,7 +49,7 @@ class StepNumbers:
         self._parameters = {n: s.value for n, s in zip(phase.parameter_names, layout.parameters, strict=True)}
 
     def values(self, t: float, start: State, end: State | None, parameters: Mapping[str, float]) -> Array:
-        """Return the numbers of a step: columns, start time, parameters."""
+        """Return the numbers of a step: fixed columns, start time [s], parameters."""
         for which, (name, state) in enumerate((("start", start), ("end", end))):
             if state is not None:
                 self._ends[which] = self._read(which, name, state)

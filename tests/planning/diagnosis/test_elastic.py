@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.elastic import enough_time, relaxed_motion
+from robotraj.planning.diagnosis.elastic import relaxed_motion, sufficient_duration
 from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 
@@ -68,7 +68,7 @@ def test_a_duration_too_short_for_the_motors_is_reported() -> None:
     # With force u on 1 kg a motion over 1 m takes 2 / sqrt(u).
     assert abs(found[0].needed) == pytest.approx((2.0 / 1.9) ** 2, rel=0.02)
     assert motion is not None
-    longer = enough_time(problem, coarse, motion)
+    longer = sufficient_duration(problem, coarse, motion)
     assert longer is not None and longer.needed == pytest.approx(2.0, rel=0.02)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.first_mesh import SharedOut, graded
+from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
 from robotraj.transcription.refinement.equidistribution import evenly_finer
 
 
@@ -140,7 +140,7 @@ def test_intervals_of_a_first_mesh_are_shared_out_by_durations() -> None:
     robot = rt.load("hopper", root="planar")
     spans = (0.2, 1.0, 0.6, (0.0, np.inf), (0.2, 0.6))
     problem = rt.Problem([rt.Phase(robot, span, name=str(i)) for i, span in enumerate(spans)])
-    meshes = SharedOut(4, 2, rt.schemes.LobattoIIIA(4)).of(problem)
+    meshes = ProportionalMeshes(4, 2, rt.schemes.LobattoIIIA(4)).of(problem)
     assert [mesh.count for mesh in meshes] == [2, 4, 3, 4, 2]
     assert all(mesh.schemes[0] == rt.schemes.LobattoIIIA(4) for mesh in meshes)
 

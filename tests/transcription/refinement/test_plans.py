@@ -391,22 +391,22 @@ def test_a_small_objective_is_as_accurate_as_a_large_one() -> None:
 
 def test_the_users_complementarity_is_kept() -> None:
     plain = rt.Ipopt(tolerance=1e-7)
-    assert plain.sharper(0.1).options == {"compl_inf_tol": pytest.approx(1e-8)}
-    assert plain.sharper(1e-9) == plain.sharper(1e-10)
+    assert plain.with_smaller_gap(0.1).options == {"compl_inf_tol": pytest.approx(1e-8)}
+    assert plain.with_smaller_gap(1e-9) == plain.with_smaller_gap(1e-10)
     own = rt.Ipopt(options={"compl_inf_tol": 1e-5})
-    assert own.sharper(0.1) is own
+    assert own.with_smaller_gap(0.1) is own
 
 
-def test_a_sharper_solver_that_fails_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solver_with_a_smaller_gap_that_fails_is_not_called_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """The plan is the one of the solver as it was given."""
     asked: list[rt.Ipopt] = []
 
-    def sharper(self: rt.Ipopt, factor: float) -> rt.Ipopt:
+    def with_smaller_gap(self: rt.Ipopt, factor: float) -> rt.Ipopt:
         asked.append(replace(self, options={"max_iter": 0, "compl_inf_tol": factor * self.tolerance}))
         return asked[-1]
 
-    monkeypatch.setattr(rt.Ipopt, "sharper", sharper)
-    monkeypatch.setattr(sharpening, "left_open", lambda solution: 1.0)
+    monkeypatch.setattr(rt.Ipopt, "with_smaller_gap", with_smaller_gap)
+    monkeypatch.setattr(sharpening, "duality_gap", lambda solution: 1.0)
     solution = rt.plan(swing_up(), tolerance=1e-6, solver=rt.Ipopt())
     assert solution.success and solution.refinement[-1].error <= 1e-6
     assert len(asked) == 3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.doubt import MANY, Doubt, Excluded
+from robotraj.planning.diagnosis.infeasibility_check import ITERATIONS, Excluded, InfeasibilityCheck
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.solution.conflict import Conflict
 from robotraj.solvers.base import Iteration
@@ -24,37 +24,37 @@ def rising(height: float) -> rt.Problem:
 
 def test_feet_that_cannot_stay_are_named_before_other_solvers_are_tried() -> None:
     solution = rt.plan(rising(0.3), check=False)
-    assert solution.status.name == "INFEASIBLE" and solution.iterations <= MANY
+    assert solution.status.name == "INFEASIBLE" and solution.iterations <= ITERATIONS
     assert solution.conflicts[0].name.startswith("contact position")
     assert "quaternion" not in str(solution.conflicts[0])
     # Legs of 0.32 m below hips at 0.24 m rise by less than a decimetre.
     assert 0.1 < abs(solution.conflicts[0].needed) < 0.3
 
 
-def test_a_problem_is_doubted_once_where_iterations_begin_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_conflicts_are_looked_for_once_where_iterations_begin_again(monkeypatch: pytest.MonkeyPatch) -> None:
     looked = []
 
     def found(*_: object, **__: object) -> tuple[Conflict, ...]:
         looked.append(1)
         return ()
 
-    monkeypatch.setattr("robotraj.planning.diagnosis.doubt.conflicts_of", found)
-    doubt = Doubt(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    monkeypatch.setattr("robotraj.planning.diagnosis.infeasibility_check.conflicts_of", found)
+    check = InfeasibilityCheck(rising(0.02), lambda problem, guess: pytest.fail(), None)
     for number in (0, 1, 2):
-        doubt(Iteration(number, 0.0, 1.0))
+        check(Iteration(number, 0.0, 1.0))
     assert not looked
-    for number in (0, 1, MANY, 0):
-        doubt(Iteration(number, 0.0, 1.0))
-    assert len(looked) == 1 and not doubt.conflicts
+    for number in (0, 1, ITERATIONS, 0):
+        check(Iteration(number, 0.0, 1.0))
+    assert len(looked) == 1 and not check.conflicts
 
 
-def test_a_sure_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    sure = Conflict("phase", "effort limit, elbow", 0.0, 1.0, 2.0, "N m", 1.0)
-    monkeypatch.setattr("robotraj.planning.diagnosis.doubt.conflicts_of", lambda *_, **__: (sure,))
-    doubt = Doubt(rising(0.02), lambda problem, guess: pytest.fail(), None)
+def test_a_certain_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
+    certain = Conflict("phase", "effort limit, elbow", 0.0, 1.0, 2.0, "N m", 1.0)
+    monkeypatch.setattr("robotraj.planning.diagnosis.infeasibility_check.conflicts_of", lambda *_, **__: (certain,))
+    check = InfeasibilityCheck(rising(0.02), lambda problem, guess: pytest.fail(), None)
     with pytest.raises(Excluded):
-        doubt(Iteration(MANY, 0.0, 1.0))
-    assert doubt.conflicts == (sure,)
+        check(Iteration(ITERATIONS, 0.0, 1.0))
+    assert check.conflicts == (certain,)
 
 
 def test_searches_that_do_not_agree_exclude_no_motion(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,67 @@
+"""A check during a long solve whether limits exclude every motion.
+
+Motions with contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. A
+callback of the solver therefore looks once for a conflict of limits, after many iterations or where iterations begin
+again. It stops the solve where a conflict excludes every motion. Two searches must agree that no configurations exist
+at the ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from robotraj.planning.diagnosis.elastic import Solve
+from robotraj.planning.diagnosis.explain import are_certain, conflicts_of
+from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
+from robotraj.solvers.base import Iteration, Progress
+
+ITERATIONS = 100
+"""Number of iterations after which conflicts are looked for."""
+
+
+class Excluded(KeyboardInterrupt):
+    """Raised where limits exclude every motion. The solver returns its iterate, as after Ctrl-C."""
+
+
+class InfeasibilityCheck:
+    """A progress callback that stops the solve of an infeasible problem.
+
+    Parameters
+    ----------
+    problem : Problem
+    solve_coarse : callable
+        ``solve_coarse(problem, guess)`` solves the relaxed problem on a coarse mesh.
+    show : callable or None
+        A further callback.
+
+    Attributes
+    ----------
+    conflicts : tuple of Conflict
+        Conflicts that exclude every motion; empty until they are found.
+    """
+
+    def __init__(self, problem: Problem, solve_coarse: Solve, show: Progress | None) -> None:
+        self._find: Callable[[], tuple[Conflict, ...]] | None = lambda: conflicts_of(problem, solve_coarse, agreed=True)
+        self._show, self._last = show, -1
+        self.conflicts: tuple[Conflict, ...] = ()
+
+    def __call__(self, iteration: Iteration) -> None:
+        """Show an iteration, and look for a conflict once.
+
+        Raises
+        ------
+        Excluded
+            Limits exclude every motion.
+        """
+        if self._show is not None:
+            self._show(iteration)
+        again = iteration.number < self._last
+        self._last = iteration.number
+        if self._find is None or not (again or iteration.number >= ITERATIONS):
+            return
+        find, self._find = self._find, None
+        found = find()
+        if are_certain(found):
+            self.conflicts = found
+            raise Excluded("Limits exclude every motion.")
