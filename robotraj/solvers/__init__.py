@@ -1,4 +1,4 @@
-"""Solvers of nonlinear programs, as values: one file each, the only ones that know its options.
+"""Solvers of nonlinear programs, as values. Each is one file, which alone depends on the options of the solver.
 
 Start with ``base.py``. The room may import ``transcription`` and what lies below.
 """

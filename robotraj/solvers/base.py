@@ -31,6 +31,7 @@ class Iteration:
 
 
 Progress = Callable[[Iteration], None]
+"""A callback that a solver calls once an iteration."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +71,12 @@ class Multipliers(OneLine):
 
     @property
     def plain(self) -> Multipliers:
-        """The numbers alone."""
+        """The arrays without the data of a solver."""
         return self
 
 
 class LateMultipliers(Multipliers):
-    """Multipliers computed at first use: those of eliminated rows need a further solve.
+    """Multipliers computed at first use, since those of eliminated rows need a further solve.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ class LateMultipliers(Multipliers):
 
     @cached_property
     def plain(self) -> Multipliers:
-        """The numbers alone."""
+        """The arrays without the data of a solver."""
         find: Callable[[], Multipliers] = self.__dict__["find"]
         return find()
 
@@ -117,7 +118,7 @@ class LateMultipliers(Multipliers):
         return self.plain.bounds
 
     def __reduce__(self) -> tuple[type[Multipliers], tuple[Array, Array]]:
-        # Another process receives the numbers alone.
+        # Another process receives the arrays without the data of a solver.
         return Multipliers, (self.rows, self.bounds)
 
 
@@ -135,7 +136,7 @@ class Outcome:
     multipliers : Multipliers
     iterations : int
     times : dict of str to float
-        Seconds: ``"setup"``, ``"solve"``; the name of a part begins with its whole, ``"solve: functions"``.
+        Wall-clock times [s] of ``"setup"``, ``"solve"`` and their parts, such as ``"solve: functions"``.
     """
 
     status: Status
@@ -151,7 +152,7 @@ class Solver(OneLine, ABC):
 
     @property
     def stagewise(self) -> bool:
-        """Whether the solver works by stages: it calls native functions itself, and rows within a stage are cheap."""
+        """Whether the solver works stage by stage. It then calls native functions itself, and path rows are cheap."""
         return False
 
     def at_most(self, iterations: int) -> Solver:
@@ -159,7 +160,7 @@ class Solver(OneLine, ABC):
         return self
 
     def with_early_stop(self) -> Solver:
-        """Return this solver for a problem that seldom has a solution: it stops early, and no other is tried."""
+        """Return this solver with few iterations and no fallback, for a problem that seldom has a solution."""
         return self
 
     def from_nearby(self, altered: bool = False) -> Solver:
@@ -180,10 +181,10 @@ class Solver(OneLine, ABC):
         Parameters
         ----------
         nlp : Nlp
-            Differs from the earlier one in bounds, fixed values or guess alone. Any other NLP is solved by
+            An NLP that differs from the earlier one only in bounds, fixed values or guess. Any other NLP is solved by
             ``solve``.
         known : Multipliers
-            Of the earlier outcome; their ``origin`` has the data of the solver.
+            Multipliers of the earlier outcome. Their ``origin`` has the data of the solver.
         progress, multipliers
             As for ``solve``.
         """
@@ -194,10 +195,10 @@ class Solver(OneLine, ABC):
         return self
 
     def with_smaller_gap(self, factor: float) -> Solver:
-        """Return this solver with ``factor`` times its gap of the objective; itself where it cannot change the gap.
+        """Return this solver with ``factor`` times its duality gap; itself where it cannot change the gap.
 
-        An interior-point method stops where multiplier times distance from the bound is small at every bound. The gap
-        is their sum, and a finer mesh has more bounds.
+        An interior-point method stops where the product of multiplier and distance from the bound is small at every
+        bound. The gap is the sum of these products, and a finer mesh has more bounds.
         """
         return self
 
@@ -211,5 +212,5 @@ class Solver(OneLine, ABC):
         progress : callable, optional
             Called once per iteration.
         multipliers : Multipliers, optional
-            Of an earlier solution, for a warm start.
+            Multipliers of an earlier solution, for a warm start.
         """

@@ -28,8 +28,9 @@ class CompiledProgram:
     ----------
     native : robotraj.native.Program
     threads : int
+        Number of threads that evaluate points.
     alone : threading.Lock
-        Held by the solve that uses the program.
+        Lock of the solve that uses the program.
     """
 
     native: Program
@@ -55,7 +56,7 @@ def origin_of(multipliers: Multipliers | None) -> CompiledOrigin | None:
 def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dict[str, NDArray[np.float64]]:
     """Return the arguments of a solve that starts from multipliers; an empty mapping where they do not fit.
 
-    From another mesh come those of the inequality rows alone, from which the solver estimates the others.
+    Those of another mesh are interpolated for the inequality rows. The solver estimates the others.
     """
     origin = origin_of(multipliers)
     if origin is None:

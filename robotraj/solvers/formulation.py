@@ -1,8 +1,8 @@
 """The form of an NLP for the compiled solver: in stages, or assembled as a whole.
 
-A problem whose unknowns join neighbouring intervals alone is written in stages, and a Riccati recursion solves its
-Newton systems. Contacts, closed gaits, design parameters, integrals and shooting join distant intervals or make stages
-of low rank: such a problem is assembled, and its Newton systems are factorised as sparse matrices.
+A problem that couples only neighbouring intervals is written in stages, and a Riccati recursion solves its Newton
+systems. Contacts, closed gaits, design parameters, integrals and shooting couple distant intervals or make stages
+rank deficient. Such a problem is assembled, and its Newton systems are factorised as sparse matrices.
 """
 
 from __future__ import annotations
@@ -31,8 +31,11 @@ Formulation: TypeAlias = "Reduction | Assembled"
 WIDEST = 10_000
 """Unknowns times equalities of a stage above which a fully pivoted elimination is slower than a sparse one."""
 ROW_CORRECTION = 1e-8
-"""Regularisation of the rows of an assembled problem, times mu^(1/4). Rows may be redundant, and near straight knees
-they are almost dependent: without it steps of multipliers grow beyond all bounds there."""
+"""Regularisation of the rows of an assembled problem, times mu^(1/4).
+
+Rows may be redundant, and near straight knees they are almost dependent. Without it steps of multipliers are unbounded
+there.
+"""
 
 
 def formulate(nlp: Nlp) -> Formulation:
@@ -49,7 +52,7 @@ def formulate(nlp: Nlp) -> Formulation:
 
 
 def options(formulation: Formulation) -> dict[str, float]:
-    """Options of the compiled solver that the formulation requires."""
+    """Return the options of the compiled solver that the formulation requires."""
     if isinstance(formulation, Reduction):
         return {}
     return {"row_correction": ROW_CORRECTION, "least_row_correction": ROW_CORRECTION}
@@ -60,6 +63,7 @@ def multipliers(formulation: Formulation, y: Array, lam: Array) -> tuple[Array, 
 
     Parameters
     ----------
+    formulation : Formulation
     y : ndarray (n_y,)
         Solution of the program.
     lam : ndarray (n_rows,)
@@ -78,13 +82,14 @@ def carried(known: Formulation, lam: Array, new: Formulation) -> Array | None:
 
 
 def _joins_neighbours(nlp: Nlp) -> bool:
-    phases = all(map(_by_intervals, nlp.problem.phases, nlp.layouts))
+    phases = all(map(_couples_neighbours, nlp.problem.phases, nlp.layouts))
     links = (link.phases for link in nlp.problem.bound_links)
     return phases and all(max(each) - min(each) == 1 for each in links)
 
 
-def _by_intervals(phase: Phase, layout: PhaseLayout) -> bool:
-    joined = (
+def _couples_neighbours(phase: Phase, layout: PhaseLayout) -> bool:
+    """Whether the rows and unknowns of a phase couple only neighbouring intervals."""
+    distant = (
         isinstance(layout.scheme, OneStep)
         or isinstance(layout.mesh, MovingMesh)
         or phase.contacts
@@ -92,4 +97,4 @@ def _by_intervals(phase: Phase, layout: PhaseLayout) -> bool:
         or any(parameter.column is not None for parameter in layout.parameters)
         or any(isinstance(constraint, IntegralConstraint) for constraint in phase.constraints)
     )
-    return not joined
+    return not distant

@@ -1,11 +1,11 @@
-"""Our primal-dual interior-point method, in C++; an iteration runs no Python.
+"""The project's primal-dual interior-point method, in C++; an iteration runs no Python.
 
-Newton's systems of a problem in stages (``robotraj.solvers.stagewise``) are solved by a Riccati recursion, those of any
-other problem (``robotraj.solvers.assembled``) by a sparse factorisation; see ``robotraj.solvers.formulation``.
+Newton systems of a problem in stages (``robotraj.solvers.stagewise``) are solved by a Riccati recursion. Those of any
+other problem (``robotraj.solvers.assembled``) are solved by a sparse factorisation; see
+``robotraj.solvers.formulation``.
 
-Source: Waechter and Biegler, On the implementation of an interior-point filter line-search algorithm for large-scale
-nonlinear programming, Mathematical Programming 106, 2006; Vanroye, Sathya, De Schutter, Decre, FATROP: a fast
-constrained optimal control problem solver for robot trajectory optimization and control, IROS 2023.
+Sources: Waechter and Biegler, Mathematical Programming 106 (2006), for the filter line search. Vanroye, Sathya, De
+Schutter, Decre, FATROP, IROS (2023), for the stages.
 """
 
 from __future__ import annotations
@@ -40,13 +40,15 @@ WARM_BARRIER = 1e-4
 WARM_SHARE = 1e-2
 """First barrier parameter of such a solve, relative to the largest violation of a scaled row at its start.
 
-A solution of a neighbouring problem is as far from the central path of its barrier as it violates the rows."""
+The violation measures the distance of the start from the central path.
+"""
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
-"""First barrier parameters of a solve that starts from the solution on another mesh, and of another problem."""
+"""First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
 FACTORS = (100.0, 10.0)
-"""Accuracy to which the problem of one barrier is solved before the barrier falls, in multiples of the barrier.
+"""Error of the problem of one barrier parameter below which the parameter falls, in multiples of the parameter.
 
-The first takes a quarter fewer iterations. Where its line search fails, the second starts again from the guess."""
+The first takes fewer iterations. If its line search fails, the solve starts again from the guess with the second.
+"""
 PATIENCE, LARGER = 500, 10.0
 """Iterations of the first attempt, and factor on the first barrier of the next.
 
@@ -56,45 +58,51 @@ SHORTEST = 1e-3
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
 """Statuses after which the fallback solves the problem.
 
-Limits that the user set are not among them. Neither is divergence, which any solver would meet."""
+Limits of the user and divergence, which any solver would meet, are not among them.
+"""
 RUN_OFF = 1e12
-"""A solve has diverged where it ends unsolved with a scaled variable beyond this."""
+"""Size of a scaled variable above which an unsolved solve has diverged."""
 
 
 @dataclass(frozen=True)
 class InteriorPoint(Solver):
     """A primal-dual interior-point method with a filter line search.
 
-    A motion whose unknowns join neighbouring intervals alone is solved stage by stage. Contacts, closed gaits, design
-    parameters, integrals and shooting are solved by a sparse factorisation.
+    A problem that couples only neighbouring intervals is solved stage by stage. Problems with contacts, closed gaits,
+    design parameters, integrals or shooting are solved by a sparse factorisation.
 
     Parameters
     ----------
     tolerance : float
         Optimality tolerance on the scaled problem.
     max_iterations : int
-        Of one solve, those of the restoration phase included. Those of the ``fallback`` are counted separately.
+        Iterations of one solve, including those of the restoration phase. The ``fallback`` counts its own.
     time_limit : float or None
-        Wall-clock seconds of one solve, those of the ``fallback`` included. Solves on finer meshes and restarts are
-        further solves.
+        Wall-clock time of one solve [s], including the ``fallback``. Solves on finer meshes and restarts are further
+        solves.
     initial_barrier : float
         The first barrier parameter.
     barrier_factor : float, optional
-        The barrier falls where the error of its problem is below this multiple of it. The default is 100. Where the
-        line search fails, the solve starts again from the guess with 10.
+        The barrier parameter falls when the error of its problem is below this multiple of it. The default is 100. If
+        the line search fails, the solve starts again from the guess with 10.
     adaptive_barrier : bool
         Choose the barrier parameter of every step from a step without a barrier, as long as that makes progress
         (Nocedal, Waechter, Waltz, SIAM J. Optim. 19, 2009). Otherwise the parameter falls monotonically.
     threads : int, optional
-        Number of threads that evaluate points, by default the number of processors of the process. Solutions are
-        identical bit by bit for any number.
+        Number of threads that evaluate points; by default the number of processors of the process. Solutions are
+        bitwise identical for any number.
     fallback : Solver or None
         Solves the problem where this method fails, unless it diverged or reached a ``max_iterations`` set by the user.
         The message names the reason. None switches it off.
     objective_scale : float, optional
-        Factor of the objective. The default makes the weight of the first barrier independent of the mesh and, except
-        for small objectives on coarse meshes, of the unit; see ``robotraj.solvers.objective_scale``. Multipliers
-        belong to the unscaled objective.
+        Factor of the objective. The default makes the weight of the first barrier independent of the mesh. Except for
+        small objectives on coarse meshes, it is independent of the unit too; see ``robotraj.solvers.objective_scale``.
+        Multipliers belong to the unscaled objective.
+
+    Raises
+    ------
+    InputError
+        An option is no number above 0, or ``fallback`` is no solver.
     """
 
     tolerance: float = 1e-8
@@ -132,7 +140,7 @@ class InteriorPoint(Solver):
         return replace(self, fallback=None, max_iterations=max(1, self.max_iterations // 3))
 
     def from_nearby(self, altered: bool = False) -> InteriorPoint:
-        """Return this solver with a smaller first barrier, which adapts where only the mesh differs."""
+        """Return this solver with a smaller first barrier, which is adaptive where only the mesh differs."""
         barrier = min(self.initial_barrier, ALTERED_BARRIER if altered else NEARBY_BARRIER)
         return replace(self, initial_barrier=barrier, adaptive_barrier=self.adaptive_barrier or not altered)
 
@@ -169,15 +177,15 @@ class InteriorPoint(Solver):
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
     ) -> Outcome:
-        """Solve with the compiled program of an earlier solve: no symbolic work, no chain rule, no allocation."""
+        """Solve with the compiled program of an earlier solve, without symbolic work, chain rule or allocation."""
         began = time.perf_counter()
         origin = known.origin
-        # An NLP with added rows, or of another transcription, has other blocks: the earlier program does not fit.
+        # An NLP with added rows, or of another transcription, has other blocks, and the earlier program does not fit.
         if not isinstance(origin, CompiledOrigin) or origin.nlp.blocks is not nlp.blocks:
             return self.solve(nlp, progress, multipliers)
         compiled = origin.compiled
         formulation = origin.formulation.refreshed(nlp) if compiled.threads == self._threads else None
-        # Plans in several threads may start from the same solution: only the first one uses its program.
+        # Plans in several threads may start from the same solution. Only the first of them uses its program.
         if formulation is None or not compiled.alone.acquire(blocking=False):
             return self.solve(nlp, progress, multipliers)
         try:
@@ -234,7 +242,7 @@ class InteriorPoint(Solver):
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready
-        # A default limit ends this method's attempt, not the plan.
+        # A default limit ends this method, not the plan.
         exhausted = status is Status.ITERATION_LIMIT and self.max_iterations == InteriorPoint.max_iterations
         if (status in UNSOLVED or exhausted) and self.fallback is not None:
             outcome = self._fall_back(

@@ -42,43 +42,43 @@ STATUSES = {
 
 LINEAR_SOLVERS = ("mumps", "spral")
 LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"pardiso": "pardisolib"}
-"""Those that IPOPT loads from a library, and the option that names it."""
-
+"""Linear solvers that IPOPT loads from a library, with the option that gives its path."""
 
 LEAST = 1e-13
-"""Product of multiplier and distance from its bound, in scaled units, below which there is only round-off."""
+"""Product of a multiplier and its distance from the bound that is round-off, in scaled units."""
 
 
 @dataclass(frozen=True)
 class Ipopt(Solver):
     """IPOPT with exact Jacobian and Hessian.
 
-    Newton's systems are regularised by 1e-13 mu^(1/4) in the rows, so that rows that follow from others do no harm.
+    Newton systems are regularised by 1e-13 mu^(1/4) in the rows, so that redundant rows do not make them singular.
 
     Parameters
     ----------
     tolerance : float
         Optimality tolerance on the scaled problem (``tol``).
     max_iterations : int
+        Largest number of iterations (``max_iter``).
     time_limit : float or None
-        Wall-clock seconds of one solve. Solves on finer meshes, with added rows and by restarts are further solves.
+        Wall-clock time of one solve [s]. Solves on finer meshes, with added rows and by restarts are further solves.
     barrier : str
-        ``mu_strategy``: "monotone" stays with the local optimum next to the guess, "adaptive" often takes fewer
-        iterations and may leave for another one.
+        ``mu_strategy``: "monotone" finds the local optimum next to the guess. "adaptive" often takes fewer iterations
+        and may find another one.
     initial_barrier : float
-        ``mu_init``. A tenth of IPOPT's own default: the cost of one control shrinks as the mesh gets finer. A stronger
-        barrier then pushes the controls away from where the guess put them.
+        ``mu_init``. The default is a tenth of IPOPT's, since the cost of one control falls as the mesh gets finer. A
+        larger barrier would then push the controls away from the guess.
     linear_solver : str
-        What factorises the symmetric systems, by its name in IPOPT: "mumps", "spral" or, where ``options`` name a
-        library as ``hsllib`` or ``pardisolib``, "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".
+        Solver of the symmetric systems, by its name in IPOPT: "mumps" or "spral". With a library in the options
+        ``hsllib`` or ``pardisolib`` it may be "ma27", "ma57", "ma77", "ma86", "ma97" or "pardiso".
     options : mapping
-        Further IPOPT options by their names in IPOPT; they override the fields above.
+        Further options by their names in IPOPT; they override the fields above.
 
     Raises
     ------
     InputError
-        A tolerance, a number of iterations, a time or a barrier that is no number above 0; a linear solver that is not
-        there, or whose library ``options`` do not name.
+        A tolerance, a number of iterations, a time or a barrier is no number above 0. The linear solver is unknown, or
+        ``options`` do not give the path of its library.
     """
 
     tolerance: float = 1e-8
@@ -138,18 +138,17 @@ class Ipopt(Solver):
             # rows with steep gradients by more than their tolerance.
             "honor_original_bounds": "yes",
             "bound_relax_factor": 1e-10,
-            # Rows may be redundant, such as a periodic link on a quantity that the dynamics conserve. The sign of a
-            # pivot that is zero but for rounding would then decide on the inertia, and iterates would be random. Every
-            # system is regularised instead. The value is small enough for Newton's steps near a straight knee, where
-            # rows are almost dependent; IPOPT's default of 1e-8 converges slowly there or diverges.
+            # Rows may be redundant, such as a periodic link on a conserved quantity. The rounding error of a zero pivot
+            # would then determine the inertia and the iterates. Every system is regularised instead. Near a straight
+            # knee rows are almost dependent, and IPOPT's default of 1e-8 converges slowly or diverges there.
             "perturb_always_cd": "yes",
             "jacobian_regularization_value": 1e-13,
             "linear_solver": self.linear_solver,
         }
         if self.linear_solver == "mumps":
-            # By default IPOPT allocates eleven times the memory that MUMPS estimates. The allocator does not keep so
-            # large a block between factorisations, and clearing its pages takes a seventh of the time of legged
-            # plans. Where twice the estimate is too little, IPOPT increases it.
+            # By default IPOPT allocates eleven times the memory that MUMPS estimates. Such a block is allocated and
+            # cleared for every factorisation, which takes a seventh of the time of legged plans. If twice the estimate
+            # is too little, IPOPT increases it.
             options["mumps_mem_percent"] = 100
         if self.time_limit is not None:
             options["max_wall_time"] = self.time_limit
@@ -166,11 +165,11 @@ class Ipopt(Solver):
     def solve(self, nlp: Nlp, progress: Progress | None = None, multipliers: Multipliers | None = None) -> Outcome:
         """Solve from ``nlp.guess``."""
         functions = nlp.functions
-        # The time of assembling them belongs to building the problem.
+        # The time of their assembly belongs to building the problem.
         began = time.perf_counter()
         n_w = len(nlp.variables)
         lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
-        watch = IterationCallback(n_w, lower, upper, progress)
+        callback = IterationCallback(n_w, lower, upper, progress)
         w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
         # A call makes a constant objective sparse again, which nlpsol refuses.
         objective = ca.densify(functions.objective(w, p))
@@ -185,7 +184,7 @@ class Ipopt(Solver):
                     "grad_f": functions.gradient,
                     "jac_g": functions.jacobian,
                     "hess_lag": functions.hessian,
-                    "iteration_callback": watch,
+                    "iteration_callback": callback,
                     "calc_lam_p": False,
                     "no_nlp_grad": True,
                     "print_time": False,
@@ -207,17 +206,17 @@ class Ipopt(Solver):
         if multipliers is not None:
             arguments |= {"lam_g0": multipliers.rows / nlp.row_scale, "lam_x0": multipliers.bounds * nlp.scale}
         ready = time.perf_counter()
-        with watch.interruptible():
+        with callback.interruptible():
             result = solver(**arguments)
-        if watch.error is not None:
-            raise watch.error
+        if callback.error is not None:
+            raise callback.error
         ended = time.perf_counter()
         stats = solver.stats()
         message = str(stats["return_status"])
-        status = Status.INTERRUPTED if watch.stop else STATUSES.get(message, Status.SOLVER_ERROR)
+        status = Status.INTERRUPTED if callback.stop else STATUSES.get(message, Status.SOLVER_ERROR)
         point, lam_g, lam_x = (np.array(result[key]).ravel() for key in ("x", "lam_g", "lam_x"))
-        if not np.all(np.isfinite(point)) and watch.last is not None:
-            point = watch.last
+        if not np.all(np.isfinite(point)) and callback.last is not None:
+            point = callback.last
         parts = {
             "solve: functions": sum(value for key, value in stats.items() if key.startswith("t_wall_nlp_")),
             "solve: progress": float(stats.get("t_wall_callback_fun", 0.0)),
@@ -235,11 +234,11 @@ class Ipopt(Solver):
 
 
 def _unit(scale: float) -> dict[str, float]:
-    """Return IPOPT's options for an objective times ``scale``; these tolerances are in the unit of the objective."""
+    """Return IPOPT's options for an objective times ``scale``. Its tolerances are in the unit of the objective."""
     return {"obj_scaling_factor": scale, "dual_inf_tol": 1.0 / scale, "compl_inf_tol": 1e-4 / scale}
 
 
 def _multipliers(nlp: Nlp, w: np.ndarray, lam_g: np.ndarray, lam_x: np.ndarray) -> Multipliers:
-    """Multipliers in physical units, with the assembled functions for solves of the same NLP with other ends."""
+    """Return multipliers in physical units, with the NLP for solves of the same problem with other ends."""
     known = Multipliers(lam_g * nlp.row_scale, lam_x / nlp.scale)
     return LateMultipliers(lambda: known, known.sizes, Origin(nlp, w))

@@ -14,7 +14,26 @@ from robotraj.solvers.base import Iteration, Progress
 
 
 class IterationCallback(ca.Callback):
-    """Called by IPOPT once an iteration: keeps the iterate, reports progress, stops on Ctrl-C."""
+    """A callback of IPOPT that keeps the iterate, reports progress and stops on Ctrl-C.
+
+    Parameters
+    ----------
+    n_w : int
+        Number of variables.
+    lower, upper : ndarray (n_g,)
+        Bounds of the scaled rows.
+    progress : callable or None
+        Called once an iteration.
+
+    Attributes
+    ----------
+    last : ndarray (n_w,) or None
+        Last finite iterate, scaled.
+    stop : bool
+        Whether IPOPT is to stop.
+    error : Exception or None
+        Error of ``progress``, to be raised after the solve.
+    """
 
     def __init__(self, n_w: int, lower: np.ndarray, upper: np.ndarray, progress: Progress | None) -> None:
         ca.Callback.__init__(self)
@@ -60,7 +79,7 @@ class IterationCallback(ca.Callback):
         return [int(self.stop)]
 
     def _report(self, iteration: Iteration) -> None:
-        """Call the progress callback and keep its error for after the solve: CasADi would only print it."""
+        """Call the progress callback. Its error is raised after the solve, since CasADi would only print it."""
         assert self._progress is not None
         try:
             self._progress(iteration)

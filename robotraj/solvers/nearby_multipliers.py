@@ -1,8 +1,8 @@
 """Multipliers of inequality rows from those on another mesh of the same problem.
 
-A row that holds at the place tau of an interval of length h has a multiplier of about h z(t), with a density z that is
-smooth between switches. Rows of one name, joint, place and side are compared: z is interpolated over time and
-multiplied by the length of the new interval. The solver estimates the multipliers of the equations from these.
+A row at the place tau in [0, 1] of an interval of length h has a multiplier of about h z(t). The density z is smooth
+between switches. For rows of the same name, joint, place and side, z is interpolated over time and multiplied by the
+length of the new interval. The solver estimates the multipliers of the equations from these.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def interpolated(known: Formulation, lam: Array, new: Formulation) -> tuple[Arra
     Parameters
     ----------
     known : Formulation
-        On another mesh.
+        Formulation on another mesh.
     lam : ndarray (n_rows,)
         Multipliers of its program's rows.
     new : Formulation
@@ -49,18 +49,18 @@ def interpolated(known: Formulation, lam: Array, new: Formulation) -> tuple[Arra
     layouts = (*known.nlp.layouts, *new.nlp.layouts)
     if any(isinstance(layout.mesh, MovingMesh) for layout in layouts):
         return None
-    there, here = _table(known), _table(new)
-    lower, upper = np.zeros(here.count), np.zeros(here.count)
+    source, target = _table(known), _table(new)
+    lower, upper = np.zeros(target.count), np.zeros(target.count)
     found = False
-    density = lam[lam.size - there.count :] * there.factor / there.length
-    for key, mine in here.groups.items():
-        theirs = there.groups.get(key)
-        if theirs is None:
+    density = lam[lam.size - source.count :] * source.factor / source.length
+    for key, here in target.groups.items():
+        there = source.groups.get(key)
+        if there is None:
             continue
         found = True
         for side, sign in ((lower, -1.0), (upper, 1.0)):
-            own = np.interp(here.middle[mine], there.middle[theirs], np.maximum(sign * density[theirs], 0.0))
-            side[mine] = own * here.length[mine] / here.factor[mine]
+            own = np.interp(target.middle[here], source.middle[there], np.maximum(sign * density[there], 0.0))
+            side[here] = own * target.length[here] / target.factor[here]
     return (lower, upper) if found else None
 
 
@@ -74,7 +74,7 @@ class _Table:
 
 
 def _table(formulation: Formulation) -> _Table:
-    """Sort the inequality rows of a program by what they mean and where in their intervals they hold."""
+    """Group the inequality rows of a program by quantity, place in their intervals and side."""
     program, nlp = formulation.program, formulation.nlp
     count = program.lower.size
     table = _Table(count)
@@ -83,8 +83,8 @@ def _table(formulation: Formulation) -> _Table:
     if isinstance(formulation, Reduction):
         form = formulation.form
         of_form = np.flatnonzero(rows >= 0)
-        mine = rows[of_form]
-        columns[of_form], rows[of_form] = form.bound_of[mine], form.limit_of[mine]
+        form_rows = rows[of_form]
+        columns[of_form], rows[of_form] = form.bound_of[form_rows], form.limit_of[form_rows]
     sides = np.isfinite(program.lower) + 2 * np.isfinite(program.upper)
     keys = np.zeros((count, 3), dtype=np.int64)
     for kind, numbers, scalars, factors in (
@@ -108,7 +108,7 @@ def _table(formulation: Formulation) -> _Table:
 
 
 def _place(table: _Table, keys: Indices, chosen: Indices, numbers: Indices, scalars: Scalars, nlp: Nlp) -> None:
-    """Write the middles and lengths of rows or columns of the NLP, their places, and their ranks at one place."""
+    """Write the times and interval lengths of rows or columns of the NLP, their places, and their ranks at a place."""
     fraction, meaning = scalars.fraction[numbers], scalars.meaning[numbers]
     phases = np.array([entry.phase for entry in scalars.entries], dtype=int)[meaning]
     for phase, layout in enumerate(nlp.layouts):
@@ -118,7 +118,7 @@ def _place(table: _Table, keys: Indices, chosen: Indices, numbers: Indices, scal
         interval = np.clip(np.searchsorted(knots, at + ROUND_OFF, side="right") - 1, 0, lengths.size - 1)
         place = (at - knots[interval]) / lengths[interval]
         at_knot = np.abs(place - 0.5) > 0.5 - 1e-9
-        # A point of two intervals stands for half of each.
+        # A knot between two intervals has half of the length of each.
         beside = 0.5 * (np.append(lengths[0], lengths) + np.append(lengths, lengths[-1]))
         knot = np.clip(np.searchsorted(knots, at - ROUND_OFF), 0, lengths.size)
         table.length[chosen[own]] = np.where(at_knot, beside[knot], lengths[interval])

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SHARE = 0.05
-"""Share of the objective at the guess that the first barrier leaves open."""
+"""Duality gap of the first barrier, relative to the objective at the guess."""
 LEAST = 1e-4
-"""Smallest scale: a huge objective at the guess, such as that of a singular posture, must not hide the optimum."""
+"""Smallest scale, for huge objectives at the guess, such as at a singular posture."""
 FINE = 100
 """Number of stages above which an objective may be enlarged, in proportion."""
 
@@ -30,22 +30,26 @@ def objective_scale(objective: float, bounds: int, stages: int, barrier: float) 
 
         s = m mu / (SHARE |f_0|),    1e-4 <= s <= max(1, stages / 100).
 
-    The number of bounds grows with the mesh, the integral does not: without s the same barrier weighs more on finer
-    meshes. An objective is enlarged on fine meshes alone, since minimum times would converge slowly on coarse ones. A
-    solve with the last barrier mu_n leaves a gap of SHARE |f_0| mu_n / mu, about 1e-8 |f_0|. The scale is 1 where f_0
-    is zero or not finite, and where there are no bounds.
+    The number of bounds grows with the mesh, but the integral does not. Without s the same barrier would have a larger
+    weight on finer meshes. An objective is enlarged only on fine meshes, since minimum times converge slowly on coarse
+    ones. A solve with the last barrier mu_n ends at a gap of SHARE |f_0| mu_n / mu, about 1e-8 |f_0|. The scale is 1
+    where f_0 is zero or not finite, or where there are no bounds.
 
     Parameters
     ----------
     objective : float
         f_0.
     bounds : int
-        Finite bounds of the inequalities, m.
+        Number of finite bounds of the inequalities, m.
+    stages : int
+        Number of stages.
     barrier : float
         The first barrier parameter, mu.
 
-    Source: Nocedal and Wright, Numerical Optimization (2006), section 19.1; the unit of the objective is one of the
-    scalings of Waechter and Biegler, Mathematical Programming 106 (2006), section 3.8.
+    Notes
+    -----
+    Source: Nocedal and Wright, Numerical Optimization (2006), section 19.1, for the gap. Waechter and Biegler,
+    Mathematical Programming 106 (2006), section 3.8, scale the unit of the objective.
     """
     if objective == 0.0 or not np.isfinite(objective) or bounds == 0:
         return 1.0

@@ -1,12 +1,12 @@
 """Programs as functions of the numbers fixed in them: ends, start time and parameters of a phase.
 
-A control loop solves one problem with other numbers e at every step. Offsets of the rows, of the blocks and of the
-columns that a reduction eliminated, and the bounds of rows, are affine in e,
+A control loop solves one problem with other numbers e at every step. The offsets of rows, of blocks and of eliminated
+columns, and the bounds of rows, are affine in e:
 
-    offsets(e) = offsets(e0) + M (e - e0),
+    offsets(e) = offsets(e0) + M (e - e0).
 
-and constants of the point functions are entries of e. M is found once, by refreshing the formulation with each number
-moved. A later change costs one sparse product; nothing symbolic is evaluated.
+Constants of the point functions are entries of e. M is found once, by refreshing the formulation with each number
+changed. A later change takes one sparse product, without symbolic work.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 NEGLIGIBLE = 1e-12
-"""Entries of M below this share of the largest are rounding."""
+"""Entries of M that are round-off, relative to the largest."""
 SMALL = 1e-3
-"""Change of a number relative to its scale: a larger one may leave the bounds that the number has."""
+"""Change of a number that finds its column of M, relative to its scale. A larger one may exceed its bounds."""
 AGREEMENT = 1e-9
 """Largest error of the affine offsets at an independent change, relative to the offsets."""
 
@@ -64,16 +64,16 @@ class Numbers:
         Raises
         ------
         InputError
-            A column has a range.
+            A column is not fixed.
         """
         lower = nlp.variables.lower[self.columns]
         if not np.array_equal(lower, nlp.variables.upper[self.columns]):
-            raise InputError("Only fixed numbers can change from step to step: a column of the ends has a range.")
+            raise InputError("A Replanner changes only fixed values, but a value at an end has a range; fix it.")
         every = phase_scalars(nlp.layouts[0])
         return np.append(lower, [every[i].value for i in self.scalars])
 
     def steps(self, nlp: Nlp) -> Array:
-        """Return by how much each number is moved to find M."""
+        """Return the changes of the numbers (m + scalars,) that find M."""
         return SMALL * np.append(nlp.scale[self.columns], np.ones(len(self.scalars)))
 
     def changed(self, nlp: Nlp, values: Array) -> Nlp:
@@ -115,11 +115,12 @@ class Parametric:
     Attributes
     ----------
     formulation : Formulation
-        At the numbers ``base``.
+        Formulation at the numbers ``base``.
     numbers : Numbers
     base : ndarray (e,)
+        e0.
     offsets : ndarray (k,)
-        At ``base``.
+        Offsets at ``base``.
     matrix : csr_array (k, e)
         M.
     """
@@ -168,12 +169,12 @@ class Parametric:
 
 
 def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int] = ()) -> Parametric:
-    """Find how a formulation depends on numbers fixed in it.
+    """Find how a formulation depends on fixed numbers.
 
     Parameters
     ----------
     formulation : Formulation
-        Of an NLP of one phase.
+        Formulation of an NLP of one phase.
     columns : ndarray of int (m,)
         Fixed columns of the NLP.
     scalars : sequence of int
@@ -205,7 +206,7 @@ def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int
 
 
 def with_constants(formulation: Formulation, given: Mapping[PointFunctions, Array]) -> Formulation:
-    """Return a formulation with other constants (n_c, E) of the blocks of some stage functions."""
+    """Return a formulation with other constants (n_c, E) of the blocks of the given point functions."""
 
     def changed(block: Block) -> Block:
         constants = given.get(block.stage)

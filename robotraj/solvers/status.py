@@ -31,25 +31,25 @@ class Status(Enum):
 
 _REMEDIES = {
     Status.SOLVED: "Nothing to do: prove it with rt.validate(solution).",
-    Status.ROWS_VIOLATED: "The solver stopped at a point that breaks rows; see violations(). Tighten its tolerance.",
-    Status.TOLERANCE_NOT_REACHED: "The last mesh still errs by more than the tolerance; see solution.refinement. "
-    "Ask for less, or start from a finer mesh or a scheme of higher order.",
-    Status.NOT_PROVED: "The last mesh meets its rows, but not what was asked for between them; see solution.proof. "
+    Status.ROWS_VIOLATED: "The solver stopped at a point that violates rows; see violations(). Tighten its tolerance.",
+    Status.TOLERANCE_NOT_REACHED: "The error on the last mesh exceeds the tolerance; see solution.refinement. "
+    "Allow a larger one, or start from a finer mesh or a scheme of higher order.",
+    Status.NOT_PROVED: "The last mesh meets its rows, but not the goals between its points; see solution.proof. "
     "Start from a finer mesh with tolerance=, or allow more time.",
-    Status.INFEASIBLE: "The rows contradict each other from here. Look at violations(): allow more time, relax the "
-    "rows it names, or start from another guess.",
+    Status.INFEASIBLE: "The solver found no point near the last iterate that meets all rows; see violations(). Allow "
+    "more time, relax the rows named there, or start from another guess.",
     Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",
     Status.TIME_LIMIT: "Raise time_limit, or continue from here with guess=solution.",
     Status.MEMORY_LIMIT: "Raise memory_limit, or plan on fewer intervals.",
     Status.INTERRUPTED: "Continue from here with guess=solution.",
-    Status.STALLED: "No further progress was possible. Start from another guess or a coarser mesh, or bound what "
-    "runs off.",
-    Status.DIVERGED: "Variables ran off to infinity. Bound the states and controls that are free.",
-    Status.INVALID_NUMBER: "An expression gave NaN or infinity. Keep roots and divisions away from zero, or bound "
-    "the states that lead there.",
+    Status.STALLED: "No further progress was possible. Start from another guess or a coarser mesh, or bound variables "
+    "that diverge.",
+    Status.DIVERGED: "Variables diverged. Bound the states and controls that are free.",
+    Status.INVALID_NUMBER: "An expression was NaN or infinite. Keep roots and divisions away from zero by bounds on "
+    "the states.",
     Status.OVERDETERMINED: "There are more equality rows than free variables. Free an end of the motion or the "
     "duration.",
-    Status.SOLVER_ERROR: "The solver failed for a reason of its own; see the message.",
+    Status.SOLVER_ERROR: "The solver failed; see its message.",
 }
 
 STATUSES = {

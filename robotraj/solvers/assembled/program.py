@@ -31,8 +31,10 @@ Indices = NDArray[np.int_]
 Mask = NDArray[np.bool_]
 
 PUSH = 1e-2
-"""Distance of the start from its bounds, relative to the bound and to the range, as in Waechter and Biegler (2006),
-section 3.6."""
+"""Distance of the start from its bounds, relative to the bound and to the range.
+
+Source: Waechter and Biegler, Mathematical Programming 106 (2006), section 3.6.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +45,7 @@ class Assembled:
     ----------
     nlp : Nlp
     program : Program
-        Of one stage without states.
+        A program of one stage without states.
     free : ndarray of int (n_y,)
         Columns of w that are unknowns.
     values : ndarray (n_w,)
@@ -77,8 +79,8 @@ class Assembled:
         Assembled or None
             None where other bounds are finite, other columns are fixed, or the mesh or the scales differ.
         """
-        mine, its = _structure(self.nlp), _structure(nlp)
-        if len(mine) != len(its) or not all(map(np.array_equal, mine, its)):
+        first, second = _structure(self.nlp), _structure(nlp)
+        if len(first) != len(second) or not all(map(np.array_equal, first, second)):
             return None
         free, values = _free(nlp)
         rows = _rows(nlp, free)
@@ -105,7 +107,7 @@ class Assembled:
         return rows, bounds
 
     def spread(self, lam: Array) -> tuple[Array, Array]:
-        """Return multipliers of the program's rows by rows and columns of the NLP, scaled, zero for all others."""
+        """Return multipliers of the program's rows for the rows and columns of the NLP, scaled; zero elsewhere."""
         rows, bounds = np.zeros(len(self.nlp.rows)), np.zeros(len(self.nlp.variables))
         of_rows, of_columns = self.program.form_rows, self.program.bound_columns
         rows[of_rows[of_rows >= 0]] = lam[of_rows >= 0]

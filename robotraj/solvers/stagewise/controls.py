@@ -1,4 +1,4 @@
-"""Controls that one row gives are expressions, not unknowns.
+"""Elimination of controls that one row defines.
 
 A row r(v) - k u = 0 with a constant k gives u = r / k, if no other nonlinear output depends on u. The usual case is
 the torque of an actuated joint in its balance. The row and the column are removed, and bounds of the column become rows
@@ -6,9 +6,9 @@ of the expression. Further outputs of the stage and linear rows that depend on u
 the torques of several points of an interval bounds their polynomial in between. It becomes a combination of the points'
 torque functions and stays in the interval's stage.
 
-On a robot that lacks motors the balances of the other joints stay as equations. There a Newton step of the expression
-differs from one of the unknown: the acrobot's swing-ups ended at twice the effort. Its torques remain unknowns (the
-lifted Newton method: Albersmeyer and Diehl, SIAM Journal on Optimization 20, 2010).
+On a robot with passive joints, the balances of these joints remain as equations. A Newton step of the expression then
+differs from one of the unknown, and the acrobot's swing-ups ended at twice the effort. Its torques remain unknowns.
+Source: Albersmeyer and Diehl, The lifted Newton method, SIAM Journal on Optimization 20 (2010).
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
-from robotraj.solvers.stagewise.form import Eliminated, Form, Mask, taller, with_rows
+from robotraj.solvers.stagewise.form import Eliminated, Form, Mask, with_empty_rows, with_rows
 from robotraj.solvers.stagewise.matrices import array, entries, entries_of, native, summed
-from robotraj.solvers.stagewise.stage_cache import Kept
+from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.function_parts import solved_for
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -35,38 +35,38 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
-_SOLVED: Kept[PointFunctions] = Kept()
+_SOLVED: StageCache[PointFunctions] = StageCache()
 
 
 def eliminate_controls(form: Form, nlp: Nlp) -> Form:
-    """Eliminate what can be in every block."""
-    staying = _staying(form, nlp)
+    """Eliminate the controls of every block that one row defines."""
+    remaining = _remaining(form, nlp)
     for index in range(len(form.blocks)):
-        form = _eliminate(form, index, staying)
+        form = _eliminate(form, index, remaining)
     return form
 
 
-def _staying(form: Form, nlp: Nlp) -> Mask:
-    """Columns of controls that are unknowns in any case."""
-    staying = np.zeros(len(form.lower), dtype=bool)
+def _remaining(form: Form, nlp: Nlp) -> Mask:
+    """Return a mask of the columns of controls that remain unknowns (n_w,): those of robots with passive joints."""
+    remaining = np.zeros(len(form.lower), dtype=bool)
     for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
         robot = phase.robot
         if robot is not None and robot.root == "fixed" and not phase.contacts and robot.nu < robot.nv:
             for run in layout.runs:
-                staying[run.controls] = True
-    return staying
+                remaining[run.controls] = True
+    return remaining
 
 
-def _eliminate(form: Form, index: int, staying: Mask) -> Form:
+def _eliminate(form: Form, index: int, remaining: Mask) -> Form:
     block = form.blocks[index]
-    pairs = _pairs(form, block, staying)
+    pairs = _pairs(form, block, remaining)
     if not pairs:
         return form
     outputs, inputs = np.array(pairs).T
     count, stage = block.count, block.stage
     chosen = tuple(outputs.tolist()), tuple(inputs.tolist())
     reduced = _SOLVED.get(stage, chosen, partial(solved_for, stage, *chosen))
-    # What is left of v, and where the expressions stand among the new outputs.
+    # The remaining inputs and outputs, and the positions of the expressions among the new outputs.
     kept_in = np.delete(np.arange(stage.inputs), inputs)
     kept_out = np.delete(np.arange(stage.outputs), outputs)
     place = np.arange(count)[:, None]
@@ -100,12 +100,12 @@ def _eliminate(form: Form, index: int, staying: Mask) -> Form:
     linear = summed((n_rows, len(form.lower)), (row[~reads], column[~reads], data[~reads]))
     scatter = array(summed((n_rows + many, count * width), old, new, moved_rows))
     gather = _with_rows(block.gather, (place * stage.inputs + kept_in).ravel())
-    blocks = [taller(other, many) for other in form.blocks]
+    blocks = [with_empty_rows(other, many) for other in form.blocks]
     blocks[index] = replace(block, stage=reduced, gather=gather, scatter=scatter)
     gone = form.gone.copy()
     gone[flat] = True
     row_lower, row_upper = form.row_lower.copy(), form.row_upper.copy()
-    # Rows without bounds are no rows: those that said what the control is have been used up.
+    # Rows without bounds are ignored. The rows that define the controls are eliminated in this way.
     row_lower[rows.ravel()], row_upper[rows.ravel()] = -np.inf, np.inf
     limited = flat[bounded]
     form = replace(
@@ -121,10 +121,10 @@ def _eliminate(form: Form, index: int, staying: Mask) -> Form:
     return with_rows(form, nothing, form.lower[limited], form.upper[limited], bound_of=limited)
 
 
-def _pairs(form: Form, block: Block, staying: Mask) -> Sequence[tuple[int, int]]:
-    """(output, input) of controls that can go."""
+def _pairs(form: Form, block: Block, remaining: Mask) -> Sequence[tuple[int, int]]:
+    """Return (output, input) of the controls that can be eliminated."""
     stage = block.stage
-    inputs = _private_inputs(form, block, staying)
+    inputs = _private_inputs(form, block, remaining)
     outputs = _private_outputs(form, block)
     if not inputs.size or not outputs.size:
         return []
@@ -136,8 +136,8 @@ def _pairs(form: Form, block: Block, staying: Mask) -> Sequence[tuple[int, int]]
     return [(int(outputs[o]), int(inputs[i])) for o, i in np.argwhere(alone)]
 
 
-def _private_inputs(form: Form, block: Block, staying: Mask) -> Indices:
-    """Find inputs that are, at every place, one free column that no other place, equation or cost reads."""
+def _private_inputs(form: Form, block: Block, remaining: Mask) -> Indices:
+    """Find inputs that are one free column at every place, on which no other place, equation or cost depends."""
     row, column, _ = entries(form.linear)
     equation = (form.row_lower == form.row_upper)[row]
     uses = np.bincount(column[equation], minlength=len(form.lower)) + (form.cost != 0.0)
@@ -146,12 +146,12 @@ def _private_inputs(form: Form, block: Block, staying: Mask) -> Indices:
     single = np.diff(block.gather.indptr) == 1
     column = np.zeros(single.size, dtype=int)
     column[single] = block.gather.indices[block.gather.indptr[:-1][single]]
-    private = single & (uses[column] == 1) & (form.lower[column] < form.upper[column]) & ~staying[column]
+    private = single & (uses[column] == 1) & (form.lower[column] < form.upper[column]) & ~remaining[column]
     return np.flatnonzero(private.reshape(block.count, -1).all(axis=0))
 
 
 def _private_outputs(form: Form, block: Block) -> Indices:
-    """Find outputs that are, at every place, the whole of one row that must be zero."""
+    """Find outputs that are, at every place, the only term of an equality row equal to zero."""
     alone = (form.nonlinear_entries() == 1) & (np.diff(form.linear.starts) == 0)
     alone &= (form.row_lower == form.row_upper) & (form.row_lower == form.offset)
     row, single = _rows_by_output(block)
@@ -162,7 +162,7 @@ def _private_outputs(form: Form, block: Block) -> Indices:
 
 
 def _rows_by_output(block: Block) -> tuple[Indices, Mask]:
-    """Row that each output of each place goes to, and whether it goes to just one, (n_y E,) both."""
+    """Return the row of each output of each place, and whether it is the only one, (n_y E,) both."""
     rows, columns, _ = entries(block.scatter)
     row_of = np.zeros(block.scatter.shape[1], dtype=int)
     row_of[columns] = rows

@@ -1,10 +1,10 @@
-"""A transcribed problem on its way to stages, in scaled units.
+"""A transcribed problem during its reduction to stages, in scaled units.
 
     minimise  c + l' w + sum_b s_b' cost_b     subject to  lower <= L w + offset + sum_b S_b vec(Y_b) <= upper,
                                                            lower <= w <= upper
 
-The first form is the NLP; every step of the reduction (``linear``, ``controls``) returns an equivalent one. Columns
-keep their numbers. Rows that a step eliminates stay as well, marked by their new role.
+The first form is the NLP. Every step of the reduction (``linear``, ``controls``) returns an equivalent one. Columns
+keep their numbers. Rows that a step eliminates stay in the form without bounds.
 """
 
 from __future__ import annotations
@@ -37,8 +37,11 @@ class Eliminated:
     Attributes
     ----------
     block : int
+        Number of the block.
     outputs : ndarray of int (m,)
+        Outputs of the block's point function.
     columns : ndarray of int (E, m)
+        Eliminated columns at each of E places.
     factors : ndarray (E, m)
     rows : ndarray of int (E, m)
         The rows of these equations, which are eliminated too.
@@ -65,14 +68,14 @@ class Form:
     row_lower, row_upper : ndarray (n_rows,)
     lower, upper : ndarray (n_w,)
     gone : ndarray of bool (n_w,)
-        Columns that no row and no block depends on any more.
+        Whether no row and no block depends on a column any more.
     eliminated : tuple of Eliminated
     targets : ndarray of int (n_rows,)
         The column that a linear row defines (a defect's x_j), -1 where it defines none.
     bound_of : ndarray of int (n_rows,)
-        The column whose bound a row is, -1 for rows that are none.
+        The column whose bound a row is, -1 for other rows.
     limit_of : ndarray of int (n_rows,)
-        The row of the NLP whose bound a row is: itself, for those of the NLP, -1 for bounds of columns.
+        The row of the NLP whose bound a row is, -1 for bounds of columns. For a row of the NLP it is the row itself.
     """
 
     blocks: tuple[Block, ...]
@@ -114,7 +117,7 @@ class Form:
         )
 
     def nonlinear_entries(self) -> Indices:
-        """Count the outputs of blocks that each row sums, (n_rows,)."""
+        """Return the number of outputs of blocks in each row (n_rows,)."""
         count = np.zeros(len(self.row_lower), dtype=int)
         for block in self.blocks:
             count += np.diff(block.scatter.indptr)
@@ -128,7 +131,7 @@ class Form:
         return (
             same(self.linear, other.linear)
             and len(self.blocks) == len(other.blocks)
-            and all(_alike(mine, its) for mine, its in zip(self.blocks, other.blocks, strict=True))
+            and all(_alike(first, second) for first, second in zip(self.blocks, other.blocks, strict=True))
             and all(map(np.array_equal, self._structure, other._structure))
         )
 
@@ -148,7 +151,7 @@ def with_rows(
     bound_of: Indices | None = None,
     limit_of: Indices | None = None,
 ) -> Form:
-    """Put further rows behind those of the form, whose blocks have them already."""
+    """Append rows to a form whose blocks already have them."""
     many = len(lower)
     none = np.full(many, -1)
     return replace(
@@ -163,8 +166,8 @@ def with_rows(
     )
 
 
-def taller(block: Block, more: int) -> Block:
-    """Make room for further rows."""
+def with_empty_rows(block: Block, more: int) -> Block:
+    """Append empty rows to the scatter of a block."""
     scatter = block.scatter
     indptr = np.append(scatter.indptr, np.full(more, scatter.indptr[-1]))
     shape = (scatter.shape[0] + more, scatter.shape[1])
@@ -172,7 +175,7 @@ def taller(block: Block, more: int) -> Block:
 
 
 def _targets(linear: Csr) -> Indices:
-    """Columns x_j of rows x_j - x_0 + ..., whose written linear part is just these two, -1 for all other rows."""
+    """Return the column x_j of rows whose explicit linear part is x_j - x_0, -1 for all other rows."""
     pairs = np.flatnonzero(np.diff(linear.starts) == 2)
     both = linear.starts[pairs][:, None] + np.arange(2)
     data, columns = linear.data[both], linear.indices[both]

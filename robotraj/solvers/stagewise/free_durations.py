@@ -1,10 +1,10 @@
-"""Free durations: velocities and accelerations of the same motion at a duration that is fixed.
+"""Free durations: the same motion, stretched to a fixed duration T_0.
 
-With s = T / T_0, the plan x(t) of duration T is the plan of duration T_0 with velocities v' = s v and accelerations
-a' = s^2 a. Where an objective depends on them, rates of torques are r' = s r and jerks j' = s^3 j. In these variables
-dq/dt = v, dv/dt = a and dtau/dt = r are linear in all unknowns, although the duration is one of them. The duration
-remains in the torque balance, RNEA(q, v' / s, a' / s^2), and in the speed limits, v' <= s v_max, which are linear too.
-A defect of velocities is multiplied by s, which changes nothing where it is zero.
+With s = T / T_0, velocities of the stretched motion are v' = s v and accelerations a' = s^2 a. Where an objective
+depends on them, rates of torques are r' = s r and jerks j' = s^3 j. In these variables dq/dt = v, dv/dt = a and
+dtau/dt = r are linear in all unknowns, although the duration is one of them. The duration remains in the torque
+balance RNEA(q, v' / s, a' / s^2) and in the speed limits v' <= s v_max, which are linear too. A defect of velocities is
+multiplied by s, which does not change its zeros.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import Augmented
-from robotraj.solvers.stagewise.form import Form, taller, with_rows
+from robotraj.solvers.stagewise.form import Form, with_empty_rows, with_rows
 from robotraj.solvers.stagewise.matrices import entries_of, summed
-from robotraj.solvers.stagewise.stage_cache import Kept
+from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.schemes.mesh import MovingMesh
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
-_STRETCHED: Kept[PointFunctions] = Kept()
+_STRETCHED: StageCache[PointFunctions] = StageCache()
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Which columns are those of the stretched motion.
+    """The columns that are stretched, and their durations.
 
     Attributes
     ----------
@@ -50,10 +50,11 @@ class Stretch:
     clock : ndarray of int (n_w,)
         The duration's column, -1 where the power is 0.
     unit : ndarray (n_w,)
-        s = w[clock] * unit.
+        1 / T_0 in scaled units: s = w[clock] * unit.
     rows : ndarray of int (n_rows,)
         1 where a row of the NLP was multiplied by s.
     row_clock : ndarray of int (n_rows,)
+        The duration's column of such a row, else -1.
     """
 
     power: Indices
@@ -72,7 +73,7 @@ class Stretch:
         return np.asarray(w * self.factor(w, self.clock) ** self.power)
 
     def factor(self, w: Array, clock: Indices) -> Array:
-        """Return s for durations in columns ``clock``, 1 where there is none."""
+        """Return s for durations in columns ``clock``, 1 where the column is -1."""
         return np.where(clock >= 0, w[clock] * self.unit[clock], 1.0)
 
 
@@ -85,7 +86,14 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
         As returned by ``Form.of(nlp)``.
     nlp : Nlp
     before : Stretch, optional
-        Of a like NLP: its T_0 stay where they are within a factor of 2 of the guess, so that numbers made of them do.
+        Stretch of a similar NLP. Its T_0 are used again if they are within a factor of 2 of the guess, so that
+        coefficients stay the same.
+
+    Returns
+    -------
+    form : Form
+    known : Stretch or None
+        None where no phase is rewritten.
     """
     n_w, n_rows = len(form.lower), len(form.row_lower)
     power, clock, unit = np.zeros(n_w, dtype=int), np.full(n_w, -1), np.ones(n_w)
@@ -103,7 +111,7 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
             flat, k = columns.reshape(-1, len(own)), np.array(own)
             power[flat] = k
             clock[flat[:, k > 0]] = column
-        # States at rows that were added between the points are in no layout; they have the meaning of their variable.
+        # States of rows that were added between the points are in no layout. ``meaning`` identifies their variables.
         meaning = nlp.variables.meaning
         for number, order in zip(meaning[layout.knots[0]].tolist(), orders.states, strict=True):
             if order > 0:
@@ -130,7 +138,7 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
 
 
 def _limits_accelerations(form: Form, columns: NDArray[np.bool_]) -> bool:
-    """Whether bounds or linear rows read columns of accelerations, w' / s^2, in which they are not linear."""
+    """Whether bounds or linear rows depend on accelerations w' / s^2, in which they are not linear."""
     bounded = np.isfinite(form.lower[columns]).any() or np.isfinite(form.upper[columns]).any()
     return bool(bounded or columns[form.linear.indices].any())
 
@@ -144,7 +152,7 @@ def _orders(nlp: Nlp, index: int) -> TimeOrders | None:
 
 
 def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, orders: TimeOrders | None) -> Block:
-    """Put w' / s^k into a block that reads such columns; ``orders`` are those of a phase's points, None elsewhere."""
+    """Substitute w' / s^k in a block; ``orders`` are those of the variables of a phase's points, None elsewhere."""
     stage, count = block.stage, block.count
     first = block.gather.indptr[:-1].reshape(count, -1)
     filled = np.diff(block.gather.indptr).reshape(count, -1) > 0
@@ -154,7 +162,7 @@ def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, 
     inputs = np.flatnonzero(powers.any(axis=0))
     if not inputs.size:
         return block
-    # Places are those of one phase, or one alone: each input has one clock. A link reads the clocks of several phases.
+    # All places of a block belong to one phase, so that each input has one clock. A link has clocks of several phases.
     own = np.where(powers > 0, clock[column], -1).max(axis=0)[inputs]
     clocks, which = np.unique(own, return_inverse=True)
     degrees = tuple((int(i), int(powers[:, i].max()), int(s)) for i, s in zip(inputs, which, strict=True))
@@ -180,7 +188,7 @@ def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, 
 
 
 def _rates(stage: PointFunctions, states: int, variables: int) -> tuple[int, ...]:
-    """Find the input, one of the first ``variables``, that is the rate of each state: T times it is the output."""
+    """Find the input, among the first ``variables``, that is the rate of each state; T times it is the output."""
     number = {symbol.element_hash(): i for i, symbol in enumerate(ca.vertsplit(stage.v[:variables]))}
     read = [[number.get(symbol.element_hash(), -1) for symbol in ca.symvar(y)] for y in ca.vertsplit(stage.y[:states])]
     return tuple(max(each) for each in read)
@@ -189,13 +197,14 @@ def _rates(stage: PointFunctions, states: int, variables: int) -> tuple[int, ...
 def _stage(
     stage: PointFunctions, degrees: Sequence[tuple[int, int, int]], rates: tuple[tuple[int, ...], float] | None
 ) -> PointFunctions:
-    """Give the stage that reads w' and every s in the place of w = w' / s^k.
+    """Return the point functions of w' and every s, with w = w' / s^k.
 
     Parameters
     ----------
+    stage : PointFunctions
     degrees : sequence of (input, k, number of its s)
     rates : (inputs, T_0) or None
-        Where the first outputs are T times these inputs: they become T_0 v' and, multiplied by s, T_0 a'.
+        The inputs whose products with T are the first outputs. These become T_0 v' and, multiplied by s, T_0 a'.
     """
     inputs, powers, which = zip(*degrees, strict=True)
     s, v = ca.SX.sym("s", 1 + max(which)), stage.v
@@ -210,7 +219,7 @@ def _stage(
 
 
 def _limits(form: Form, known: Stretch, of_rows: bool) -> Form:
-    """Write bounds l <= x' / s <= u, of rows or of velocities, as rows x' - l s >= 0 and x' - u s <= 0."""
+    """Replace bounds l <= x' / s <= u of rows or velocities by rows x' - l s >= 0 and x' - u s <= 0."""
     if of_rows:
         lower, upper, clock = form.row_lower.copy(), form.row_upper.copy(), known.row_clock
     else:
@@ -234,7 +243,7 @@ def _limits(form: Form, known: Stretch, of_rows: bool) -> Form:
         form = replace(form, row_lower=lower, row_upper=upper)
     else:
         own = row, chosen, np.ones(many)
-        blocks = [taller(block, many) for block in form.blocks]
+        blocks = [with_empty_rows(block, many) for block in form.blocks]
         form = replace(form, lower=lower, upper=upper)
     form = replace(form, blocks=tuple(blocks))
     behind = {"limit_of": chosen} if of_rows else {"bound_of": chosen}

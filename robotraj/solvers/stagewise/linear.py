@@ -1,6 +1,6 @@
-"""Outputs of stages that are linear in the unknowns become linear rows and costs of the problem.
+"""Outputs of point functions that are linear in the unknowns become linear rows and costs of the problem.
 
-By inverse dynamics the rates (v, a) are: the defects of a fixed duration hold no block at all then.
+By inverse dynamics the rates (v, a) are linear. The defects of a fixed duration then depend on no block.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import array, entries, native, summed
-from robotraj.solvers.stagewise.stage_cache import Kept
+from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.function_parts import restricted
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -30,9 +30,9 @@ Indices = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False)
 class _Parts:
-    """A stage taken apart: outputs = A(c) v + b(c) for the linear ones, ``rest`` for the others.
+    """Linear outputs A(c) v + b(c) of point functions, and the others as ``rest``.
 
-    ``linear`` gives the nonzeros of A, then b; ``rest`` is None where nothing is left.
+    ``linear`` evaluates the nonzeros of A, then b. ``rest`` is None where all outputs are linear.
     """
 
     outputs: Indices
@@ -40,24 +40,24 @@ class _Parts:
     rest: PointFunctions | None
 
 
-_TAKEN_APART: Kept[_Parts] = Kept()
+_SPLIT: StageCache[_Parts] = StageCache()
 
 
-def take_out_linear(form: Form) -> Form:
+def extract_linear(form: Form) -> Form:
     """Move every output that is linear into ``linear``, ``offset``, ``cost`` and ``constant``."""
     n_rows, n_w = form.linear.rows, form.linear.columns
     blocks, offset = [], form.offset.copy()
     linear = form.linear
     cost, constant = form.cost.copy(), form.constant
     for block in form.blocks:
-        parts = _TAKEN_APART.get(block.stage, None, partial(_take_apart, block.stage))
+        parts = _SPLIT.get(block.stage, None, partial(_split_outputs, block.stage))
         chosen = parts.outputs
         if not chosen.size:
             blocks.append(block)
             continue
         matrix, values = _linear_part(block, parts)
         count, outputs, m = block.count, block.stage.outputs, chosen.size
-        # Columns of S by what their outputs are: number among the chosen, and among the others.
+        # Columns of S are numbered among the linear outputs and among the others.
         row, column, data = entries(block.scatter)
         place, output = np.divmod(column, outputs)
         number = np.full(outputs, -1)
@@ -83,7 +83,7 @@ def take_out_linear(form: Form) -> Form:
     return replace(form, blocks=tuple(blocks), linear=linear, offset=offset, cost=cost, constant=constant)
 
 
-def _take_apart(stage: PointFunctions) -> _Parts:
+def _split_outputs(stage: PointFunctions) -> _Parts:
     kept = stage.graph.curved()
     chosen = np.delete(np.arange(stage.outputs), kept)
     rest = restricted(stage, kept.tolist()) if kept.size else None
@@ -91,7 +91,7 @@ def _take_apart(stage: PointFunctions) -> _Parts:
 
 
 def _linear_part(block: Block, parts: _Parts) -> tuple[Csr, Array]:
-    """Matrix (E m, n_w) and constants (E m,) of m linear outputs at every place."""
+    """Return the matrix (E m, n_w) and constants (E m,) of m linear outputs at E places."""
     count, m = block.count, parts.outputs.size
     rows, columns = parts.linear.pattern()
     numbers = parts.linear.at(np.ascontiguousarray(block.constants.T).ravel(), count).reshape(count, -1)

@@ -1,6 +1,6 @@
-"""Sparse matrices on their way to C++: sums of entries, products, rows.
+"""Sparse matrices of the compiled module, ``Csr``: sums of entries, products, rows.
 
-They are those of the compiled module, ``Csr``, whose products and sums take a pass over the entries.
+Products and sums take one pass over the entries.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def array(matrix: Csr) -> csr_array:
 
 
 def summed(shape: tuple[int, int], *parts: Entries) -> Csr:
-    """Add up entries, those of all parts in their order."""
+    """Return the matrix with the sums of the entries of all parts, added in their order."""
     rows, columns, data = parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
     made: Csr = load_native().Csr.summed(*shape, rows, columns, data)
     return made

@@ -1,11 +1,11 @@
 """Multipliers of the NLP from those of its program.
 
-Rows and bounds that the program kept have theirs. Rows that were used up are defects that define a state and balances
-that give a control. Their multipliers follow from stationarity in the columns that went with them,
+Multipliers of the program's rows and bounds are copied. Eliminated rows are defects that define a state and balances
+that define a control. Their multipliers follow from stationarity in the columns eliminated with them,
 
     (grad f + J' lambda + z)_c = 0,
 
-one equation for one unknown each; those of fixed columns' bounds from the same, column by column.
+with as many equations as unknowns. Multipliers of the bounds of fixed columns follow from the same, column by column.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def recover(reduction: Reduction, y: Array, multipliers: Array) -> tuple[Array, Array]:
-    """Give the multipliers of the NLP's rows (n_g,) and bounds (n_w,), in physical units.
+    """Return the multipliers of the NLP's rows (n_g,) and bounds (n_w,), in physical units.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def recover(reduction: Reduction, y: Array, multipliers: Array) -> tuple[Array, 
     y : ndarray (n_y,)
         Solution of the program.
     multipliers : ndarray (n_rows,)
-        Of the program's rows: the gradient of objective + multipliers' rows is zero.
+        Multipliers of the program's rows: grad(objective) + J' multipliers = 0.
     """
     from scipy import sparse
     from scipy.sparse.linalg import spsolve
@@ -46,12 +46,12 @@ def recover(reduction: Reduction, y: Array, multipliers: Array) -> tuple[Array, 
     of_row = np.flatnonzero(form.limit_of >= 0)
     factor = np.ones(len(form.row_lower))
     if reduction.stretched is not None:
-        # A stretched row is s times the NLP's.
+        # A stretched row is s times the row of the NLP.
         stretched = reduction.stretched
         scaled = w / nlp.scale
         columns = form.bound_of[of_bound]
         factor[of_bound] = stretched.factor(scaled, np.where(stretched.power == 1, stretched.clock, -1)[columns])
-        # A bound of zero stays a bound, of s^k times the NLP's column.
+        # A bound of zero remains a bound, on s^k times the column of the NLP.
         bounds *= stretched.factor(scaled, stretched.clock) ** stretched.power
         factor[of_row] = stretched.factor(scaled, stretched.row_clock[form.limit_of[of_row]])
     np.add.at(bounds, form.bound_of[of_bound], (factor * every)[of_bound])

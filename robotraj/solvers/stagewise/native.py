@@ -1,4 +1,4 @@
-"""Programs of the compiled solver."""
+"""Programs of the compiled solver, and their refreshed numbers."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""Which stage every column, row and place belongs to.
+"""The stage of every column, row and place.
 
-Stage s stands for interval s of the plan; after the last interval of a phase comes one stage for its last knot, which
-also holds the link to the next phase. A column is introduced in the first stage that reads it and carried along, as a
-state, to the last one. A knot's columns live in two stages, an interval's own in one, durations and parameters in all
-of their phase; rows that couple more, such as a periodic link, make their columns live longer.
+Stage s belongs to interval s of the plan. After the last interval of a phase, one stage belongs to its last knot and
+to the link to the next phase. A column is introduced in the first stage that depends on it and carried over, as a
+state, to the last one. Columns of a knot are in two stages, those of an interval in one, durations and parameters in
+all stages of their phase. Rows that couple more stages, such as a periodic link, carry their columns through all of
+them.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 Indices = NDArray[np.int_]
 EVER = np.iinfo(np.int64).max // 2
+"""Number beyond all stages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +37,7 @@ class Order:
     ----------
     stages : int
     first, last : ndarray of int (n_w,)
-        Stages in which a column lives; first > last where nothing reads it.
+        First and last stage of a column; first > last where nothing depends on it.
     rows : ndarray of int (n_rows,)
         Stage of every row.
     places : tuple of ndarray of int (E,)
@@ -50,16 +52,16 @@ class Order:
 
     def alike(self, other: Order) -> bool:
         """Whether everything has the same stage."""
-        mine, its = ((each.first, each.last, each.rows, *each.places) for each in (self, other))
-        return self.stages == other.stages and len(mine) == len(its) and all(map(np.array_equal, mine, its))
+        first, second = ((each.first, each.last, each.rows, *each.places) for each in (self, other))
+        return self.stages == other.stages and len(first) == len(second) and all(map(np.array_equal, first, second))
 
 
-def homes(
+def allowed_stages(
     layouts: Sequence[PhaseLayout], links: Sequence[Indices], ends: Sequence[int], n_w: int
 ) -> tuple[Indices, Indices, int]:
-    """Stages among which each column may be read at no cost, (n_w,) twice, and the number of stages.
+    """Return the first and last stage that each column has by its place in the layout, and the number of stages.
 
-    Columns of states of added rows have no stage yet: their first stage is beyond their last.
+    Columns of states of added rows have no stage yet; their first stage is beyond their last.
 
     Parameters
     ----------
@@ -67,8 +69,14 @@ def homes(
     links : sequence of ndarray of int
         Columns of the unknowns of every link.
     ends : sequence of int
-        The phase that each link follows.
+        The phase before each link.
     n_w : int
+        Number of columns.
+
+    Returns
+    -------
+    low, high : ndarray of int (n_w,)
+    stages : int
     """
     low, high = np.full(n_w, EVER), np.full(n_w, -1)
     stage = 0
@@ -109,16 +117,20 @@ def order(form: Form, low: Indices, high: Indices, stages: int, constant: NDArra
     ----------
     form : Form
     low, high : ndarray of int (n_w,)
-        As from ``homes``.
+        First and last stages by ``allowed_stages``.
     stages : int
     constant : ndarray of bool (n_w,)
-        Columns whose value is known: they live nowhere.
+        Columns whose value is known; they have no stages.
+
+    Returns
+    -------
+    Order
     """
     patterns = [_pattern(block.gather) for block in form.blocks]
     n_rows, n_w = form.linear.rows, form.linear.columns
     readers = [_pattern(form.linear)]
     for block, (at, column) in zip(form.blocks, patterns, strict=True):
-        # Which columns each row reads through the block's places.
+        # The columns on which each row depends through the places of the block.
         reach = summed((block.count, n_w), (at // block.stage.inputs, column, np.ones(at.size)))
         row, output = _pattern(block.scatter)
         through = summed((n_rows, block.count), (row, output // block.stage.outputs, np.ones(row.size)))
@@ -126,7 +138,7 @@ def order(form: Form, low: Indices, high: Indices, stages: int, constant: NDArra
     row_of, column_of = (np.concatenate(parts) for parts in zip(*readers, strict=True))
     real = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper))[row_of]
     row_of, column_of = row_of[real], column_of[real]
-    low, high = _housed(row_of, column_of, n_rows, low, high, constant)
+    low, high = _with_stages(row_of, column_of, n_rows, low, high, constant)
     places = []
     for block, (row, column) in zip(form.blocks, patterns, strict=True):
         places.append(_choose(row // block.stage.inputs, column, block.count, low, high, constant))
@@ -151,13 +163,13 @@ def _live(first: Indices, last: Indices, columns: Indices, stages: Indices) -> N
     np.maximum.at(last, columns, stages)
 
 
-def _housed(
+def _with_stages(
     rows: Indices, columns: Indices, count: int, low: Indices, high: Indices, constant: NDArray[np.bool_]
 ) -> tuple[Indices, Indices]:
-    """Put columns without a stage into that of the first row that reads them beside columns of an interval.
+    """Give columns without a stage that of the first row that couples them to columns of an interval.
 
-    In that row the state of an added row is evaluated on the interval's polynomial. Its path row reads no other column:
-    it would stand in the first stage, and carry the state through all stages between.
+    That row evaluates the state of an added row on the polynomial of the interval. The added path row depends on no
+    other column. It would be put into the first stage, and the state would be carried through all stages in between.
     """
     strays = low > high
     if not strays.any():
@@ -178,7 +190,7 @@ def _housed(
 def _choose(
     group: Indices, columns: Indices, count: int, low: Indices, high: Indices, constant: NDArray[np.bool_]
 ) -> Indices:
-    """Stage of every group of columns: the last in which all are at home, else the first in which the latest is."""
+    """Return the stage of every group: the last that all its columns have, else the first of the latest column."""
     free = ~constant[columns]
     group, columns = group[free], columns[free]
     latest, earliest = np.zeros(count, dtype=int), np.full(count, EVER)

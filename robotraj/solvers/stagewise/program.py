@@ -4,7 +4,7 @@
     rows      = L y + l + sum_b S_b vec(Y_b),   in the order dynamics, path equalities, inequalities, stage after stage
     objective = c' y + c0 + sum_b s_b' cost_b
 
-with derivatives by the chain rule, as sparse combinations of the nonzeros of the blocks' own.
+with derivatives by the chain rule, as sparse combinations of the nonzeros of the blocks' derivatives.
 """
 
 from __future__ import annotations
@@ -65,15 +65,15 @@ class Program:
     cost, constant : ndarray (n_y,), float
         c and c0.
     jacobian : (ndarray of int, ndarray of int)
-        Rows and columns of the nonzeros, those of x_{k+1} in the dynamics left out.
+        Rows and columns of the nonzeros, without those of x_{k+1} in the dynamics.
     jacobian_constant : ndarray
-        Their linear part.
+        Linear part of the nonzeros.
     hessian : (ndarray of int, ndarray of int)
         Rows and columns of the upper triangle's nonzeros.
     blocks : tuple of BlockProgram
     lower, upper : ndarray (inequalities,)
     form_rows : ndarray of int (n_rows,)
-        The form's row behind each path row, -1 for dynamics and bounds.
+        The form's row of each path row, -1 for dynamics and bounds.
     bound_columns : ndarray of int (n_rows,)
         The column whose bound a row is, -1 for all others.
     """
@@ -103,7 +103,7 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Path rows and bounds in the program's order, behind the dynamics."""
+    """Path rows and bounds in the order of the program, after the dynamics."""
 
     form_rows: Indices
     columns: Indices
@@ -114,7 +114,7 @@ class _Rows:
 
 
 def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> Program:
-    """Write the program of a form whose columns have their slots.
+    """Write the program of a form whose columns have slots.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) ->
             gradient = native(scaled(block.gather, rows=np.repeat(block.weights, block.stage.inputs))).transposed()
         programs.append(BlockProgram(block, offset, jacobian, hessian, gradient))
 
-    # x_{k+1} = slot (c, s + 1) stands in the dynamics with -1; the list of nonzeros is without it.
+    # x_{k+1}, the slot (c, s + 1), has the coefficient -1 in the dynamics. The list of nonzeros does not contain it.
     row, column, data = entries_of(slots.matrix, slots.carried[:, 1])
     cost, base = _cost(form, order, slots, known, values)
     stages = order.stages
@@ -182,7 +182,7 @@ def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) ->
 def with_values(program: Program, form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> Program | None:
     """Return the program of a form that differs only in bounds, offsets, constants and known values.
 
-    Combinations and patterns are those of ``program``; None where its rows are others.
+    Combinations and patterns are those of ``program``. None is returned where its rows differ.
     """
     path = _rows(form, order, slots, known)
     dynamics = len(slots.carried)

@@ -1,7 +1,7 @@
 """From an NLP to a program in stages and back.
 
-The reduction eliminates fixed columns, controls defined by a torque balance and states defined by a linear defect. The
-way back recovers columns from their expressions and multipliers from stationarity.
+The reduction eliminates fixed columns, controls defined by a torque balance and states defined by a linear defect.
+Columns are recovered from their expressions, and multipliers from stationarity.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.controls import eliminate_controls
 from robotraj.solvers.stagewise.form import Form, Mask
 from robotraj.solvers.stagewise.free_durations import Stretch, stretch
-from robotraj.solvers.stagewise.linear import take_out_linear
-from robotraj.solvers.stagewise.order import Order, homes, order
+from robotraj.solvers.stagewise.linear import extract_linear
+from robotraj.solvers.stagewise.order import Order, allowed_stages, order
 from robotraj.solvers.stagewise.program import Program, build
 from robotraj.solvers.stagewise.program import with_values as program_with_values
-from robotraj.solvers.stagewise.redundant_rows import leave_out_surplus
+from robotraj.solvers.stagewise.redundant_rows import remove_redundant_rows
 from robotraj.solvers.stagewise.slots import Slots, make_slots
 from robotraj.solvers.stagewise.slots import with_values as slots_with_values
 from robotraj.transcription.schemes.onestep import OneStep
@@ -44,9 +44,9 @@ class Reduction:
     form, order, slots : Form, Order, Slots
     program : Program
     known : ndarray of bool (n_w,)
-        Columns that are replaced by numbers.
+        Whether a column is replaced by a number.
     values : ndarray (n_w,)
-        Their values, scaled.
+        Scaled values of these columns.
     stretched : Stretch or None
         Map between velocities and accelerations of ``form`` and those of the NLP.
     """
@@ -84,18 +84,18 @@ class Reduction:
         return np.asarray(w * self.nlp.scale)
 
     def refreshed(self, nlp: Nlp) -> Reduction | None:
-        """Reduce another NLP of the same structure: patterns and combinations are shared, not made again.
+        """Reduce another NLP of the same structure with the patterns and combinations of this one.
 
         Parameters
         ----------
         nlp : Nlp
-            Differs in bounds, fixed values, guess or constants, over the same stage functions.
+            An NLP of the same point functions with other bounds, fixed values, guess or constants.
 
         Returns
         -------
         Reduction or None
-            None where it differs in more: other bounds are finite, other columns are fixed, the mesh or the scales are
-            others, or a bound stands as a coefficient (speed limits at a free duration).
+            None where it differs in more: in the bounds that are finite, the columns that are fixed, the mesh, the
+            scales, or a bound that is a coefficient (speed limits at a free duration).
         """
         form, stretched, order_, known = _staged(nlp, self.stretched)
         if not (self.form.alike(form) and self.order.alike(order_) and np.array_equal(self.known, known)):
@@ -114,7 +114,8 @@ def reduce(nlp: Nlp) -> Reduction:
     Raises
     ------
     NotStagewise
-        Shooting. Whatever couples far intervals, such as an integral constraint, makes wide stages instead.
+        A phase is planned by shooting. Rows that couple distant intervals, such as an integral constraint, are allowed
+        and lead to wide stages.
     """
     form, stretched, order_, known = _staged(nlp)
     values = np.where(known, form.lower, 0.0)
@@ -128,16 +129,16 @@ def _staged(nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | No
         if isinstance(layout.scheme, OneStep):
             raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
     form, stretched = stretch(Form.of(nlp), nlp, before)
-    form = leave_out_surplus(eliminate_controls(take_out_linear(form), nlp), nlp)
+    form = remove_redundant_rows(eliminate_controls(extract_linear(form), nlp), nlp)
     ends = [min(link.phases) for link in nlp.problem.bound_links]
-    low, high, stages = homes(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
+    low, high, stages = allowed_stages(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
     known = (form.lower == form.upper) & ~form.gone
     known &= ~_defined(form)
     return form, stretched, order(form, low, high, stages, known), known
 
 
 def _defined(form: Form) -> Mask:
-    """Columns that a linear row may define: fixed ones among them are rows at their stage, not numbers."""
+    """Return a mask of columns that a linear row may define; fixed ones among them are rows, not numbers."""
     mask = np.zeros(len(form.lower), dtype=bool)
     mask[form.targets[form.targets >= 0]] = True
     return mask

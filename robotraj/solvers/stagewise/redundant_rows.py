@@ -1,8 +1,8 @@
 """Removal of redundant equality constraints.
 
-A constraint on the height of a hand holds at both ends, where fixed joints determine the height already. A terminal
-position of the hand imposes its height once more. Such equations make a stage rank deficient. A solver with
-regularised systems then takes hundreds of iterations instead of twenty.
+A constraint on the height of a hand is redundant at ends where fixed joints determine the height. So is a terminal
+position of the hand that contains its height. Such equations make a stage rank deficient. A solver with regularised
+systems then takes hundreds of iterations instead of twenty.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-HELD = 1e-6
+SATISFIED = 1e-6
 """Largest violation of a row of fixed columns that counts as satisfied, in scaled units."""
 SAME = 1e-9
 """Relative difference of values at random points below which two rows are the same."""
 
 
-def leave_out_surplus(form: Form, nlp: Nlp) -> Form:
+def remove_redundant_rows(form: Form, nlp: Nlp) -> Form:
     """Remove the bounds of rows that fixed columns satisfy, and of rows that repeat others.
 
     Rows that contradict fixed columns or another row stay, so that the solver reports them. Only constraints, contacts
-    and links write such equations; without them the form is returned unchanged.
+    and links have such equations. Without them the form is returned unchanged.
     """
     if not nlp.problem.bound_links and not any(phase.constraints or phase.contacts for phase in nlp.problem.phases):
         return form
     fixed = (form.lower == form.upper) & ~form.gone
-    return _leave_out_repeated(_leave_out_settled(form, fixed), fixed)
+    return _remove_repeated(_remove_satisfied(form, fixed), fixed)
 
 
-def _leave_out_settled(form: Form, fixed: Mask) -> Form:
+def _remove_satisfied(form: Form, fixed: Mask) -> Form:
     settled = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper)) & (form.targets < 0)
     row, column, _ = entries(form.linear)
     settled[row[~fixed[column]]] = False
@@ -50,11 +50,11 @@ def _leave_out_settled(form: Form, fixed: Mask) -> Form:
     if not settled.any():
         return form
     values = _values(form, settled, np.where(fixed, form.lower, 0.0))
-    held = settled & (values >= form.row_lower - HELD) & (values <= form.row_upper + HELD)
+    held = settled & (values >= form.row_lower - SATISFIED) & (values <= form.row_upper + SATISFIED)
     return _without_bounds(form, held)
 
 
-def _leave_out_repeated(form: Form, fixed: Mask) -> Form:
+def _remove_repeated(form: Form, fixed: Mask) -> Form:
     """Remove equations of several blocks that are multiples of others at random points."""
     equations = (form.row_lower == form.row_upper) & (form.targets < 0)
     written = [row[equations[row]] for row in (entries(block.scatter)[0] for block in form.blocks)]

@@ -1,7 +1,7 @@
-"""Columns as they appear in stages: each is a variable, a state carried over, or an expression of the stage.
+"""Columns in their stages: each is a control, a state carried over, or an expression of the stage.
 
-A slot is a column in one of its stages. In the first of these it is a control of that stage, or an expression of the
-stage's variables if a linear row defines it (a defect whose x_j is the column). In all later ones it is a state:
+A slot is a column in one of its stages. In its first stage it is a control. If a linear row defines it (a defect whose
+x_j is the column), it is an expression of the variables of that stage. In all later stages it is a state:
 
     slots = X y + x0,    y = [u_0, x_0, u_1, x_1, ...].
 """
@@ -29,12 +29,12 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Slots:
-    """Where columns stand in stages.
+    """The slots of all columns.
 
     Attributes
     ----------
     first, last : ndarray of int (n_w,)
-        Stages of a column's life.
+        First and last stage of a column.
     base : ndarray of int (n_w,)
         Number of a column's first slot.
     nu, nx : ndarray of int (stages,)
@@ -43,7 +43,7 @@ class Slots:
     used : ndarray of int
         Rows of the form that became definitions.
     variables : ndarray of int (n_y,)
-        The column behind every entry of y.
+        The column of every entry of y.
     carried : ndarray of int (m, 2)
         Slots (c, s) and (c, s + 1) of every state, in the order of the states of stages 1, 2, ...
     """
@@ -60,7 +60,7 @@ class Slots:
     carried: Indices
 
     def at(self, columns: Indices, stages: Indices) -> Indices:
-        """Slots of columns in stages in which they live."""
+        """Return the slots of columns in some of their stages."""
         return np.asarray(self.base[columns] + stages - self.first[columns])
 
 
@@ -82,7 +82,7 @@ def make_slots(form: Form, order: Order, known: Mask, values: Array) -> Slots:
     column = np.repeat(np.arange(life.size), life)
     stage = order.first[column] + np.arange(total) - base[column]
     begins = stage == order.first[column]
-    used = _without_circles(form, order, _defining(form, order, alive))
+    used = _without_cycles(form, order, _defining(form, order, alive))
     defined = np.zeros(life.size, dtype=bool)
     defined[form.targets[used]] = True
     is_control = begins & ~defined[column]
@@ -117,7 +117,7 @@ def with_values(slots: Slots, form: Form, order: Order, known: Mask, values: Arr
 
 
 def _settled(chain: Csr, start: Array) -> Array:
-    """Solve x0 = start + chain x0, where there are no circles."""
+    """Solve x0 = start + chain x0, where the definitions have no cycles."""
     offset = start
     while not np.array_equal(offset, further := start + chain @ offset, equal_nan=True):
         offset = further
@@ -127,7 +127,7 @@ def _settled(chain: Csr, start: Array) -> Array:
 def _definitions(
     form: Form, order: Order, base: Indices, total: int, used: Indices, known: Mask, values: Array
 ) -> tuple[Csr, Array]:
-    """Definitions of slots by slots of the same stage, slots = chain slots + start, zero where there is none."""
+    """Return definitions of slots by slots of the same stage, slots = chain slots + start; other rows are zero."""
     # w_c = (bound - offset - sum of the others) / coefficient of w_c, for each row used.
     row, read, data = entries_of(form.linear, used)
     target = form.targets[used]
@@ -147,8 +147,8 @@ def _definitions(
     return chain, start
 
 
-def _without_circles(form: Form, order: Order, used: Indices) -> Indices:
-    """Drop rows whose targets define each other, as the states of a linear system do: they stay equalities."""
+def _without_cycles(form: Form, order: Order, used: Indices) -> Indices:
+    """Drop rows whose targets define each other, as the states of a linear system do; they remain equalities."""
     row, read, _ = entries_of(form.linear, used)
     target = form.targets[used]
     definer = np.full(len(form.lower), -1)
@@ -156,7 +156,7 @@ def _without_circles(form: Form, order: Order, used: Indices) -> Indices:
     # In a later stage the column is a variable.
     inside = (definer[read] >= 0) & (read != target[row]) & (order.first[read] == order.rows[used][row])
     row, by = row[inside], definer[read[inside]]
-    # Rows that read no open definition are closed, until what is left is a circle or reads one.
+    # Rows that depend on no open definition are closed, until all open rows are in a cycle or depend on one.
     open_rows = np.ones(used.size, dtype=bool)
     while True:
         waiting = np.zeros(used.size, dtype=bool)
@@ -167,7 +167,7 @@ def _without_circles(form: Form, order: Order, used: Indices) -> Indices:
 
 
 def _defining(form: Form, order: Order, alive: Mask) -> Indices:
-    """Rows that define their target in its first stage, one for each target."""
+    """Return the rows that define their target in its first stage, one for each target."""
     rows = np.flatnonzero((form.targets >= 0) & (form.row_lower == form.row_upper) & (form.nonlinear_entries() == 0))
     target = form.targets[rows]
     rows = rows[alive[target] & (order.first[target] == order.rows[rows])]

@@ -1,6 +1,6 @@
-"""Values that are computed once for each stage, also where its problem is reduced several times.
+"""Values that are computed once for the point functions of a phase, however often its problem is reduced.
 
-A phase keeps its stage from one transcription to the next, and with the stage the derivatives that belong to it.
+A phase keeps its point functions from one transcription to the next, and with them their derivatives.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from robotraj.transcription.assembly.point_functions import PointFunctions
 T = TypeVar("T")
 
 
-class Kept(Generic[T]):
-    """Results by stage and arguments, as long as the stage lives."""
+class StageCache(Generic[T]):
+    """Results by point functions and arguments, kept as long as the point functions exist."""
 
     def __init__(self) -> None:
         self._known: WeakKeyDictionary[PointFunctions, dict[Hashable, T]] = WeakKeyDictionary()
 
     def get(self, stage: PointFunctions, arguments: Hashable, make: Callable[[], T]) -> T:
-        """Return the value of ``make`` for the stage and these arguments."""
+        """Return the value of ``make`` for the point functions and these arguments."""
         known = self._known.setdefault(stage, {})
         if arguments not in known:
             known[arguments] = make()

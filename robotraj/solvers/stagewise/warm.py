@@ -1,4 +1,4 @@
-"""Multipliers of one program as a start for another of the same problem: with added rows or other ends."""
+"""Multipliers of one program as a start for another, with added rows or other ends."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def carried_over(known: Reduction, multipliers: Array, new: Reduction) -> Array:
     ----------
     known : Reduction
     multipliers : ndarray (n_rows,)
-        Of its program.
+        Multipliers of the rows of its program.
     new : Reduction
-        Of an NLP whose first columns and rows are those of the known one.
+        Reduction of an NLP whose first columns and rows are those of the known one.
     """
-    there, here = _keys(known), _keys(new)
-    order = np.argsort(there)
-    at = np.minimum(np.searchsorted(there[order], here), there.size - 1)
+    old_keys, new_keys = _keys(known), _keys(new)
+    order = np.argsort(old_keys)
+    at = np.minimum(np.searchsorted(old_keys[order], new_keys), old_keys.size - 1)
     found = order[at]
-    return np.where(there[found] == here, multipliers[found], 0.0)
+    return np.where(old_keys[found] == new_keys, multipliers[found], 0.0)
 
 
 def _keys(reduction: Reduction) -> Keys:
-    """Return a key for every row of a program: a state carried over, a row of the NLP or one side of it, a bound."""
+    """Return a key for every row of a program: dynamics of a state, a row of the NLP or one side of it, a bound."""
     form, program, slots = reduction.form, reduction.program, reduction.slots
     rows, columns = program.form_rows, program.bound_columns
     carried = slots.carried[:, 0]
