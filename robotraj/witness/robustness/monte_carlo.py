@@ -224,8 +224,10 @@ class _Loop:
         for k, t in enumerate(self.times - self.times[0]):
             q = where.q(data.qpos)
             v = where.v(q, data.qvel)
+            if not (np.isfinite(q).all() and np.isfinite(v).all()):
+                break
             found[k] = np.max(np.abs(q - self.q[k]))
-            if not np.isfinite(found[k]) or not np.isfinite(data.qvel).all() or k == len(self.times) - 1:
+            if k == len(self.times) - 1:
                 break
             noise = rng.standard_normal((2, nv))
             error = np.concatenate(

@@ -1,6 +1,6 @@
 """Runs with disturbances: seeded, nested, exact without disturbances, and counted honestly."""
 
-from dataclasses import replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import pytest
@@ -135,3 +135,65 @@ def test_bad_input(swing):
     solo = rt.Phase(rt.load("solo12", root="floating"), 0.1, rt.State(v=0), objective=rt.Effort())
     with pytest.raises(rt.InputError, match="fixed root"):
         rt.witness.monte_carlo(rt.plan(solo, mesh=rt.Mesh(2), check=False))
+
+
+@dataclass(frozen=True)
+class Loaded(rt.witness.Disturbances):
+    """Every body is heavier by a share, and nothing else is disturbed."""
+
+    share: float = 0.0
+
+    def of_model(self, mujoco, model, rng):
+        other = super().of_model(mujoco, model, rng)
+        for name in ("body_mass", "body_inertia"):
+            getattr(other, name)[:] = (1.0 + self.share) * getattr(model, name)
+        return other
+
+    def __post_init__(self):
+        """Accept a share below 0."""
+
+
+@pytest.mark.parametrize("angle", [np.pi / 2, -np.pi / 2])
+@pytest.mark.parametrize(("limit", "reserve"), [(2.0, 1.0), (1.0 + 5e-4, 1e-3 * (1.0 + 5e-4))])
+def test_the_reserve_is_what_the_plan_leaves_of_the_limit_in_the_feedbacks_direction(angle, limit, reserve):
+    """Held level, m g c = 1 N m leaves limit - 1 to lift and limit + 1 to lower; a thousandth of the limit at least."""
+    pendulum = rt.load("pendulum")
+    level = rt.State(q=angle, v=0)
+    rest = rt.Lagrange(lambda point: (point.q[0] - angle) ** 2 + (point.tau[0] - np.sin(angle)) ** 2)
+    hold = rt.Phase(pendulum, 1.0, level, level, rest, limits=pendulum.limits.with_(effort=limit))
+    plan = rt.plan(hold, mesh=rt.Mesh(20))
+    heavier, lighter = (
+        rt.witness.monte_carlo(plan, runs=1, disturbances=Loaded(*astuple(CALM), share)).used[0]
+        for share in (1e-4, -1e-4)
+    )
+    assert heavier / lighter == pytest.approx((limit + 1.0) / reserve, rel=1e-2)
+
+
+def test_a_run_that_diverges_is_infinitely_far_from_then_on(swing):
+    wild = replace(CALM, push=1e300)
+    found = rt.witness.monte_carlo(swing, runs=2, disturbances=wild)
+    assert not np.isnan(found.deviations).any()
+    assert np.isinf(found.deviations[:, -1]).all() and found.held == 0.0
+    assert "0 of 2 runs" in str(found)
+
+
+@pytest.mark.parametrize("duration", [0.5, 0.01])
+def test_a_push_meets_any_body_at_any_time_at_which_it_can_end(duration):
+    rng, size = np.random.default_rng(1), rt.witness.Disturbances(push=3.0)
+    drawn = [size.push_of(4, duration, rng) for _ in range(400)]
+    bodies, begins, forces = (np.array(each) for each in zip(*drawn, strict=True))
+    assert set(bodies) == {1, 2, 3}  # 0 is the world
+    last = max(0.0, duration - 0.02)
+    assert begins.min() >= 0.0 and 0.95 * last <= begins.max() <= last
+    assert np.std(0.02 * forces) == pytest.approx(3.0, rel=0.1)
+
+
+def test_the_funnel_draws_percentiles_of_the_runs_at_each_time():
+    """Ten runs at k times t: the median is 4.5 t, nine tenths lie below 8.1 t, all below 9 t."""
+    times = np.array([0.0, 1.0, 2.0])
+    runs = np.arange(10.0)[:, None] * times
+    figure = rt.witness.MonteCarlo(times, runs, np.zeros(10), 20.0, 0, CALM, "").plot()
+    curves = [line.get_ydata() for line in figure.axes[0].lines]
+    for curve, share in zip(curves, (4.5, 8.1, 9.0), strict=False):
+        np.testing.assert_allclose(curve, share * times)
+    np.testing.assert_array_equal(curves[3], 20.0)
