@@ -9,8 +9,8 @@ import pytest
 import robotraj as rt
 from robotraj import gait
 from robotraj.guess.default import default_guess
+from robotraj.guess.legs.centre_of_mass import Pendulum, heights
 from robotraj.guess.legs.inverted_pendulum import InvertedPendulum
-from robotraj.guess.legs.pendulum import Pendulum, heights
 from robotraj.guess.legs.schedule import schedule_of
 
 GRAVITY = 9.81

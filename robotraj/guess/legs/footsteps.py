@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
-from robotraj.guess.legs.pendulum import Pendulum, heights
+from robotraj.guess.legs.centre_of_mass import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, StanceTime
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing

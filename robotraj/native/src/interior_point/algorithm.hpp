@@ -1,4 +1,4 @@
-// The iteration.
+// The iteration: a step, the search along it, the accepted point.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace robotraj::interior_point {
 /// One line of the log: objective, largest violated equality, largest dual infeasibility, barrier parameter.
 using Iteration = std::array<double, 4>;
 
-/// What is counted and asked once an iteration, in the restoration phase too.
+/// The count, the log and the caller's check of every iteration; those of the restoration phase are among them.
 struct Progress {
   int iterations = 0;
   std::vector<Iteration> trace;
@@ -37,8 +37,17 @@ enum class End {
 
 class Restoration;
 
-/// Steps along `Direction`, as long as `LineSearch` accepts, for a parameter that `Barrier` lowers, until `Convergence`
-/// holds. Source: the paper, algorithm A.
+/// Solves barrier problems of falling parameters mu,
+///
+///     minimise f(x, s) - mu sum log(s - lower) - mu sum log(upper - s)   subject to   c(x, s) = 0,
+///
+/// each by damped Newton steps. `Direction` computes a step, `LineSearch` its length, `Barrier` lowers mu, and
+/// `Convergence` ends the iteration. With d the distance of an accepted slack from a bound, the bound's multiplier z is
+/// kept near mu / d, so that the Hessian of the system stays close to the one of the barrier problem:
+///
+///     z <- max(min(z, kappa_Sigma mu / d), mu / (kappa_Sigma d)).
+///
+/// Source: the paper, algorithm A and equation 16.
 class Algorithm {
  public:
   Algorithm(Problem& problem, const Options& options, Progress& progress);
@@ -48,14 +57,14 @@ class Algorithm {
   LineSearch search;
   Barrier barrier;
 
-  /// Sets the phase that follows a line search that fails; without it a step that is too short ends the solve.
+  /// Returns the phase that follows a line search that fails; without it such a line search ends the solve.
   std::function<Restoration&()> restoration;
-  /// Ends the iteration as `restored`; asked from the second iteration on.
+  /// Whether the iteration ends as `restored`; called from the second iteration on.
   std::function<bool()> goal;
-  /// Writes the line of the log.
+  /// Returns the line of the log.
   std::function<Iteration()> line;
 
-  /// From `run.current` on, which is started.
+  /// Iterates from `run.current`, whose variables and multipliers are set, with the first parameter mu.
   End iterate(double mu);
 
  private:

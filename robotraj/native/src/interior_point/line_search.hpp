@@ -8,15 +8,16 @@
 
 namespace robotraj::interior_point {
 
-/// Backtracks from the longest step that keeps 1 - tau of every distance until a point is acceptable: with
-/// theta = sum |c| and m = slope of phi_mu along the step, a step alpha
+/// Halves the step alpha until a point is acceptable, from the longest one that keeps a share 1 - tau of every slack's
+/// distance from its bounds. With theta = sum |c| and m the slope of phi_mu along the step, an acceptable point
 ///
-///     lowers phi_mu by eta_phi alpha m where alpha (-m)^s_phi > delta theta^s_theta and theta <= theta_min;
-///     else lowers theta by gamma_theta theta, or phi_mu by gamma_phi theta;
+///     has phi_mu(alpha) <= phi_mu + eta_phi alpha m, where alpha (-m)^s_phi > delta theta^s_theta, theta <= theta_min;
+///     else theta(alpha) <= (1 - gamma_theta) theta, or phi_mu(alpha) <= phi_mu - gamma_phi theta;
 ///
-/// and is accepted by the filter. Second-order corrections are tried where the full step raises theta, and taken where
-/// they lower it. After ten shortened steps in a row, three full ones are taken unchecked (watchdog). Where steps become too short, steps that
-/// lower the error of the primal-dual equations are taken, at most ten; then the restoration phase is needed.
+/// and the filter accepts it. Where the full step raises theta, it is corrected up to four times by the solution for
+/// the residuals c(x + d) + alpha c(x), and such a step is taken if it is acceptable. After ten shortened steps in a
+/// row, up to three full steps are taken without a test (watchdog). Where alpha falls below alpha_min, up to ten steps
+/// follow that lower the error of the primal-dual equations; then the restoration phase is needed.
 /// Source: the paper, sections 2.3, 2.4 and 3.2; Chamberlain, Powell, Lemarechal, Pedersen, The watchdog technique,
 /// Math. Programming Study 16 (1982).
 class LineSearch {
@@ -27,7 +28,7 @@ class LineSearch {
   void start();
   /// For another barrier parameter.
   void reset();
-  /// Leaves an accepted point in `trial`; false where the restoration phase is needed, which `give_up` prepares.
+  /// Writes an accepted point to `trial`; false where the restoration phase is needed, which `give_up` prepares.
   bool search();
   /// The current point joins the filter: the restoration phase is to leave it behind.
   void give_up();

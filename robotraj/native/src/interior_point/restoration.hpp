@@ -6,13 +6,18 @@
 
 namespace robotraj::interior_point {
 
-/// Lowers the violation by the same iteration on `Feasibility`, until it is halved and the line search that gave up
-/// accepts the point. Source: the paper, section 3.3.
+/// Lowers the violation theta by the same iteration on `Feasibility`, from mu = max(mu, max |c|), to a point with
+///
+///     theta <= kappa_resto theta_0,   kappa_resto = 0.5,
+///
+/// that the filter of the line search accepts. Multipliers of the bounds then follow the slacks by one Newton step, and
+/// those of the rows start at zero. A solution of `Feasibility` that still violates rows shows that the problem is
+/// locally infeasible. Source: the paper, section 3.3.
 class Restoration {
  public:
   Restoration(ProgramProblem& original, const Options& options, Progress& progress);
 
-  /// Leaves a point in `original.trial`, or returns why there is none.
+  /// Writes a point to `original.trial`, or returns why there is none.
   End restore(Run& original, const LineSearch& search);
 
   double seconds() const { return algorithm_.run.direction.seconds; }

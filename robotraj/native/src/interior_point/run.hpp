@@ -19,7 +19,7 @@ struct Run {
         step(solved),
         direction(solved, given) {}
 
-  /// Fraction of the way to a bound that a step may go.
+  /// Fraction of the way to a bound that a step may go: tau = max(tau_min, 1 - mu), the paper's equation 8.
   double tau() const { return std::max(0.99, 1.0 - mu); }
   void set_barrier(double value) {
     mu = value;

@@ -13,14 +13,16 @@ namespace robotraj::interior_point {
 /// Source: the paper, equation 5.
 double error(Iterate& iterate, double mu);
 
-/// Mean magnitudes of the primal-dual equations of the barrier problem, each kind's own.
+/// mean |grad L| + mean |c| + mean |S z - mu|, the error of the primal-dual equations of the barrier problem.
 double system_error(Iterate& iterate, double mu);
 
 /// Mean of multiplier times distance over all bounds; 0 where there is none.
 double mean_complementarity(Iterate& iterate);
 
+/// `acceptable` after `acceptable_iterations` in a row with E_0 <= `acceptable_tolerance`.
 enum class Converged { no, solved, acceptable };
 
+/// Solved where E_0 <= eps_tol and no row is violated by more than `violation_tolerance`.
 class Convergence {
  public:
   explicit Convergence(const Options& options) : options_(options) {}

@@ -29,7 +29,7 @@ class Room {
   Vectors vectors_;
 };
 
-/// Evaluates when asked, and once. Whoever writes variables calls `moved` or `turned`.
+/// Evaluates each function on demand, once a point. Code that writes variables calls `moved` or `turned`.
 class Iterate {
  public:
   explicit Iterate(Problem& problem);
@@ -54,7 +54,7 @@ class Iterate {
   const double* gradient_x();
   const double* gradient_s();
   const StageValues& jacobian();
-  /// Gradient of the Lagrangian f + lam' c - z_l' (s - lower) - z_u' (upper - s).
+  /// Gradient of the Lagrangian f + lam' c - z_l' (s - lower) - z_u' (upper - s), the dual infeasibility.
   const double* infeasibility_x();
   const double* infeasibility_s();
   double largest_infeasibility();

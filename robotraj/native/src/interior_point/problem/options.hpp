@@ -12,7 +12,7 @@ struct Options {
   double tolerance = 1e-8;             ///< eps_tol, of the scaled error E_0
   double acceptable_tolerance = 1e-6;  ///< of an error that is good enough after `acceptable_iterations` in a row
   int acceptable_iterations = 15;
-  double violation_tolerance = 1e-4;                                 ///< of the largest row at a solution
+  double violation_tolerance = 1e-4;                                 ///< of the most violated row at a solution
   int max_iterations = 1000;                                         ///< those of the restoration phase included
   double processor_limit = std::numeric_limits<double>::infinity();  ///< processor seconds of the process
 
@@ -20,7 +20,7 @@ struct Options {
   double barrier_factor = 10.0;   ///< kappa_eps: mu falls where E_mu <= kappa_eps mu
   double barrier_decrease = 0.2;  ///< kappa_mu
   double barrier_power = 1.5;     ///< theta_mu
-  bool adaptive_barrier = false;  ///< mu from a predictor step, as long as that makes progress
+  bool adaptive_barrier = false;  ///< mu from a predictor step while the error falls; see `Barrier`
 
   double bound_relaxation = 1e-8;  ///< bounds are widened by this share of max(1, |bound|)
   double bound_push = 1e-2;        ///< kappa_1: distance of the first slacks from their bounds

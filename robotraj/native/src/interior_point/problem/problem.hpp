@@ -40,7 +40,7 @@ class Problem {
   /// Of the Lagrangian in x, but for a diagonal that `damping` holds; null where there is none.
   virtual void hessian(const double* x, const double* lam, StageValues& values) = 0;
   virtual const double* damping() const { return nullptr; }
-  /// Told before what depends on it is evaluated.
+  /// Called before a function that depends on mu is evaluated.
   virtual void set_barrier(double) {}
 
   /// Finite bounds of the slacks.
