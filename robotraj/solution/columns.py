@@ -37,7 +37,7 @@ def variables_of(phase: Phase) -> tuple[Variable, ...]:
 def values_of(part: PhaseSolution, times: Array, interval: int | None = None) -> dict[str, Array]:
     """Evaluate every variable of a phase at times [s], (m,) each, by name.
 
-    With ``interval``, by the polynomial of that interval: the one-sided values at its knots.
+    With ``interval`` the polynomial of that interval is evaluated, for one-sided values at its knots.
     """
     sample = part.at(times, interval)
     values = {**sample.x, **sample.z, **sample.u}

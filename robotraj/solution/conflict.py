@@ -15,20 +15,20 @@ class Conflict(OneLine):
     phase : str
         Name of the phase.
     name : str
-        ``"effort limit, elbow"``.
+        Name of the row, such as ``"effort limit, elbow"``.
     time : float
         Time of the largest violation of the row along the relaxed motion [s].
     bound, needed : float
-        The bound as it is, and one with which a motion was found, in ``unit``.
+        The given bound, and one with which a motion was found, in ``unit``.
     unit : str
     relative : float
         The relaxation relative to the scale of the row.
     physical : bool
         Whether it is a limit of a joint or of the duration, which does not depend on the guess.
     reason : str
-        What the bound is needed for, or the rows that it conflicts with; empty if unknown.
+        Purpose of the needed bound, or the rows with which it conflicts; empty if unknown.
     exact : bool
-        Whether it follows from the ends of the motion alone, whatever the mesh.
+        Whether the conflict follows from the ends of the motion alone, on any mesh.
     """
 
     phase: str

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class NoSolutionFound(RobotrajError):
-    """The solver stopped without a solution; ``solution`` keeps the last iterate.
+    """The solver stopped without a solution; ``solution`` is the last iterate.
 
     Attributes
     ----------

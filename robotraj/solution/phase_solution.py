@@ -72,7 +72,7 @@ class PhaseSolution(OneLine):
 
     @cached_property
     def robot(self) -> Robot | None:
-        """The robot in plain numbers, with the values of the phase's design written in; None for a System."""
+        """The robot with the values of the phase's design parameters; None for a System."""
         from robotraj.dynamics.design.binding import realised
 
         robot: Robot | None = realised(self)
@@ -80,7 +80,7 @@ class PhaseSolution(OneLine):
 
     @cached_property
     def exact(self) -> bool:
-        """Whether the plan obeys its equations of motion at any time (``transcription.exact_motion``)."""
+        """Whether the plan satisfies its equations of motion at any time (``transcription.exact_motion``)."""
         return is_exact(self.phase, self.mesh.schemes)
 
     @cached_property
@@ -100,7 +100,7 @@ class PhaseSolution(OneLine):
         t : float or array (m,)
             Global time [s] within the phase.
         interval : int or array (m,), optional
-            Use the polynomial of this interval, or of one for each time: for one-sided values at knots.
+            Interval whose polynomial is evaluated, or one for each time, for one-sided values at knots.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class PhaseSolution(OneLine):
         z, u = self.inputs.at(times, interval)
         controls, algebraics = dae.controls, dae.algebraic
         if isinstance(dae, Augmented):
-            # Where the objective made states of controls or forces, they are read from there.
+            # Controls or forces that the objective made states are those of the states.
             columns = zip((*dae.states, *algebraics, *controls), (*x.T, *z.T, *u.T), strict=True)
             known = {v.name: column for v, column in columns}
             body = self.phase.body
@@ -145,13 +145,13 @@ class PhaseSolution(OneLine):
             return Sample(known_times, states, algebraic, named_controls)
         end = robot.nq + robot.nv
         accelerations = self._rates(times, interval)[..., robot.nq : end]
-        # Polynomials of a quaternion have length 1 where they were collocated, and nearly so between.
+        # Polynomials of a quaternion have length 1 at collocation points, and nearly 1 in between.
         q = normalised(robot.model, x[..., : robot.nq])
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
         return Sample(known_times, states, algebraic, named_controls, q, v, accelerations, tau, self._forces(algebraic))
 
     def _forces(self, algebraic: Named) -> Named:
-        """Contact forces in world axes, (3,) or (6,) each, behind the axis of times."""
+        """Return contact forces in world axes, (3,) or (6,) each, or (m, 3) or (m, 6) for m times."""
         contacts = self.phase.bound_contacts
         vectors = []
         for contact in contacts:

@@ -1,4 +1,4 @@
-"""The interface of a solution that exports and plots read."""
+"""The interface of a solution for exports and plots."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Planned(Protocol):
 
     @property
     def message(self) -> str:
-        """What the solver reported."""
+        """Message of the solver."""
 
     @property
     def objective(self) -> float:

@@ -1,6 +1,6 @@
 """Plots of solutions: every variable over time with its limits, the knots and the collocation points.
 
-Figures are matplotlib's, made without pyplot: no window opens, nothing has to be closed.
+Figures are matplotlib's, made without pyplot, so that no window opens.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Panel = tuple[str, str]
-"""Quantity and unit of what one set of axes shows."""
+"""Quantity and unit of one set of axes."""
 
 SAMPLES = 1200
-"""About so many points of each curve, shared among the intervals of a phase."""
+"""Approximate number of points of each curve, shared among the intervals of a phase."""
 CROWD = 250
-"""With more points than this on the curves of one panel they are marked below the curves, not on them."""
+"""Number of points in a panel above which they are marked below the curves."""
 REACH = 0.75
-"""A limit farther from the curves than this share of their span is written as text, which keeps the curves legible."""
+"""Distance of a limit from the curves, relative to their span, above which it is written as text."""
 QUANTITIES = ("position", "velocity", "acceleration", "effort", "state", "algebraic variable", "control")
 QUATERNION = ("position", "")
 """The positions without a unit: the quaternion of a floating root."""
@@ -62,9 +62,9 @@ def plot(solution: Planned) -> Figure:
 
     Robots get positions, velocities, accelerations and torques, Systems their states, algebraic variables and
     controls; each quantity and unit has its own axes. Dashed lines are limits that hold throughout a phase.
-    Filled dots are knots, open dots the other collocation points; where those are many, long and short ticks
-    at the bottom mark them. Several phases are told apart by bands. A control that jumps at a knot is drawn
-    with both its values.
+    Filled dots are knots, open dots the other collocation points. If there are many, long and short ticks at
+    the bottom mark them. Every second phase is shaded. A control that jumps at a knot is drawn with both its
+    values.
 
     Parameters
     ----------

@@ -8,16 +8,16 @@ from robotraj._util.values import dataclass
 
 @dataclass(frozen=True)
 class Goals(OneLine):
-    """What must hold of a plan between its collocation points.
+    """Bounds on the measures of a plan between its collocation points.
 
     Attributes
     ----------
     error : float
         Largest relative error of the equations of motion on an interval.
     excess : float
-        Largest excess over a limit or path constraint, as a share of its bound.
+        Largest excess over a limit or path constraint, relative to its bound.
     objective : float
-        How far the objective may be from that of a finer mesh, relative to itself.
+        Largest relative difference of the objective from its integral along the motion, and from a finer mesh.
     """
 
     error: float = 1e-4
@@ -34,14 +34,14 @@ class Proof(OneLine):
     error : float
         Largest relative error of the equations of motion on an interval; 0 where torques follow from inverse dynamics.
     excess : float
-        Largest excess over a limit or path constraint, as a share of its bound; in its unit where all bounds are 0.
+        Largest excess over a limit or path constraint, relative to its bound; in its unit where all bounds are 0.
     quadrature : float
-        Difference between the objective's integral along the motion and the sum that was minimised, relative.
+        Relative difference between the objective's integral along the motion and the minimised sum.
     unsettled : float
-        What a finer mesh may still gain, estimated from the objectives of the last two meshes, relative.
+        Relative decrease of the objective to expect on finer meshes, estimated from the last meshes.
     goals : Goals
     shortfall : float
-        Largest distance by which a ``CollisionFree`` is not proved [m]; 0 where all distances are proved.
+        Largest shortfall of a distance of ``CollisionFree`` in the proof [m]; 0 where all distances are proved.
     """
 
     error: float
@@ -53,7 +53,7 @@ class Proof(OneLine):
 
     @property
     def motion_holds(self) -> bool:
-        """Whether the plan is a motion within its limits, the best one or not."""
+        """Whether the plan is a motion within its limits, whether or not its objective has settled."""
         return self.error <= self.goals.error and self.excess <= self.goals.excess and self.shortfall <= 0.0
 
     @property

@@ -1,4 +1,4 @@
-"""Records of how a solution was found: meshes of a refinement, stages of a continuation, times."""
+"""Records of how a solution was found: meshes of a refinement, steps of a continuation, times."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class MeshStep(OneLine):
 
 @dataclass(frozen=True)
 class ContinuationRecord(OneLine):
-    """One stage that was solved before the problem itself.
+    """One continuation step, which was solved before the problem itself.
 
     Attributes
     ----------
@@ -53,5 +53,5 @@ class ContinuationRecord(OneLine):
 
 
 def added_times(first: Mapping[str, float], second: Mapping[str, float]) -> dict[str, float]:
-    """Add the seconds of two solves, part by part: where one solver took over from another their parts differ."""
+    """Add the times [s] of two solves, part by part. Solves by different solvers have different parts."""
     return {part: first.get(part, 0.0) + second.get(part, 0.0) for part in dict.fromkeys([*first, *second])}

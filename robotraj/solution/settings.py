@@ -1,4 +1,4 @@
-"""Settings of a plan: everything the user may leave open, with the reason of every choice.
+"""Settings of a plan: all options that the user may leave open, with the reason of every choice.
 
 The values are chosen in ``robotraj.planning.settings``. They are defined here since a solution holds them.
 """
@@ -28,8 +28,8 @@ class Restarts(OneLine):
     count : int
         Largest number of starts that are tried: first longer motions, then variations. 0 turns restarts off.
     longer : sequence of float
-        Factors by which guessed free durations are multiplied. With each, a motion without objective is planned
-        first; the problem then starts from it. It needs a free duration.
+        Factors by which guessed free durations are multiplied. For each factor a motion without objective is planned
+        first, and is the guess of the problem. They need a free duration.
     seeds : sequence of int
         Seeds of random variations of the default guess. They need a plan without ``guess=``.
 
@@ -56,20 +56,20 @@ class Restarts(OneLine):
 
 @dataclass(frozen=True)
 class Settings(OneLine):
-    """What a plan was made with. ``rt.plan(problem, settings=...)`` repeats it.
+    """The settings of a plan. ``rt.plan(problem, settings=...)`` repeats it.
 
     Attributes
     ----------
     tolerance : float or None
         Relative error to which the mesh is refined; None solves on the given mesh alone.
     goals : Goals or None
-        What is measured between the points until it holds; None where nothing is proved.
+        Bounds on the errors between the points; None where nothing is proved.
     mesh : Mesh or tuple of Mesh
-        The first mesh, one for all phases or one for each.
+        The first mesh: one for all phases, or one for each.
     solver : Solver
     engine : Engine
     interval_limits : ConstraintGeneration
-        How rows are imposed between collocation points.
+        Method that imposes rows between collocation points.
     refinement : Refinement or None
         None where there is no tolerance.
     restarts : Restarts

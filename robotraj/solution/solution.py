@@ -1,4 +1,4 @@
-"""Solutions: the polynomials that were collocated, how the solve ended, and what is violated."""
+"""Solutions: the collocated polynomials, the status of the solve, and violated rows."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Solution(OneLine):
-    """What a solver found, checked outside the solver.
+    """The result of a solver, checked outside the solver.
 
     Attributes
     ----------
@@ -55,32 +55,32 @@ class Solution(OneLine):
         Seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared, ``"setup"``
         and ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
     violation_list : tuple of Violation
-        Every row and bound broken by more than the tolerance, worst first.
+        Every row and bound violated by more than the tolerance, worst first.
     multipliers : Multipliers or None
-        In physical units, for warm starts on the same mesh.
+        Multipliers in physical units, for warm starts on the same mesh.
     refinement : tuple of MeshStep
         The meshes of the refinement, in order; empty for a plan on a given mesh.
     duals : sequence of PhaseDuals
         Costates and densities of multipliers, one entry a phase, found when first read; see ``rt.indirect.costates``.
     continuation : tuple of ContinuationRecord
-        The stages of the continuation, in order; empty without one.
+        The steps of the continuation, in order; empty without one.
     added_rows : tuple of AddedRow
         Rows that were imposed between collocation points as well.
     interval_violations : tuple of Violation
-        Rows on states that are still broken between collocation points, worst first; empty where they all hold there.
+        Rows on states that are violated between collocation points, worst first.
     control_interval_violations : sequence of Violation
-        Bounds of controls and of algebraic variables, accelerations among them, that are exceeded by more than 1 %
-        there, worst first; found when first read. Their polynomials bulge where they switch, unless
-        ``rt.interval_limits.BernsteinBounds(controls=True)`` holds them.
+        Bounds of controls, accelerations and other algebraic variables that are exceeded by more than 1 % there, worst
+        first; computed when first read. Polynomials exceed their bounds where they switch, unless
+        ``rt.interval_limits.BernsteinBounds(controls=True)`` bounds them.
     impulses : tuple of mapping
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.
     conflicts : tuple of Conflict
-        Where no motion was found: bounds that must give, worst first, with values that would do.
+        Where no motion was found: bounds that must be relaxed, worst first, with values that suffice.
     settings : Settings or None
-        What the plan was made with and why; ``rt.plan(problem, settings=solution.settings)`` repeats it.
+        Settings of the plan with their reasons; ``rt.plan(problem, settings=solution.settings)`` repeats it.
     proof : Proof or None
-        What was measured between the collocation points; None where nothing was proved, as on a given mesh.
+        Measures between the collocation points; None where nothing was proved, as on a given mesh.
     """
 
     problem: Problem
@@ -110,7 +110,7 @@ class Solution(OneLine):
 
     @property
     def seconds(self) -> float:
-        """Seconds in all: ``times`` without the entries that are parts of others."""
+        """Total time [s]: the sum of ``times`` without the entries that are parts of others."""
         return sum(seconds for name, seconds in self.times.items() if ":" not in name)
 
     @cached_property
@@ -156,12 +156,12 @@ class Solution(OneLine):
         return np.unique(np.concatenate([phase.knots for phase in self.phases]))
 
     def at(self, t: Times) -> Sample:
-        """Evaluate the plan at global times; at a joint of two phases the later phase is used.
+        """Evaluate the plan at global times; where two phases meet, the later phase is evaluated.
 
         Parameters
         ----------
         t : float or array (m,)
-            [s].
+            Global times [s].
 
         Returns
         -------
@@ -186,7 +186,7 @@ class Solution(OneLine):
 
     @cached_property
     def _contacts(self) -> dict[str, int]:
-        """Every contact of any phase, and how many components its force has."""
+        """Every contact of any phase, with the number of components of its force."""
         return {
             contact.name: len(contact.vector([0.0] * len(contact.forces)))
             for part in self.phases
@@ -194,7 +194,7 @@ class Solution(OneLine):
         }
 
     def violations(self, top: int = 3) -> tuple[Violation, ...]:
-        """List the worst broken rows and bounds, worst first, relative to their scale."""
+        """List the most violated rows and bounds, worst first, relative to their scale."""
         return self.violation_list[:top]
 
     def save(self, path: str | Path) -> Path:
@@ -252,7 +252,7 @@ class Solution(OneLine):
 
     @property
     def cause(self) -> str:
-        """Why no solution was found: the first limit that must give, else the worst violated row, else the message."""
+        """Why no solution was found: the first limit to relax, else the worst violated row, else the message."""
         if self.conflicts:
             return self.in_phase(self.conflicts[0])
         if self.status is Status.INVALID_NUMBER or not self.violation_list:

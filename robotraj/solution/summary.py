@@ -14,16 +14,16 @@ from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
 
 CONVERGED = (Status.SOLVED, Status.TOLERANCE_NOT_REACHED, Status.NOT_PROVED)
-"""Statuses of motions that satisfy every row: only of these is it shown what happens between the knots."""
+"""Statuses of motions that satisfy every row. Only for these the text lists violations between the knots."""
 CHANGE_LIMITS = "Change one of these limits or the motion that conflicts with it."
 
 
 class Summarised(Planned, Protocol):
-    """What the text of a solution reads beside what exports read."""
+    """The attributes of a solution for its text, in addition to those for exports."""
 
     @property
     def seconds(self) -> float:
-        """Seconds in all."""
+        """Total time [s]."""
 
     @property
     def error(self) -> float | None:
@@ -35,15 +35,15 @@ class Summarised(Planned, Protocol):
 
     @property
     def continuation(self) -> Sequence[ContinuationRecord]:
-        """The stages, in order."""
+        """The continuation steps, in order."""
 
     @property
     def proof(self) -> Proof | None:
-        """What was measured between the collocation points."""
+        """Measures between the collocation points."""
 
     @property
     def interval_violations(self) -> Sequence[Violation]:
-        """Rows on states that are broken between collocation points."""
+        """Rows on states that are violated between collocation points."""
 
     @property
     def control_interval_violations(self) -> Sequence[Violation]:
@@ -51,7 +51,7 @@ class Summarised(Planned, Protocol):
 
     @property
     def conflicts(self) -> Sequence[Conflict]:
-        """Bounds that must give."""
+        """Bounds that must be relaxed."""
 
     def violations(self, top: int = 3) -> Sequence[Violation]:
         """List the worst violations."""
@@ -68,9 +68,9 @@ def summary(solution: Summarised) -> str:
         f"{solution.iterations} iterations, {solution.seconds:.3g} s"
     ]
     lines += [
-        f"  {stage.name}: {stage.status.value}, objective {stage.objective:.8g}, "
-        f"{stage.iterations} iterations, {stage.seconds:.3g} s"
-        for stage in solution.continuation
+        f"  {step.name}: {step.status.value}, objective {step.objective:.8g}, "
+        f"{step.iterations} iterations, {step.seconds:.3g} s"
+        for step in solution.continuation
     ]
     lines += [
         f"  mesh {i}: {step.intervals} intervals, {step.points} points, error {step.error:.2e}, "
@@ -82,17 +82,17 @@ def summary(solution: Summarised) -> str:
     elif converged and not solution.refinement and (error := solution.error) is not None:
         lines.append(f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)")
     if converged and solution.interval_violations:
-        lines.append(f"between collocation points: {solution.interval_violations[0]}; a finer mesh would help")
+        lines.append(f"between collocation points: {solution.interval_violations[0]}; plan on a finer mesh")
     if converged and solution.control_interval_violations:
         worst = solution.control_interval_violations[0]
         lines.append(
             f"between collocation points: {worst}; "
-            f"interval_limits=rt.interval_limits.BernsteinBounds(controls=True) would hold it"
+            f"plan with interval_limits=rt.interval_limits.BernsteinBounds(controls=True)"
         )
     if not solution.success:
-        lines += [f"what must give: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
+        lines += [f"must be relaxed: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
         lines += [f"solver: {solution.message}"]
         lines += [f"  {solution.in_phase(violation)}" for violation in solution.violations(5)]
         lines += [f"try: {CHANGE_LIMITS if solution.conflicts else solution.status.remedy}"]
-    # A line is indented by its rank; what does not fit goes on below, indented further.
+    # A line that is too long continues below with more indentation.
     return "\n".join(part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())]))

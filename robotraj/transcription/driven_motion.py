@@ -1,14 +1,14 @@
-"""Contact forces and torques along a planned motion, between its collocation points too.
+"""Contact forces and torques along a planned motion, also between its collocation points.
 
-Collocation gives polynomials q(t), v(t) and a(t). Motors can give any torques between the points, and contacts any
-forces. Along the motion they are therefore those that the equations of motion require,
+Collocation gives polynomials q(t), v(t) and a(t). Between the points the torques of motors and the forces of contacts
+are not prescribed. They are therefore those that the equations of motion require,
 
-    f = f_p + J_r'^+ (r_r - J_r' f_p),    tau = B' (RNEA(q, v, a) + d(v) - J' f),
+    f = f_p + J_r'^+ (r_r - J_r' f_p),    tau = B' (RNEA(q, v, a) + d(v) - J' f).
 
-where f_p are the planned forces, polynomials, and the index r is of joints without motors, the root above all, whose
-balance r_r the forces must hold. ^+ is the pseudoinverse: the forces change by the least amount. At collocation points
-both are the planned ones. What forces cannot balance, such as a moment about the line through two point contacts, is
-an error of the motion, as a - dv/dt is.
+Here f_p are the planned forces, polynomials. The index r denotes the joints without motors, such as the root, whose
+balance r_r the forces must satisfy. ^+ is the pseudoinverse, so that the forces change by the least amount. At
+collocation points both are the planned ones. Loads that forces cannot balance, such as a moment about the line through
+two point contacts, are an error of the motion, as a - dv/dt is.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ Indices = NDArray[np.int_]
 RANK = 1e-9
 """Singular values of J_r' below this share of the largest count as zero."""
 FEWEST_PLACES = 8
-"""Points that are evaluated at least; their number is a power of two, so that few evaluators are made."""
+"""Least number of evaluated points. The number is a power of two, so that few evaluators are made."""
 
 
 class Inputs(Protocol):
@@ -73,7 +73,7 @@ class PlannedInputs(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class DrivenInputs(OneLine):
-    """Inputs by the equations of motion; variables that an objective added are polynomials."""
+    """Inputs by the equations of motion; variables that an objective adds are polynomials."""
 
     phase: Phase
     trajectory: PhaseTrajectory
@@ -167,8 +167,8 @@ def is_driven(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     """Whether the inputs of a phase follow from its motion: ``DrivenInputs``.
 
     The motion is exact (``exact_motion``), or that of a robot with contacts or a free root by inverse dynamics. Neither
-    torques nor forces are states, and no path constraint fixes them. The contacts hold rows: forces of other ones
-    depend on the motion. The control is the scheme's own polynomial, which motors must follow.
+    torques nor forces are states, and no path constraint fixes them. Contacts are constraints, not force laws. The
+    control sites are the nodes of the scheme.
     """
     body, dae = phase.body, phase.dae
     if is_exact(phase, schemes):

@@ -1,4 +1,4 @@
-"""Motions that satisfy their equations at all times, not at collocation points alone.
+"""Motions that satisfy their equations at all times, not only at collocation points.
 
 A robot with a motor at every joint can follow any motion q(t). Inverse dynamics gives the torques,
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
-"""Error of a quadrature below which it counts as exact."""
+"""Largest error of an exact quadrature."""
 
 
 def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:

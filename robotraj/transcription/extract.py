@@ -25,7 +25,7 @@ class PhaseTrajectory(OneLine):
     Attributes
     ----------
     t0, duration : float
-        [s].
+        Start time and duration [s].
     x, z, u : PiecewisePolynomial
         State, algebraic variables and controls. Positions of exact motions (``exact_motion``) are integrals of speeds.
     points : ndarray

@@ -60,7 +60,7 @@ class IntervalLayout:
     ----------
     scheme : Scheme
     start, length : float
-        As fractions of the phase; on a moving mesh, before it moves.
+        Fractions of the phase; on a moving mesh, those of its guess.
     clock : Clock
     states : Indices (s + ..., nx)
         Columns of the state at each node.
@@ -185,7 +185,7 @@ class PhaseLayout(OneLine):
 
     @cached_property
     def place_fractions(self) -> Array:
-        """Fraction of the phase of every evaluation of the stage function; on a moving mesh, before it moves."""
+        """Fraction of the phase of every evaluation of the point function; on a moving mesh, that of its guess."""
         which, node = self.place_owner.T
         out = np.empty(len(which))
         for run in self.runs:

@@ -53,7 +53,7 @@ class Nlp(OneLine):
     variables, rows : Scalars
         Meaning, time and bounds of the columns and of the rows.
     blocks : tuple of Block
-        In physical units.
+        Blocks in physical units.
     linear : sparse (n_g, n_w)
         The linear part of the rows.
     scale, row_scale : ndarray (n_w,), (n_g,)
@@ -63,9 +63,9 @@ class Nlp(OneLine):
     free : Scalars
         The columns without the bounds of the phases.
     engine : Engine
-        Evaluates the blocks' functions.
+        Engine that evaluates the blocks' point functions.
     interval_limits : ConstraintGeneration
-        How limits hold between the collocation points.
+        Method that imposes limits between the collocation points.
     loose_rows : Scalars or None
         The rows without margins, if ``rows`` have margins.
     keeps_clear : bool
@@ -96,7 +96,7 @@ class Nlp(OneLine):
 
     @property
     def compiling(self) -> float:
-        """Seconds that the engine took to prepare ``functions``, 0 before they are used."""
+        """Time in which the engine prepared ``functions`` [s], 0 before they are used."""
         return self.functions.preparing if "functions" in self.__dict__ else 0.0
 
     @property

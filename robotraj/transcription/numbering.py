@@ -50,8 +50,8 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
     for which, scheme, join in _joins(schemes, own_clocks is not None, bool(len(u))):
         nodes, sites = scheme.nodes, scheme.control_sites
         inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
-        # Columns that an interval of the run adds: controls, algebraic variables, inner states, the state at its right
-        # knot, corrections; each with its place in the interval.
+        # New columns of an interval of the run, with their places in the interval: controls, algebraic variables, inner
+        # states, the state at its right knot, corrections.
         parts = [
             (u, sites[join.control :]),
             (z, nodes[join.place :]),
@@ -98,7 +98,7 @@ def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLa
 
 
 def _joins(schemes: Sequence[Scheme], moving: bool, controlled: bool) -> Iterator[tuple[Indices, Scheme, _Join]]:
-    """Yield neighbouring intervals of one scheme, the scheme, and what each interval shares with its left neighbour."""
+    """Yield neighbouring intervals of one scheme, the scheme, and their shared values with the left neighbour."""
     first, before = 0, None
     for scheme, group in groupby(schemes):
         last = first + len(list(group))
@@ -124,7 +124,7 @@ class _Join:
     @classmethod
     def of(cls, here: Scheme, before: Scheme, controlled: bool) -> _Join:
         control = here.control_sites[0] == 0.0 and before.control_sites[-1] == 1.0
-        # A control that jumps at a knot causes two accelerations there: the knot is evaluated on both sides.
+        # A control that jumps at a knot causes two accelerations there, so that the knot is evaluated on both sides.
         place = here.nodes[0] == 0.0 and before.nodes[-1] == 1.0 and (control or not controlled)
         return cls(int(control), int(place))
 
@@ -150,7 +150,7 @@ def _clocks(breaks: Array, index: int, table: ScalarTable) -> Indices:
 
 
 def _scalar(table: ScalarTable, entry: Entry, low: float, high: float) -> Scalar:
-    """Add a column; fixed quantities are constants of the stage functions instead."""
+    """Add a column; fixed quantities are constants of the point functions instead."""
     if low == high:
         return Scalar(None, low)
     return Scalar(int(table.add([entry], np.zeros(1), low, high)[0, 0]))

@@ -1,4 +1,4 @@
-"""Reuse of a transcription for a problem that differs in its ends alone, or for another guess."""
+"""Reuse of a transcription for a problem that differs only in its ends, or for another guess."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def transcribed_again(
     Returns
     -------
     Nlp or None
-        With the blocks, scales and functions of ``nlp``; None where more than the ends differs.
+        An NLP with the blocks, scales and functions of ``nlp``; None where more than the ends differs.
     """
     before = nlp.problem
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
@@ -60,7 +60,7 @@ def transcribed_again(
         and (engine is None or engine == nlp.engine)
         and interval_limits == nlp.interval_limits
         and all(_alike(*each) for each in zip(before.phases, problem.phases, nlp.layouts, strict=True))
-        and all(layout.mesh == mine for layout, mine in zip(nlp.layouts, meshes, strict=True))
+        and all(layout.mesh == own for layout, own in zip(nlp.layouts, meshes, strict=True))
         and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)
         and len(nlp.free) == len(w)
     )
@@ -98,7 +98,7 @@ def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
     same = before.dae is now.dae and before.rows is now.rows
     if not same or before.duration_bounds != now.duration_bounds:
         return False
-    # The ends decide which rows hold an invariant or an equality with its rates.
+    # The ends determine which rows impose an invariant, or an equality with its rates.
     pairs = zip(determined_invariants(before), determined_invariants(now), strict=True)
     invariants = all(np.array_equal(one, other) for one, other in pairs)
     return invariants and determined_at_ends(before, layout) == determined_at_ends(now, layout)

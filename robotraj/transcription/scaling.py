@@ -1,12 +1,12 @@
 """Automatic scaling: unknowns of order one, rows with gradients of order one.
 
 A variable is scaled by its bounds if both are finite, else by the guess; all its instances share the scale. Variables
-of joints and contacts with the same quantity and unit, in all phases, share the scale of the guess: an acceleration
-that is nearly zero in the guess need not stay small. Scales of very different size double the iterations of legged
+of joints and contacts with the same quantity and unit, in all phases, share the scale of the guess. An acceleration
+that is nearly zero in the guess need not stay small, and scales of very different size double the iterations of legged
 problems. Variables that are zero in the guess keep SI units.
-Durations are scaled by the guess alone. Bounds such as 0 to 200 s are no measure of a motion of 6 s. In so large a unit
-the first steps shrink the duration to zero. A row is scaled by the largest gradient, in scaled variables, of its kind
-at the guess. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
+Durations are scaled by the guess alone. Bounds such as 0 to 200 s do not measure a motion of 6 s, and in so large a
+unit the first steps reduce the duration to zero. A row is scaled by the largest gradient of its kind at the guess, in
+scaled variables. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 LEAST, GREATEST = 1e-3, 1e24
 """Range of the sizes of variables and of gradients; friction cones of 1e9 kg are squares of 1e10 N."""
 TIGHT = 1e3
-"""Largest bound that is a measure of its variable."""
+"""Largest bound by which a variable is scaled."""
 PLAIN = 1e2
 """Sizes from 1 / PLAIN to PLAIN SI units count as one unit."""
 ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "contact force", "contact moment"})
@@ -64,14 +64,14 @@ def rescale_unsized(
         s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the variables k of known size,
 
     where J_ij is the largest |dg/dw| of row kind i by variable j at the guess. n_i is the number of rows of a kind of
-    defect, since a variable acts over the whole phase, and 1 for other kinds. The defect of a state itself is none of
-    them: it compares the state's growth over an interval. A torque that moves 1e-4 kg or 1e8 kg is scaled so, and a
-    speed in a motion of 1e6 s. A size within ``PLAIN`` of the SI unit leaves the scale as it is.
+    defect, since a variable acts over the whole phase, and 1 for other kinds. The defect of a state itself is excluded,
+    since it compares the change of the state over an interval. A torque that moves 1e-4 kg or 1e8 kg is scaled in this
+    way, and so is a speed in a motion of 1e6 s. A size within ``PLAIN`` of the SI unit does not change the scale.
 
     Parameters
     ----------
     columns : ndarray of int
-        Of the states of systems, or of controls, impulses and other unknowns of links.
+        Columns of the states of systems, or of controls, impulses and other unknowns of links.
     """
     unsized = ~_sized(variables, guess)
     chosen = np.zeros(len(unsized), dtype=bool)

@@ -74,13 +74,13 @@ class Scalars(OneLine):
         return len(self.meaning)
 
     def bounded(self, bounds: Sequence[ColumnBound]) -> Scalars:
-        """Tighten the bounds; where two contradict each other by round-off, the first one holds."""
+        """Tighten the bounds; where two contradict each other by round-off, the first one is kept."""
         entries = {entry: i for i, entry in enumerate(self.entries)}
         lower, upper = self.lower.copy(), self.upper.copy()
         lower_meaning, upper_meaning = self.lower_meaning.copy(), self.upper_meaning.copy()
         for bound in bounds:
             number = entries.setdefault(bound.entry, len(entries))
-            # Ends come first. A phase accepts an end that lies outside a limit by round-off; the end holds then.
+            # Ends come first. A phase accepts an end that exceeds a limit by round-off, and keeps it.
             tighter = bound.columns[bound.lower > lower[bound.columns]]
             lower[tighter], lower_meaning[tighter] = np.minimum(bound.lower, upper[tighter]), number
             tighter = bound.columns[bound.upper < upper[bound.columns]]

@@ -66,14 +66,14 @@ def transcribe(
     ----------
     problem : Problem
     mesh : Mesh or sequence of Mesh
-        One for all phases, or one for each.
+        One mesh for all phases, or one for each.
     guess : InitialGuess, optional
         Start of the solver; ``default_guess`` by default.
     engine : Engine, optional
-        Evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
+        Engine that evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
     interval_limits : ConstraintGeneration, optional
-        How limits hold between the collocation points; ``rt.interval_limits.ConstraintGeneration()`` by default, which
-        adds rows after a first solution only.
+        Method that imposes limits between the collocation points. The default,
+        ``rt.interval_limits.ConstraintGeneration()``, adds rows only after a first solution.
 
     Returns
     -------
@@ -278,7 +278,7 @@ def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
     nodes, sites = [run.scheme.nodes for run in runs], [run.scheme.control_sites for run in runs]
     w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
     fill([run.states for run in runs], known.states(at(nodes, 0.0)))
-    # Controls and accelerations may jump at knots: values are those of the interval's side.
+    # Controls and accelerations may jump at knots, where values are those of the interval's own side.
     fill([run.algebraic for run in runs], known.algebraic(at(nodes, INSIDE)))
     fill([run.controls for run in runs], known.controls(at(sites, INSIDE)))
     if isinstance(layout.mesh, MovingMesh):

@@ -29,7 +29,9 @@ from robotraj.problem.links.base import Link
 from robotraj.problem.objectives.base import Objective, Sum
 from robotraj.robot.loading.geometry import NoGeometry
 from robotraj.solution.storage.classes import CLASSES
-from robotraj.solution.storage.codec import NotPlainData, Packer, Unpacker
+from robotraj.solution.storage.packing import Packer
+from robotraj.solution.storage.plain_data import NotPlainData
+from robotraj.solution.storage.unpacking import Unpacker
 from robotraj.solvers.base import Multipliers, Solver
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.collocation import Scheme

@@ -1,8 +1,8 @@
 """Covector mapping: from the multipliers of the NLP to costates of the optimal control problem.
 
-An interval of relative length d has rows x_j - x_0 - d sum_k A_jk (T f_k) = 0 with multipliers mu_j, and,
-where the end is no node, a last row with the weights b and the multiplier mu_e. Collecting what multiplies
-f_k in the Lagrangian and dividing by the quadrature weight gives the costate of stage k,
+An interval of relative length d has rows x_j - x_0 - d sum_k A_jk (T f_k) = 0 with multipliers mu_j. If its
+end is no node, it has a last row with the weights b and the multiplier mu_e. The factors of f_k in the
+Lagrangian, divided by the quadrature weight, are the costate of stage k,
 
     Lambda_k = -(sum_j mu_j A_jk + mu_e b_k) / b_k,
 
@@ -55,13 +55,13 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     w : ndarray (n_w,)
         The solution, in physical units.
     multipliers : Multipliers
-        Of rows and variables, in physical units.
+        Multipliers of rows and variables, in physical units.
 
     Returns
     -------
     tuple of PhaseDuals
-        By this mapping for collocation, by ``indirect.stepped`` for shooting and compressed collocation; none where
-        invariants are held or equations with their rates, whose costates are not unique.
+        Duals by this mapping for collocation, and by ``stepped`` for shooting and compressed collocation. The tuple is
+        empty where invariants, or equalities with their rates, are imposed: costates are not unique then.
     """
     if any(phase.dae.invariants or path_equalities(phase) for phase in nlp.problem.phases):
         return ()
@@ -114,7 +114,7 @@ class _Phase:
         return out
 
     def _weights(self) -> Array:
-        """Seconds of quadrature that each place stands for, (places,)."""
+        """Quadrature weight of each place [s], (places,)."""
         weights = np.zeros(self.places)
         for k, seconds in enumerate(self._seconds):
             np.add.at(weights, self.layout.intervals[k].places, seconds)
@@ -202,7 +202,7 @@ class _Phase:
 
     @cached_property
     def _seconds(self) -> list[Array]:
-        """Seconds of quadrature of every node, by interval."""
+        """Quadrature weight of every node [s], by interval."""
         return [h * scheme.weights for h, scheme in zip(np.diff(self.breaks), self.schemes, strict=True)]
 
     def _stage_costates(self, k: int) -> Array:
@@ -218,7 +218,7 @@ class _Phase:
         return coefficients / scheme.weights[:, None]
 
     def _shares(self, k: int) -> Array:
-        """Part of each place's quadrature weight that interval k holds, (s,)."""
+        """Part of each place's quadrature weight that belongs to interval k, (s,)."""
         return self._seconds[k] / self.weights[self.layout.intervals[k].places]
 
     def _gradient(self, k: int, columns: slice, stage: Array) -> Array:
@@ -284,7 +284,7 @@ class _Phase:
         return self.path.impulse[place] @ self.jacobians[place][first : first + self.nh, : self.nx]
 
     def _control_bounds(self, seconds: list[Array]) -> PiecewisePolynomial:
-        """Densities of the controls' bounds at the control's sites, weighed by what a site serves."""
+        """Densities of the controls' bounds at the control's sites, weighted by the integrals of their polynomials."""
         weights: dict[int, float] = {}
         served = [s @ scheme.control_at_nodes for s, scheme in zip(seconds, self.schemes, strict=True)]
         for interval, part in zip(self.layout.intervals, served, strict=True):

@@ -11,7 +11,7 @@ from robotraj._util.values import dataclass
 Array = NDArray[np.float64]
 
 STANDS_OUT = 4.0
-"""Times the larger density beside it that makes a multiplier an impulse."""
+"""Ratio to the larger density beside it above which a multiplier is an impulse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,14 +23,14 @@ class Density(OneLine):
 
 
 def split(multipliers: Array, weights: Array) -> Density:
-    """Tell smooth multipliers from those that stand alone.
+    """Split multipliers into smooth densities and single impulses.
 
     Parameters
     ----------
     multipliers : ndarray (places, n)
-        In the order of time.
+        Multipliers in the order of time.
     weights : ndarray (places,)
-        Seconds of quadrature that each place stands for.
+        Quadrature weight of each place [s].
     """
     raw = multipliers / weights[:, None]
     padded = np.vstack([raw[1:2], raw, raw[-2:-1]]) if len(raw) > 1 else np.vstack([raw, raw, raw])
@@ -41,9 +41,9 @@ def split(multipliers: Array, weights: Array) -> Density:
 
 
 def run_out(beside: Array) -> Array:
-    """Carry densities on by one place along a line through the two before it, (2, n), nearest first.
+    """Extrapolate densities by one place along a line through the two before it, (2, n), nearest first.
 
-    None where they are no arc: of different signs, or the nearer one stands out.
+    They are zero where the two are no arc: if their signs differ, or the nearer one is an impulse.
     """
     if len(beside) < 2:
         return np.zeros(beside.shape[1])

@@ -1,13 +1,13 @@
-"""Multipliers for a new mesh, from the duals found on another: covector mapping, backwards.
+"""Multipliers for a new mesh from the duals on another, by the inverse of the covector mapping.
 
 On every interval the defects' multipliers mu are chosen so that the stage costates are the known costate at
 the nodes,
 
     -(sum_j mu_j A_jk + mu_e b_k) / b_k = lambda(t_k),
 
-in the sense of least squares; densities of algebraic rows, path rows and bounds are multiplied by the
-quadrature weight that a node stands for on the new mesh. Ends, durations and links start without multipliers.
-Source: the mapping of ``indirect.covector``, read from right to left.
+in the sense of least squares. Densities of algebraic rows, path rows and bounds are multiplied by the
+quadrature weight of a node on the new mesh. Multipliers of ends, durations and links are zero.
+Source: the mapping of ``covector``, inverted.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 def transfer(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers | None:
     """Estimate the multipliers of an NLP of the same problem, None where its schemes or sizes do not allow it.
 
-    They are found when they are first read: not every solver starts from them.
+    They are computed when they are first read, since not every solver starts from them.
     """
     schemes = (interval.scheme for layout in nlp.layouts for interval in layout.intervals)
     if len(duals) != len(nlp.layouts) or not all(isinstance(scheme, Collocation) for scheme in schemes):

@@ -116,7 +116,7 @@ def _carried(start: Array, h: float, weights: Array, matrices: Array) -> Array:
 
 
 def _control_bounds(nlp: Nlp, index: int, bounds: Array, breaks: Array) -> PiecewisePolynomial:
-    """Densities of the controls' bounds at the control's sites, weighed by what a site serves."""
+    """Densities of the controls' bounds at the control's sites, weighted by the integrals of their polynomials."""
     layout = nlp.layouts[index]
     columns, sites = [], []
     for interval in layout.intervals:

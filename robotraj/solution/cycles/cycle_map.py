@@ -51,7 +51,7 @@ class PlannedCycle(Protocol):
 
     @property
     def problem(self) -> Problem:
-        """Its phases and links."""
+        """The problem, with its phases and links."""
 
     @property
     def phases(self) -> Sequence[PhaseMotion]:
@@ -71,7 +71,7 @@ class CycleMap(OneLine):
     velocities : ndarray (nv, nv)
         P_v.
     partners : mapping of str to str
-        Joints and contacts, or their frames, that change places.
+        Joints and contacts, or their frames, that are swapped.
     world : ndarray (3, 3)
         W, diagonal: signs of the root's coordinates; a mirror of a robot without them swaps left and right, y.
     moved : ndarray (3,)
@@ -87,7 +87,7 @@ class CycleMap(OneLine):
 
     @property
     def mirrors(self) -> bool:
-        """Whether left and right are swapped, so that two periods make a whole one."""
+        """Whether left and right are swapped, so that two periods are one stride."""
         return not np.array_equal(self.velocities, np.eye(len(self.velocities)))
 
     def onwards(self, q: Array) -> Array:

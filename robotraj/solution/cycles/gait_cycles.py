@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CycleSample(OneLine):
-    """Values of a later period at some times; it is read like a ``Sample``.
+    """Values of a later period at some times, with the attributes of a ``Sample``.
 
     Attributes
     ----------
@@ -47,18 +47,18 @@ class CycleSample(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class CyclePhase(OneLine):
-    """One phase of one period; it is read like the phase's solution.
+    """One phase of one period, with the attributes of a ``PhaseSolution``.
 
     Attributes
     ----------
     planned : PhaseSolution
-        As it was planned.
+        The planned phase.
     index, period : int
-        Which phase of the plan, and of which period; from 0.
+        Number of the phase in the plan, and of the period, from 0.
     t0 : float
-        When it starts [s].
+        Start time [s].
     cycle_map : CycleMap or None
-        How the plan closes on itself, where it does.
+        Map from one period to the next; None if the plan is not periodic.
     """
 
     planned: PhaseSolution
@@ -87,7 +87,7 @@ class CyclePhase(OneLine):
 
     @property
     def parameters(self) -> Mapping[str, float]:
-        """Parameters of the phase, as they were planned: footholds are those of the first period."""
+        """Planned parameters of the phase; footholds are those of the first period."""
         return self.planned.parameters
 
     @property
@@ -129,13 +129,13 @@ class CyclePhase(OneLine):
         return CycleSample(t, q, v, a, tau, Named("contact", list(forces), list(forces.values())))
 
     def contact(self, bound: BoundContact) -> str:
-        """Name of the contact that holds here where the plan holds ``bound``."""
+        """Name of the contact in this period that corresponds to ``bound`` in the plan."""
         if self.cycle_map is None or not self.mirrored:
             return str(bound.name)
         return self.cycle_map.partner(bound.name, bound.frame)
 
     def points(self, points: ArrayLike) -> Array:
-        """Points (..., 3) of the plan [m] where they are in this period."""
+        """Return points (..., 3) of the plan [m] as they are in this period."""
         moved = np.asarray(points, dtype=float)
         for _ in range(self.period if self.cycle_map is not None else 0):
             moved = self.cycle_map.points_onwards(moved)  # type: ignore[union-attr]
@@ -173,11 +173,11 @@ class PlannedImpact(OneLine):
     Attributes
     ----------
     t : float
-        When [s].
+        Time of the impact [s].
     after : CyclePhase
-        The cycle_phase that starts with it; it need not be among those of the motion, as behind the last period.
+        The phase that starts with it. After the last period it is not among the phases of the motion.
     impulses : mapping of str to float
-        As planned, ``"impulse.left_foot.z"`` [N s, N m s].
+        Planned impulses, such as ``"impulse.left_foot.z"`` [N s, N m s].
     """
 
     t: float
@@ -187,14 +187,14 @@ class PlannedImpact(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class GaitCycles(OneLine):
-    """A solution repeated ``periods`` times; its phases are read like those of a solution.
+    """A solution repeated ``periods`` times; its phases have the attributes of those of a solution.
 
     Attributes
     ----------
     solution : Solution
     periods : int
     cycle_map : CycleMap or None
-        None where the plan ends elsewhere than it starts; then there is one period.
+        None if the plan is not periodic; then there is one period.
     """
 
     solution: Solution
@@ -233,7 +233,7 @@ class GaitCycles(OneLine):
         return tuple(sorted(found, key=lambda impact: impact.t))
 
     def phase(self, index: int, period: int) -> CyclePhase:
-        """Return phase ``index`` of a period, which may lie behind the last."""
+        """Return phase ``index`` of a period, which may be after the last."""
         planned = self.solution.phases[index]
         return CyclePhase(planned, index, period, float(planned.t0) + period * self.period, self.cycle_map)
 
@@ -244,7 +244,8 @@ def gait_cycles(solution: Solution, periods: int = 1) -> GaitCycles:
     Raises
     ------
     InputError
-        Not a whole number above 0; several periods of a plan that moves a System, or that no link closes on itself.
+        ``periods`` is no whole number above 0, or several periods are wanted of a System or of a plan without a
+        periodic link.
     """
     if not isinstance(periods, int) or isinstance(periods, bool) or periods < 1:
         raise InputError(f"periods = {periods!r}; give a whole number, 1 or more.")

@@ -39,7 +39,7 @@ def to_controller(solution: Planned, path: str | os.PathLike[str], rate: float =
     Parameters
     ----------
     solution : Solution
-        Of one robot. Coordinates of a floating or planar root are left out.
+        A plan of one robot. Coordinates of a floating or planar root are omitted.
     path : path
         Its directory must exist; an older file is replaced.
     rate : float
@@ -118,7 +118,7 @@ def _write_csv(points: SetPoints, path: Path, rate: float) -> None:
 
 
 def _write_servo(points: SetPoints, path: Path, rate: float) -> None:
-    """Write numbers alone. Every row lasts one period: the end stands in the first period that begins after it."""
+    """Write only numbers. Every row lasts one period; the last row is the end of the plan, at or after its time."""
     rows = np.column_stack([points.q, points.v, points.tau])
     path.write_text("\n".join(" ".join(f"{value:.9g}" for value in row) for row in rows) + "\n", encoding="utf-8")
 

@@ -1,4 +1,4 @@
-"""Set points of the motors over time, as controllers take them: joints of one degree of freedom, angles in rad."""
+"""Set points of the motors over time for controllers: joints of one degree of freedom, angles in rad."""
 
 from __future__ import annotations
 
@@ -58,10 +58,10 @@ def set_points(solution: Planned, rate: float) -> SetPoints:
     owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
     found = {kind: np.empty((len(times), len(robot.actuated))) for kind in ("q", "v", "a", "tau")}
     for i, part in enumerate(solution.phases):
-        mine = owner == i
-        if mine.any():
-            values = values_of(part, times[mine])
+        own = owner == i
+        if own.any():
+            values = values_of(part, times[own])
             for kind, array in found.items():
-                array[mine] = np.stack([values[f"{kind}.{joint}"] for joint in robot.actuated], axis=1)
+                array[own] = np.stack([values[f"{kind}.{joint}"] for joint in robot.actuated], axis=1)
     units = dict(zip(robot.velocity_names, robot.units, strict=True))
     return SetPoints(robot.actuated, tuple(units[joint] for joint in robot.actuated), times, **found)

@@ -57,7 +57,7 @@ def table(
     Returns
     -------
     list of Column
-        Time first. At a joint of two phases the later one is read.
+        Time first. Where two phases meet, values are those of the later one.
 
     Raises
     ------
@@ -73,10 +73,10 @@ def table(
         units |= {variable.name: variable.unit for variable in variables_of(part.phase)}
     values = {name: np.full(len(times), np.nan) for name in units}
     for i, part in enumerate(solution.phases):
-        mine = owner == i
-        if mine.any():
-            for name, column in values_of(part, times[mine]).items():
-                values[name][mine] = column
+        own = owner == i
+        if own.any():
+            for name, column in values_of(part, times[own]).items():
+                values[name][own] = column
     columns = [Column("t", "s", times), *(Column(name, unit, values[name]) for name, unit in units.items())]
     return [*columns, *_gain_columns(solution, times)] if gains else columns
 

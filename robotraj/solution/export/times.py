@@ -12,7 +12,7 @@ from robotraj._util.errors import InputError
 Array = NDArray[np.float64]
 
 SHORTEST = 1e-3
-"""A last period that is shorter than this share of the others is joined to the one before it."""
+"""Length relative to the other periods below which a last period is joined to the one before it."""
 
 
 def sample_times(start: float, end: float, samples: int | Sequence[float], rate: float | None = None) -> Array:
@@ -21,9 +21,9 @@ def sample_times(start: float, end: float, samples: int | Sequence[float], rate:
     Parameters
     ----------
     start, end : float
-        Of the motion [s].
+        Start and end of the motion [s].
     samples : int or sequence of float
-        Number of equally spaced times, or the times; not read with ``rate``.
+        Number of equally spaced times, or the times [s]; ignored with ``rate``.
     rate : float, optional
         Samples per second [Hz]: start, start + 1 / rate, ..., end. The last period is shorter where the duration is no
         multiple of the others.

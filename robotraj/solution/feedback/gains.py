@@ -1,4 +1,4 @@
-"""Time-varying linear feedback along a plan, found from the plan's own linearisation."""
+"""Time-varying linear feedback along a plan, from the linearisation about the plan."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from robotraj.solution.sample import Times
 Array = NDArray[np.float64]
 
 BANDWIDTH = 20.0
-"""Rate [1/s] at which the feedback brings a deviation back: above the fall of a small robot, below a drive's."""
+"""Bandwidth of the feedback [1/s]: above the rate at which a small robot falls, below the bandwidth of drives."""
 
 LONGEST_PIECE = 0.02
 """Longest time [s] for which the linearised motion and its gain count as constant."""
 
 IDLE = 1e-6
-"""Least cost of a torque that moves nothing, relative to what the motor's torque costs: it settles internal forces."""
+"""Least cost of a torque without motion, relative to that of the motor's torque; it determines internal forces."""
 
 
 class PlanLike(Protocol):
-    """What the gains read of a solution."""
+    """The attributes of a solution that the gains depend on."""
 
     @property
     def phases(self) -> Sequence[PhaseSolution]:
-        """Phases in the order they are moved through."""
+        """Phases in their order in time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +45,12 @@ class PhaseGains(OneLine):
     Attributes
     ----------
     times : ndarray (m,)
-        Ascending [s], global time.
+        Global times [s], ascending.
     matrices : ndarray (m, nu, 2 nv)
         K at these times: [N m/rad] and [N m s/rad] for joints that turn, [N/m] and [N s/m] for those that slide.
     growth : ndarray (m,)
-        Largest factor by which a deviation at the start of the plan has grown without feedback by ``times``, with
-        velocities counted at a tenth: one radian is as large as 10 rad/s. Infinite where it exceeds all numbers.
+        Largest factor by which a deviation at the start of the plan has grown without feedback at ``times``. Velocities
+        have a weight of a tenth, so that 1 rad is as large as 10 rad/s. It is infinite on overflow.
     """
 
     times: Array
@@ -70,16 +70,16 @@ class PhaseGains(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Gains(OneLine):
-    """Feedback that holds a robot on its plan.
+    """Feedback that stabilises a robot on its plan.
 
         tau(t) = tau_plan(t) - K(t) e,    e = (difference(q_plan, q), v - v_plan)
 
     ``difference`` is Pinocchio's: q - q_plan for joints; for a floating root its displacement in the axes of the
     planned root and a rotation vector. e has 2 nv entries in the order of ``robot.velocity_names``, positions first.
 
-    The gains minimise the integral of w^4 |e_q|^2 + w^2 |e_v|^2 + |Y u|^2, with w = 20 / s and Y u the acceleration
-    that a torque u gives the robot with its contacts. So every motor corrects in proportion to the inertia it moves: a
-    robot with a motor at every joint gets about K = M(q) (w^2, 1.7 w).
+    The gains minimise the integral of w^4 |e_q|^2 + w^2 |e_v|^2 + |Y u|^2, where w = 20 / s and Y u is the acceleration
+    of the robot with its contacts by a torque u. Every motor therefore corrects in proportion to the inertia that it
+    moves. With a motor at every joint, K is about M(q) (w^2, 1.7 w).
 
     Attributes
     ----------
@@ -111,18 +111,18 @@ class Gains(OneLine):
 
     @property
     def plain(self) -> dict[str, Any]:
-        """Names and arrays alone, as files keep them; ``Gains.of`` reads them."""
+        """Return names and arrays for a file; ``Gains.of`` is the inverse."""
         phases = [{"times": p.times, "matrices": p.matrices, "growth": p.growth} for p in self.phases]
         return {"joints": list(self.joints), "coordinates": list(self.coordinates), "phases": phases}
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> Gains:
-        """Make gains again from what ``plain`` gave."""
+        """Return the gains of the data that ``plain`` returned."""
         phases = tuple(PhaseGains(**phase) for phase in plain["phases"])
         return cls(phases, tuple(plain["joints"]), tuple(plain["coordinates"]))
 
     def at(self, t: float) -> Array:
-        """K (nu, 2 nv) at a global time [s]; at a joint of two phases the later one's."""
+        """Return K (nu, 2 nv) at a global time [s]; where two phases meet, that of the later one."""
         starts = [phase.times[0] for phase in self.phases[1:]]
         return self.phases[int(np.searchsorted(starts, t, side="right"))].at(t)
 
@@ -141,8 +141,8 @@ def gains_of(solution: PlanLike) -> Gains:
     Raises
     ------
     InputError
-        A phase moves a System, its robot has no motors or other joints than the phase before, or its linearisation is
-        not finite: phase and time are named.
+        A phase moves a System, or its robot has no motors or other joints than the phase before. The linearisation is
+        not finite; the message names phase and time.
     """
     robots: list[Robot] = []
     for planned in solution.phases:
@@ -163,7 +163,7 @@ def gains_of(solution: PlanLike) -> Gains:
         if not (np.isfinite(root).all() and all(np.isfinite(gain).all() for gain in gains)):
             raise InputError(
                 f"The feedback of phase {planned.phase.name!r} is not finite: a deviation that no motor can correct "
-                "grows beyond all numbers. Plan a shorter motion, or add motors."
+                "grows without bound. Plan a shorter motion, or add motors."
             )
         found.append(np.array(gains))
     growth = _growth([part.moves for part in parts], size)
@@ -226,7 +226,7 @@ def _weight(size: int) -> Array:
 
 
 def _endless() -> Array:
-    """Root (2, 2) of the cost at the end: the cost of holding one coordinate, with its own drive, from that time on."""
+    """Return the root (2, 2) of the cost at the end: that of holding one coordinate by its own drive for ever."""
     cost = [[np.sqrt(3.0) * BANDWIDTH**3, BANDWIDTH**2], [BANDWIDTH**2, np.sqrt(3.0) * BANDWIDTH]]
     return np.asarray(np.linalg.cholesky(np.array(cost)).T)
 
@@ -241,7 +241,7 @@ def _growth(phases: Sequence[Sequence[tuple[Array, Array]]], size: int) -> list[
         for step, _ in moves:
             product = (scale[:, None] * step / scale) @ product
             norm = float(np.linalg.norm(product, 2))
-            # The product is kept at size 1: growth beyond all numbers is no reason to stop.
+            # The product is normalised to size 1, so that it does not overflow.
             product, exponent = (product / norm, exponent + np.log(norm)) if norm > 0 else (product, exponent)
             factors.append(np.exp(exponent) if exponent < 700.0 else np.inf)
         found.append(np.array(factors))

@@ -22,7 +22,7 @@ LOCAL = pin.ReferenceFrame.LOCAL
 
 @dataclass(frozen=True, eq=False)
 class HeldRows(OneLine):
-    """What one contact holds of the motion of its frames: one frame, or the two that close a loop.
+    """The rows of one contact on the motion of its frames: one frame, or the two that close a loop.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class HeldRows(OneLine):
             )
             motion = pin.getFrameVelocity(model, data, frame, LOCAL)
             change = pin.getFrameAcceleration(model, data, frame, LOCAL)
-            # In world axes, what is constant in those of the frame turns with it.
+            # A matrix that is constant in the axes of the frame rotates with it in world axes.
             axes = np.kron(np.eye(2), data.oMf[frame].rotation)
             velocity_q = axes @ (velocity_q - _crossed(motion) @ jacobian[3:])
             acceleration_q = axes @ (acceleration_q - _crossed(change) @ jacobian[3:])
@@ -83,7 +83,7 @@ class HeldRows(OneLine):
         ]
 
     def torque_slope(self, model: pin.Model, data: pin.Data, forces: Array) -> Array:
-        """Return the derivative (nv, nv) of J' f by q due to the turn of the frames, f constant in world axes."""
+        """Return the derivative (nv, nv) of J' f by q due to the rotation of the frames, f constant in world axes."""
         total = np.zeros((model.nv, model.nv))
         for frame, matrix in zip(self.frames, self.matrices, strict=True):
             local = _local(data, frame, matrix, forces)
@@ -93,7 +93,7 @@ class HeldRows(OneLine):
 
 
 def _crossed(motion: pin.Motion) -> Array:
-    """Matrix (6, 3) that crosses both parts of a motion with an angle."""
+    """Return the matrix (6, 3) of the cross products of both parts of a motion with an angle."""
     return np.vstack([pin.skew(motion.linear), pin.skew(motion.angular)])
 
 
@@ -105,7 +105,7 @@ def _local(data: pin.Data, frame: int, matrix: Array, forces: Array) -> pin.Forc
 
 
 def held_rows(robot: Robot, data: pin.Data, q: Array, contacts: Sequence[BoundContact]) -> list[HeldRows]:
-    """Read the matrices of contacts from their velocity rows, which are linear in the motion of the frames."""
+    """Return the matrices of contacts from their velocity rows, which are linear in the motion of the frames."""
     if not contacts:
         return []
     pin.framesForwardKinematics(robot.model, data, q)
@@ -120,7 +120,7 @@ def held_rows(robot: Robot, data: pin.Data, q: Array, contacts: Sequence[BoundCo
 
 
 class _Moving:
-    """A point at which one frame moves and all others stand still."""
+    """A point at which one frame moves and all others are at rest."""
 
     def __init__(self, robot: Robot, data: pin.Data) -> None:
         self._robot, self._data = robot, data

@@ -22,7 +22,7 @@ from robotraj.solution.feedback.held_motion import HeldRows, held_rows
 Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
-"""Singular values below this, relative to the largest, belong to rows of contacts that other rows imply."""
+"""Singular values below this, relative to the largest, belong to redundant rows of contacts."""
 
 
 class Linear(NamedTuple):
@@ -35,7 +35,7 @@ class Linear(NamedTuple):
     input : ndarray (2 nv, nu)
         B.
     consistent : ndarray (2 nv, 2 nv)
-        Projection of deviations on those whose velocities obey the contacts; the identity without contacts.
+        Projection of deviations on those whose velocities satisfy the contacts; the identity without contacts.
     """
 
     rate: Array
@@ -69,9 +69,9 @@ class Linearisation:
     Parameters
     ----------
     robot : Robot
-        In plain numbers.
+        The robot, without symbolic design parameters.
     contacts : sequence of BoundContact
-        Those that hold rows take part; forces of contacts that come and go are taken as given functions of time.
+        Contacts that are constraints are linearised. Forces of force laws are given functions of time.
     """
 
     def __init__(self, robot: Robot, contacts: Sequence[BoundContact]) -> None:
@@ -120,7 +120,7 @@ class Linearisation:
         rate, push, consistent = np.zeros((2 * nv, 2 * nv)), np.zeros((2 * nv, len(tau))), np.eye(2 * nv)
         rate[:nv, nv:] = np.eye(nv)
         if model.nq > nv:
-            # In the axes of a moving body, a deviation that is constant in the world turns and shifts.
+            # A deviation that is constant in the world rotates and shifts in the axes of a moving body.
             rate[:6, :6] -= pin.Motion(v[:6]).action
         rate[nv:, :nv] = free_q + metric.correction(-acceleration_q - rows @ free_q)[0]
         rate[nv:, nv:] = free_v + metric.correction(-acceleration_v - rows @ free_v)[0]

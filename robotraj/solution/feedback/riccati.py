@@ -1,8 +1,8 @@
 """Finite-horizon linear-quadratic feedback, by a recursion that neither overflows nor loses positivity.
 
-The cost to go e' S' S e is kept by its square root S and carried back by QR factorisations; torques are scaled by what
-they cost. Transition matrices come from the L-stable Padé approximation (1, 2) of the exponential, so that fast decay,
-friction on light wrists, is no reason for short pieces.
+The cost to go e' S' S e is represented by its square root S and propagated backwards by QR factorisations. Torques are
+scaled by their cost. Transition matrices are L-stable Padé approximations (1, 2) of the exponential, so that fast
+decay, such as by friction on light wrists, does not require short pieces.
 Source: Anderson and Moore, Optimal Control: Linear Quadratic Methods (1990); Hairer and Wanner, Solving Ordinary
 Differential Equations II (1996), section IV.3.
 """

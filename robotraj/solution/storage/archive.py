@@ -27,13 +27,15 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings
 from robotraj.solution.storage.classes import complaint
-from robotraj.solution.storage.codec import REFUSALS, Damaged, Json, NotPlainData, Packer, Unpacker
 from robotraj.solution.storage.entries import read_entries
+from robotraj.solution.storage.packing import Packer
+from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
 from robotraj.solution.storage.problems import OtherProblem, check_fit, pack_problem, unpack_problem
+from robotraj.solution.storage.unpacking import REFUSALS, Unpacker
 
 FORMAT = "robotraj solution"
 VERSION = 4
-"""Raised whenever older versions could not read the file rightly."""
+"""Version of the format, increased whenever older versions of robotraj cannot read new files."""
 
 MESSAGE = 2000
 """Largest number of characters in the description of a damage."""
@@ -52,7 +54,7 @@ class Contents(OneLine):
     facts : mapping
         Plain data of the whole solution, by name.
     settings : Settings or None
-        None also where they could not be written, as those of a solver that is not plain data.
+        None also where they could not be written, such as those of a solver that is not plain data.
     """
 
     problem: Problem
@@ -102,7 +104,7 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
     path : path
         With or without ``.npz``.
     problem : Problem, optional
-        Used in place of the file's own; its phases must have the same variables.
+        Problem that replaces that of the file; its phases must have the same variables.
 
     Raises
     ------

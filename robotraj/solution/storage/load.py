@@ -27,7 +27,7 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     path : path
         With or without ``.npz``.
     problem : Problem or Phase, optional
-        The problem it solves; used whole, in place of what the file knows of it.
+        The problem of the solution, which replaces that of the file.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Problems in files: everything of them that is plain data, and by name what is not.
+"""Problems in files: their plain data, and the names of their other parts.
 
 Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives)
 cannot be stored safely; a problem loaded without them is enough to look at, sample and plot.
@@ -20,8 +20,10 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.loading.geometry import unread_shapes
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import complaint
-from robotraj.solution.storage.codec import Damaged, Json, NotPlainData, Packer, Unpacker
+from robotraj.solution.storage.packing import Packer
+from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
 from robotraj.solution.storage.shapes import pack_robot, with_shapes
+from robotraj.solution.storage.unpacking import Unpacker
 
 T = TypeVar("T")
 

@@ -1,4 +1,4 @@
-"""Robots in files: the planning model whole, its shapes by the URDF they are read from."""
+"""Robots in files: the whole planning model, and the URDF of the shapes."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from robotraj._util.errors import UnknownName
 from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.robot import Robot
-from robotraj.solution.storage.codec import Json, NotPlainData, Packer
+from robotraj.solution.storage.packing import Packer
+from robotraj.solution.storage.plain_data import Json, NotPlainData
 
 
 def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Json, list[str]]:
-    """Write a robot; shapes that are not plain data are not written, but named."""
+    """Write a robot; also return the names of shapes that are not plain data, which are not written."""
     try:
         return packer.pack(robot, path), []
     except NotPlainData:

@@ -1,11 +1,11 @@
 """Functions of the NLP, assembled from blocks: objective, rows, gradient, Jacobian and Hessian of the Lagrangian.
 
-The nonzeros of the matrices of the NLP are fixed linear combinations of the nonzeros of the stages' matrices,
+The nonzeros of the NLP's matrices are fixed linear combinations of the nonzeros of the point functions' matrices,
 
     vec(J) = j0 + sum_b M_b vec(J_b),    vec(H) = sum_b N_b vec(H_b),
 
-computed once here. A solver evaluates the stage functions, mapped over their places, and one sparse product. The graph
-of the whole NLP is never built.
+which are computed once here. A solver evaluates the point functions at all places, and one sparse product. The graph of
+the whole NLP is never built.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Functions:
     jacobian : (w, p) -> g, dg/dw
     hessian : (w, p, lam_f, lam_g) -> upper triangle of the Hessian of lam_f f + lam_g' g
     preparing : float
-        Seconds that the engine took to prepare the point functions.
+        Time in which the engine prepared the point functions [s].
     """
 
     objective: ca.Function
@@ -56,7 +56,7 @@ def assemble(blocks: Sequence[Block], linear: csr_array, engine: Engine) -> Func
     blocks : sequence of Block
     linear : sparse (n_g, n_w)
     engine : Engine
-        Evaluates the stage functions.
+        Engine that evaluates the point functions.
     """
     began = time.perf_counter()
     prepared = iter(engine.prepare(point_functions(blocks)))

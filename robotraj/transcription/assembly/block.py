@@ -1,4 +1,4 @@
-"""A block: one stage function evaluated at many places of the decision vector.
+"""A block: one point function evaluated at many places of the decision vector.
 
     Y_e = fn(v_e, c_e),    v_e = (G w)_e,    rows += S vec(Y),    cost += sum_e s_e Y_e[costed]
 
@@ -25,7 +25,7 @@ Indices = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False)
 class Block(OneLine):
-    """One stage function, its places, and the rows and costs that its outputs add to.
+    """One point function, its places, and the rows and costs to which its outputs are added.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Block(OneLine):
         row, factor, position = expand(self.gather, (first + rows).ravel())
         column, factor_in, inner = expand(self.gather, (first + columns).ravel()[position])
         row, factors, source = row[inner], factor[inner] * factor_in, position[inner]
-        # An entry off the diagonal stands for two. One of them is in the upper triangle, or both are on the diagonal.
+        # An entry off the diagonal represents two. One of them is in the upper triangle, or both are on the diagonal.
         off = np.tile(rows != columns, self.count)[source]
         factors = np.where(off & (row == column), 2.0 * factors, factors)
         kept = off | (row <= column)

@@ -19,11 +19,11 @@ class NlpFunction(ca.Callback):
     ----------
     name : str
     arguments : mapping of str to int
-        Their lengths.
+        Lengths of the arguments.
     results : mapping of str to (Sparsity, callable)
-        The pattern, and a function from the arguments to the nonzeros. It raises RuntimeError where it is not defined.
+        Patterns, and functions from the arguments to the nonzeros. They raise RuntimeError where they are not defined.
     lock : Lock
-        Held during an evaluation; functions that share memory share a lock.
+        Lock during an evaluation; functions that share memory share a lock.
     """
 
     def __init__(

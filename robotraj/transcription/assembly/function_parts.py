@@ -1,4 +1,4 @@
-"""Parts of a stage: a selection of its outputs, or the stage with some unknowns eliminated."""
+"""Parts of point functions: a selection of the outputs, or the functions with some unknowns eliminated."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Mask = NDArray[np.bool_]
 
 
 def restricted(stage: PointFunctions, kept: Sequence[int]) -> PointFunctions:
-    """Return a stage with the outputs ``kept``; without the costed output it has no cost."""
+    """Return point functions with the outputs ``kept``; without the costed output they have no cost."""
     costed = kept.index(stage.costed) if stage.costed in kept else None
     made = PointFunctions(stage.v, stage.c, stage.y[list(kept)], costed, stage.torques, as_tapes=stage.as_tapes)
     made.constant_slopes = stage.constant_slopes[list(kept)]
@@ -25,7 +25,7 @@ def restricted(stage: PointFunctions, kept: Sequence[int]) -> PointFunctions:
 def solved_for(stage: PointFunctions, outputs: Sequence[int], inputs: Sequence[int]) -> PointFunctions:
     """Solve outputs = 0 for inputs, pair by pair, where d output / d input is a number.
 
-    The new stage has neither of them. Its outputs are the others, then the solved inputs as expressions of the rest.
+    The new point functions have neither. Their outputs are the others, then the solved inputs as expressions.
     """
     v, y = stage.v, stage.y
     diagonal = stage.constant_slopes[list(outputs), list(inputs)]
@@ -34,7 +34,7 @@ def solved_for(stage: PointFunctions, outputs: Sequence[int], inputs: Sequence[i
     solved = -at_zero / ca.DM(diagonal)
     kept_in = [i for i in range(stage.inputs) if i not in set(inputs)]
     kept_out = [i for i in range(stage.outputs) if i not in set(outputs)]
-    # CasADi substitutes an empty matrix by one with a row.
+    # CasADi's substitution in an empty matrix returns one with a row.
     others = ca.substitute(y[kept_out], gone, solved) if kept_out else ca.SX(0, 1)
     costed = None if stage.costed is None else kept_out.index(stage.costed)
     torques = None if stage.torques is None else stage.torques.substituted(gone, solved)

@@ -23,27 +23,27 @@ class Places:
     ----------
     blocks : sequence of Block
     functions : sequence of mapping
-        For each block the functions of all its places, by name: (v (n_v, E), c (n_c, E)[, m (n_y, E)]) -> (n, E).
+        For each block the functions of all its places by name, from v (n_v, E), c (n_c, E)[, m (n_y, E)] to (n, E).
     n_w : int
         Length of w.
 
     Attributes
     ----------
     multipliers : ndarray
-        m of all blocks, place after place, an argument of "hessian".
+        Argument m of "hessian" for all blocks, place after place.
     """
 
     def __init__(self, blocks: Sequence[Block], functions: Sequence[Mapping[str, ca.Function]], n_w: int) -> None:
         self._blocks, self._functions = blocks, functions
-        reads = [block.stage.inputs * block.count for block in blocks]
-        answers = [block.stage.outputs * block.count for block in blocks]
-        self._w, self._v, self.multipliers = np.full(n_w, np.nan), np.zeros(sum(reads)), np.zeros(sum(answers))
-        self.first_read, self.first_output = _starts(reads), _starts(answers)
+        inputs = [block.stage.inputs * block.count for block in blocks]
+        outputs = [block.stage.outputs * block.count for block in blocks]
+        self._w, self._v, self.multipliers = np.full(n_w, np.nan), np.zeros(sum(inputs)), np.zeros(sum(outputs))
+        self.first_input, self.first_output = _starts(inputs), _starts(outputs)
         self._gather = stacked(
             (len(self._v), n_w),
             [
                 (block.gather.row + start, block.gather.col, block.gather.data)
-                for block, start in zip(blocks, self.first_read, strict=True)
+                for block, start in zip(blocks, self.first_input, strict=True)
             ],
         )
         self._calls: dict[str, list[tuple[ca.FunctionBuffer, Callable[[], None]]]] = {}
@@ -101,7 +101,7 @@ class Places:
                 continue
             block = self._blocks[i]
             arguments = [
-                _part(self._v, self.first_read[i], block.stage.inputs * block.count),
+                _part(self._v, self.first_input[i], block.stage.inputs * block.count),
                 self._constants[i],
                 _part(self.multipliers, self.first_output[i], block.stage.outputs * block.count),
             ]

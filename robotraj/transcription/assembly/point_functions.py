@@ -1,4 +1,4 @@
-"""A stage function y = fn(v, c) and its exact derivatives, built on first use.
+"""A point function y = fn(v, c), also called a stage, and its exact derivatives, built on first use.
 
 Only these small graphs are differentiated. The derivatives of the NLP follow by the chain rule (``block``,
 ``assembly``).
@@ -38,14 +38,14 @@ class PointFunctions:
         Symbols of the unknowns (n_v,) and of the constants (n_c,), and the outputs (n_y,). A graph of MX may call
         functions that have no scalar graph, such as integrators.
     costed : int or None
-        Index of the output that carries cost, if one does.
+        Index of the output that is part of the objective, if there is one.
     torques : Torques, optional
-        The robot's inverse dynamics; y contains symbols in their place. Engines that evaluate them by themselves do
-        not build or differentiate their graph. The functions below are the same with and without.
+        The robot's inverse dynamics, for which y contains symbols. Engines that evaluate it natively do not build or
+        differentiate its graph. The functions below are the same with and without.
     addends : sequence of SymbolicAddend
-        Terms of contacts, which y contains as symbols too, shared with other stages.
+        Terms of contacts, for which y contains symbols too; other point functions share them.
     as_tapes : bool
-        Whether the engine of the NLP runs tapes, so that functions are made as tapes only. Functions with torques
+        Whether the engine of the NLP runs tapes, so that functions are built as tapes only. Functions with torques
         always are.
     """
 
@@ -66,12 +66,12 @@ class PointFunctions:
 
     @cached_property
     def y(self) -> Symbols:
-        """The outputs, with the terms of contacts written out; symbols of torques stay."""
+        """The outputs with the terms of contacts substituted; the symbols of torques remain."""
         return insert_graphs(self._y, self._addends)
 
     @cached_property
     def graph(self) -> StageGraph:
-        """The function as a graph of the compiled module, which differentiates it; of SX."""
+        """The function as a graph of the compiled module, which differentiates it; only for SX."""
         return self._graph_of(self.y)
 
     @cached_property
@@ -180,7 +180,7 @@ class PointFunctions:
 def evaluated(function: ca.Function, *arguments: Array) -> Array:
     """Evaluate a function of dense columns at E places: arguments (n_i, E), result (m, E).
 
-    CasADi reads and writes the arrays in place; a conversion to its matrices would take longer than a small function.
+    CasADi reads and writes the arrays in place. A conversion to its matrices would take longer than a small function.
     """
     count = arguments[0].shape[1]
     result = np.empty((count, int(function.numel_out(0))))

@@ -9,7 +9,7 @@ from robotraj._util.sparse import csr_array
 
 
 class Triplets:
-    """Entries (row, column, value); those of the same place are summed."""
+    """Entries (row, column, value); values of the same row and column are summed."""
 
     def __init__(self) -> None:
         self._rows: list[NDArray[np.int_]] = []

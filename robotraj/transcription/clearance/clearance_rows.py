@@ -1,7 +1,7 @@
-"""Rows on distances: which pairs are near on which intervals of a known motion, and the NLP that has them.
+"""Rows on distances: the pairs that are near on intervals of a known motion, and the NLP with their rows.
 
-A pair that comes near on an interval has rows at all places of the interval. Their lower bound is the margin with a
-small slack, and with what a proof was short of on the interval.
+A pair that comes near on an interval has rows at all places of the interval. Their lower bound is the margin plus a
+small slack, plus the shortfall of the proof on the interval.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 SAMPLES = 5
-"""Places of an interval at which a known motion is looked at."""
+"""Number of places of an interval at which a known motion is evaluated."""
 FURTHER = 0.02
-"""How much further than the nearest sphere of a link another one with rows may be [m]."""
+"""Largest distance by which a sphere with rows may be further than the nearest sphere of its link [m]."""
 SIDE = 2e-3
-"""Distance beyond the margin that a known motion keeps from the plane of another place [m]."""
+"""Distance beyond the margin that a known motion must keep from the plane of another place [m]."""
 NEAR = 0.05
 """Distance beyond the margin below which a pair has rows [m]."""
 SLACK = 5e-4
@@ -85,7 +85,7 @@ def clearances(nlp: Nlp) -> list[Clearances]:
 def near_pairs(own: Clearances, layout: PhaseLayout, motion: Motion) -> Indices:
     """Return (interval, pair) of pairs that come near along a motion, (k, 2).
 
-    Of the spheres of one link near one obstacle or link those count that come within ``FURTHER`` of the nearest.
+    Of the spheres of a link near one obstacle or link, only those within ``FURTHER`` of the nearest are returned.
     """
     _, found = _least(own, layout, motion)
     pairs, spheres = own.pairs, own.pairs.spheres
@@ -108,7 +108,7 @@ def _least(own: Clearances, layout: PhaseLayout, motion: Motion) -> tuple[Array,
 
 
 class Raised(NamedTuple):
-    """What a pair keeps on an interval beyond its slack [m], and the round that its rows came in.
+    """Raise of the bound of a pair on an interval beyond its slack [m], and the round in which its rows were added.
 
     Rows of earlier rounds come first, so that they keep their numbers from round to round.
     """
@@ -117,12 +117,14 @@ class Raised(NamedTuple):
     since: int
 
 
-Kept = Mapping[tuple[int, int], Raised]
-"""The (interval, pair) with rows, those of earlier rounds first."""
+RaisedPairs = Mapping[tuple[int, int], Raised]
+"""Raises by (interval, pair), for all pairs with rows."""
 
 
-def with_clearance_rows(nlp: Nlp, every: Sequence[Clearances], kept: Sequence[Kept], motions: Sequence[Motion]) -> Nlp:
-    """Add rows to an NLP without any, which come last; rows on states that are fixed are left out.
+def with_clearance_rows(
+    nlp: Nlp, every: Sequence[Clearances], kept: Sequence[RaisedPairs], motions: Sequence[Motion]
+) -> Nlp:
+    """Append rows on distances to an NLP without any; rows on fixed states are omitted.
 
     Parameters
     ----------
@@ -160,9 +162,9 @@ def with_distances(nlp: Nlp, blocks: Sequence[Block], table: ScalarTable) -> Nlp
     ----------
     nlp : Nlp
     blocks : sequence of Block
-        Their scatters write behind the rows of ``nlp``.
+        Blocks whose scatters write to the new rows, after those of ``nlp``.
     table : ScalarTable
-        Of the new rows.
+        Table of the new rows.
     """
     rows = nlp.rows.joined(table.finish())
     shape = (len(rows), len(nlp.variables))
@@ -182,7 +184,7 @@ def with_distances(nlp: Nlp, blocks: Sequence[Block], table: ScalarTable) -> Nlp
 
 
 class _Row(NamedTuple):
-    """A row: its place, its pair, the fraction of the phase where the pair is nearest, and what is added to it [m]."""
+    """A row: its place, its pair, the fraction of the phase where the pair is nearest, and its raise [m]."""
 
     place: int
     pair: int
@@ -199,7 +201,7 @@ def _block(
     motion: Motion,
     table: ScalarTable,
 ) -> list[Block]:
-    """Return the block of rows with one function, none where all their states are fixed."""
+    """Return the block of rows with one point function in a list, which is empty if all their states are fixed."""
     clock = layout.clock(0)
     free = (clock.base.column is not None, clock.span.column is not None)
     function = function_of(own.pairs, group[0].pair, free)
@@ -237,9 +239,9 @@ def _planes(
 ) -> Array:
     """Return the planes (n, 4) of rows.
 
-    All rows of a pair on an interval have the plane of its nearest place: shapes that are on both sides of one plane at
-    the ends hardly cross it between them. A row that the known motion would violate has the plane of its own place.
-    Planes of an obstacle that moves are in its axes.
+    All rows of a pair on an interval have the plane of its nearest place, since shapes on both sides of one plane at
+    the ends hardly cross it in between. A row that the known motion would violate has the plane of its own place.
+    Planes of a moving obstacle are in its axes.
     """
     neutral = own.pairs.robot.neutral
     obstacle = own.pairs.obstacles[int(own.pairs.second[pairs[0]])] if function.timed else None
@@ -266,7 +268,7 @@ def _planes(
 def _with_clock(
     layout: PhaseLayout, places: StatePlaces, rows: Sequence[_Row], columns: Indices, constants: Array
 ) -> tuple[Indices, Array]:
-    """Add the columns of free clocks, and before the constants the place on the clock and the fixed ones."""
+    """Append the columns of free clocks, and prepend tau and the fixed scalars of clocks to the constants."""
     more, before = [], []
     for row in rows:
         interval = int(places.intervals[row.place])

@@ -1,12 +1,12 @@
-"""Distances of pairs as stage functions: one for all pairs of a joint, or of two joints.
+"""Distances of pairs as point functions: one for all pairs of a joint, or of two joints.
 
-A sphere with centre p and radius r is apart from a convex shape by at least n' p - h - r for every unit vector n, where
-h is the largest n' x of the shape. For spheres around p and q it is at least n' (p - q) - r - s. These bounds are equal
-to the distance where n is its gradient. With n fixed they are as smooth as the robot's kinematics, while a distance has
-corners.
+The distance of a sphere with centre p and radius r from a convex shape is at least n' p - h - r for every unit vector
+n, where h is the largest n' x of the shape. For spheres around p and q with radii r and s it is at least
+n' (p - q) - r - s. These bounds equal the distance where n is its gradient. With n fixed they are as smooth as the
+robot's kinematics, while a distance has corners.
 
-The plane of an obstacle that moves in time moves with it: its function reads the clock. Constants differ from pair to
-pair: centres, normals and offsets.
+The plane of a moving obstacle moves with it, and its function depends on the time. Centres, normals and offsets are
+constants, which differ from pair to pair.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ _FUNCTIONS: WeakKeyDictionary[Robot, dict[Hashable, DistanceFunction]] = WeakKey
 
 @dataclass(frozen=True, eq=False)
 class DistanceFunction:
-    """A stage function y(q; c) = n' p(q) - offset [m]; where the obstacle moves, p and n are in its axes at t0 + tau T.
+    """A point function y(q; c) = n' p(q) - offset [m]. For moving obstacles p and n are in their axes at t0 + tau T.
 
     Attributes
     ----------
     stage : PointFunctions
-        Its unknowns are the positions, then t0 and T where these are free and the obstacle moves.
+        The function of the positions, then of t0 and T where these are free and the obstacle moves.
     positions : ndarray of int
-        Entries of q that it reads.
+        Entries of q on which it depends.
     timed : bool
-        Whether it reads the time.
+        Whether it depends on the time.
     """
 
     stage: PointFunctions
@@ -52,7 +52,7 @@ class DistanceFunction:
 
 
 def key_of(pairs: ClearancePairs, pair: int, free: Clocks = (False, False), plane: bool = False) -> Hashable:
-    """Return what pairs with one function have in common; with ``plane``, obstacles that move have planes, too."""
+    """Return a key that pairs with one function share; with ``plane``, moving obstacles have fixed planes too."""
     spheres = pairs.spheres
     joint, other = int(spheres.joint[pairs.first[pair]]), int(pairs.second[pair])
     if pair >= pairs.against:
@@ -66,16 +66,16 @@ def key_of(pairs: ClearancePairs, pair: int, free: Clocks = (False, False), plan
 def function_of(
     pairs: ClearancePairs, pair: int, free: Clocks = (False, False), plane: bool = False
 ) -> DistanceFunction:
-    """Return the function of a pair; it is made once for each robot and key.
+    """Return the function of a pair, which is built once for each robot and key.
 
     Parameters
     ----------
     pairs : ClearancePairs
     pair : int
     free : (bool, bool)
-        Whether t0 and T are unknowns; else they are constants behind the first one.
+        Whether t0 and T are unknowns; otherwise they are constants after tau.
     plane : bool
-        Whether the function of an obstacle that moves is that of a plane, whose constants hold for one time.
+        Whether the function of a moving obstacle is that of a fixed plane, whose constants hold at one time.
     """
     known = _FUNCTIONS.setdefault(pairs.robot, {})
     key = key_of(pairs, pair, free, plane)
@@ -85,7 +85,7 @@ def function_of(
 
 
 def constants_of(pairs: ClearancePairs, chosen: Indices) -> Array:
-    """Return the constants of pairs with one function but those of a plane and of time, (n, n_c)."""
+    """Return the constants (n, n_c) of pairs with one function, without those of planes and times."""
     spheres = pairs.spheres
     first, second = pairs.first[chosen], pairs.second[chosen]
     if chosen[0] >= pairs.against:
@@ -94,7 +94,7 @@ def constants_of(pairs: ClearancePairs, chosen: Indices) -> Array:
 
 
 class _SameObstacle:
-    """An obstacle as a key by identity, which keeps it alive."""
+    """A key by the identity of an obstacle, with a reference to it."""
 
     def __init__(self, obstacle: Obstacle) -> None:
         self.obstacle = obstacle
@@ -132,12 +132,12 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> Distan
 def _stage(
     robot: Robot, distance: ca.SX, q: ca.SX, clock: ca.SX | None, c: ca.SX, joints: Sequence[int]
 ) -> DistanceFunction:
-    """Make the stage of a distance over the positions that it depends on."""
+    """Return the point function of a distance over the positions on which it depends."""
     moved = joint_tree(robot).is_moved_by()
     shared = moved[list(joints)].all(axis=0) if len(joints) > 1 else np.zeros(moved.shape[1], dtype=bool)
     own = moved[list(joints)].any(axis=0)
     if len(joints) > 1:
-        # Joints that move both points alike do not change their distance; zero stands for them.
+        # Joints that move both points alike do not change their distance and stay neutral.
         own &= ~shared
     positions = [
         at

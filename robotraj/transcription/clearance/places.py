@@ -22,11 +22,11 @@ class StatePlaces:
     columns : ndarray of int (m, nx)
         Columns of the state.
     fractions : ndarray (m,)
-        Of the phase.
+        Fractions of the phase.
     intervals : ndarray of int (m,)
         Interval of each place; a knot belongs to the interval on its right, the last to the last.
     taus : ndarray (m,)
-        In the interval, in [0, 1].
+        Fractions of the interval.
     first, last : ndarray of int (K,)
         Places at both ends of each interval.
     """

@@ -1,11 +1,11 @@
-"""Rows on distances whose number is fixed, while their planes follow the motion from solve to solve.
+"""Rows on distances in a fixed number, whose planes follow the motion from solve to solve.
 
 Every knot of a phase has rows for each joint that carries shapes, and for each two joints whose shapes may touch. A
-row is the plane between two shapes (``supporting_planes.py``), which are the nearest ones there along the last motion.
-Planes are constants: a control loop writes others before each solve, and builds nothing.
+row is the plane between the two shapes that are nearest there along the last motion (``supporting_planes.py``). Planes
+are constants, so that a control loop changes them before each solve without building the program again.
 
-Obstacles that move are where they are at the times of the knots. A start that is measured too near is no conflict: what
-it is short of may be made up for within ``RECOVERY``.
+Moving obstacles have their poses at the times of the knots. A measured start that is too near is no conflict: the
+shortfall is allowed to decrease to zero within ``RECOVERY``.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 NEAREST = 2
-"""Pairs of a joint's shapes with obstacles, or with those of another joint, that have rows at a knot."""
+"""Number of pairs of a joint's shapes, with obstacles or shapes of another joint, that have rows at a knot."""
 RECOVERY = 0.2
-"""Time after which a start that is too near has moved away [s]."""
+"""Time within which a start that is too near must reach the margin [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +50,9 @@ class _PlaneGroup:
     ----------
     function : DistanceFunction
     pairs : ndarray of int
-        Pairs that the rows choose from.
+        Pairs of which the nearest have rows.
     count : int
-        Rows at a knot.
+        Number of rows at a knot.
     """
 
     function: DistanceFunction
@@ -66,7 +66,7 @@ class PlaneRows:
     Parameters
     ----------
     nlp : Nlp
-        Of one phase, without rows on distances.
+        NLP of one phase, without rows on distances.
 
     Raises
     ------
@@ -83,11 +83,11 @@ class PlaneRows:
         layout = nlp.layouts[0]
         self._fractions = layout.fractions
         columns = np.array(layout.knots)[:, : self._pairs.robot.nq]
-        # Rows on a state that is fixed could not change it.
+        # Rows on fixed states are omitted.
         self._free = np.flatnonzero(np.any(nlp.variables.lower[columns] < nlp.variables.upper[columns], axis=1))
         self._columns = columns
         self._rows = _grouped(self._pairs)
-        # Rows with obstacles, then rows of two links: where each lies, the group that it belongs to and what it reads.
+        # Rows with obstacles, then rows of two links: their knots, and the positions on which they depend.
         count = sum(own.pairs[0] < self._pairs.against for own in self._rows)
         self._kinds = [kind for kind in (range(count), range(count, len(self._rows))) if len(kind)]
         self._at = [np.concatenate([self._knots_of(self._rows[k]) for k in kind]) for kind in self._kinds]
@@ -97,7 +97,7 @@ class PlaneRows:
         return np.repeat(self._free, own.count)
 
     def _read_by(self, own: _PlaneGroup) -> NDArray[np.bool_]:
-        """Whether each row reads each position."""
+        """Return whether each row depends on each position, (rows, nq)."""
         reads = np.isin(np.arange(self._columns.shape[1]), own.function.positions)
         return np.tile(reads, (len(self._free) * own.count, 1))
 
@@ -127,12 +127,12 @@ class PlaneRows:
         return with_distances(nlp, blocks, table)
 
     def place_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
-        """Take other obstacles from now on, as many as before and in their order.
+        """Replace the obstacles by as many others in the same order.
 
         Raises
         ------
         InputError
-            Another number of obstacles, one on a frame of the robot, or what is no obstacle.
+            The number of obstacles differs, or one is no obstacle or on a frame of the robot.
         """
         count = len(self._pairs.obstacles)
         is_world = all(isinstance(each, Obstacle) and each.frame is None for each in obstacles)
@@ -143,7 +143,7 @@ class PlaneRows:
         self._pairs = self._pairs.with_obstacles(obstacles)
 
     def constants(self, nlp: Nlp, w: Array) -> dict[PointFunctions, Array]:
-        """Return the constants of every stage function with planes along w (n_w,), at the clock of the NLP."""
+        """Return the constants of every point function, with planes along w (n_w,) at the times of the NLP."""
         found = self._constants(nlp, w)
         return {own.function.stage: each for own, each in zip(self._rows, found, strict=True)}
 
@@ -152,7 +152,7 @@ class PlaneRows:
         spheres, q = pairs.spheres, w[self._columns]
         elapsed = self._fractions * _duration(nlp.layouts[0], w)
         times = nlp.layouts[0].t0.value + elapsed
-        # The first knot is the measured state, where w is not.
+        # The first knot is the measured state, which differs from that of w.
         q[0] = nlp.variables.lower[self._columns[0]]
         distances = pairs.distances(q, times)
         short = np.maximum(pairs.margin + SLACK - distances[0], 0.0)

@@ -1,9 +1,9 @@
-"""Proof of distances between the collocation points, or where and by how much they are short.
+"""Proof of distances between the collocation points, or the places and amounts of their shortfalls.
 
-A pair's distance changes by at most L = sum_j lever_j max abs(v_j) a second (``ClearancePairs.speed_factors``), with
-the speeds bounded on each interval by the Bernstein coefficients of their polynomials, and by the speed of an obstacle
-that moves. From its value at the middle of a piece of length h it is at least d - L h / 2 there. A piece whose bound is
-below the margin is halved, until all are proved, or d itself is below.
+The distance d of a pair changes at a rate of at most L = sum_j lever_j max abs(v_j) [m/s]
+(``ClearancePairs.speed_factors``), plus the speed of a moving obstacle. The speeds are bounded on each interval by the
+Bernstein coefficients of their polynomials. With d at the middle of a piece of length h, the distance is at least
+d - L h / 2 on the piece. A piece whose bound is below the margin is halved, until all are proved or d itself is below.
 """
 
 from __future__ import annotations
@@ -25,26 +25,26 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 HALVINGS = 16
-"""Halvings of an interval after which a piece that is not proved counts as short."""
+"""Number of halvings after which a piece that is not proved counts as a shortfall."""
 COARSE = 8
-"""Halvings after a first distance below the margin: the worst place is then known well enough."""
+"""Number of halvings after which a pair below the margin is divided no further."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shortfalls:
-    """Where distances are not proved, each interval and pair once.
+    """Distances that are not proved, each interval and pair once.
 
     Attributes
     ----------
     intervals, pairs : ndarray of int (k,)
     times : ndarray (k,)
-        Of the least distance that was seen [s].
+        Time of the least evaluated distance [s].
     distances : ndarray (k,)
-        The least distance that was seen, or its lower bound where that alone is below the margin [m].
+        The least evaluated distance, or its lower bound where only that is below the margin [m].
     least : float
         Least distance of all pairs at all evaluations [m]; infinite without pairs.
     nearest : (int, float)
-        Its pair and time; pair -1 without pairs.
+        Pair and time [s] of ``least``; pair -1 without pairs.
     """
 
     intervals: Indices
@@ -69,7 +69,7 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
     half = 0.5 * lengths
     middle = breaks[:-1] + half
     distances = pairs.distances(x(middle)[:, :nq], middle)
-    # A bound that is no number proves nothing.
+    # A bound that is NaN proves nothing.
     interval, pair = np.nonzero(~(distances - bounds * half[:, None] >= pairs.margin))
     at, found = middle[interval], distances[interval, pair]
     width = half[interval]
@@ -128,7 +128,7 @@ def _compiled(pairs: ClearancePairs, tree: SphereTree, x: PiecewisePolynomial) -
 
 
 def _speed_bounds(pairs: ClearancePairs, x: PiecewisePolynomial) -> Array:
-    """Bounds (K, n) on how fast each distance changes on each interval [m/s]."""
+    """Return bounds (K, n) on the rate of each distance on each interval [m/s]."""
     rates = _rates(pairs, x)
     speeds = np.array(
         [np.abs(coefficients(rates.sites[k], rates.values[k])).max(axis=0) for k in range(len(rates.values))]

@@ -22,8 +22,8 @@ STEP = 1e-6
 def planes(pairs: ClearancePairs, chosen: Indices, q: Array, times: Array | None = None) -> Array:
     """Return normals and offsets (n, 4) of pairs with one function, tangent to their distance at positions (n, nq).
 
-    Joints that move both spheres of a pair are neutral in ``q``, as in ``distance_functions``. Obstacles that move are
-    where they are at ``times`` (n,) [s].
+    Joints that move both spheres of a pair are neutral in ``q``, as in ``distance_functions``. Moving obstacles have
+    their poses at ``times`` (n,) [s].
     """
     first, second = pairs.first[chosen], pairs.second[chosen]
     radius, here = pairs.spheres.radius, pairs.centres_of(first, q)

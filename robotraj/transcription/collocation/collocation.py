@@ -1,6 +1,6 @@
-"""The rows of a phase: defects, algebraic rows, path rows and the integral cost, as one block of stage evaluations.
+"""The rows of a phase: defects, algebraic rows, path rows and the integral cost, as one block of a point function.
 
-The stage function gives, at a node with unknowns (x, z, u, t0, T, p) and constant fraction tau,
+At a node with unknowns (x, z, u, t0, T, p) and constant fraction tau, the point function is
 
     y = ( T f,  g,  h,  h', T m,  T l,  W c,  I ),    t = t0 + tau T,
 
@@ -50,7 +50,7 @@ Array = NDArray[np.float64]
 
 
 def taus(layout: PhaseLayout) -> Array:
-    """Return the constant tau of the stage's evaluations: t = base + tau span."""
+    """Return the constant tau of every evaluation of the point function: t = base + tau span."""
     if layout.own_clocks is None:
         return layout.place_fractions
     return np.array([layout.intervals[k].scheme.nodes[j] for k, j in layout.place_owner.tolist()])
@@ -71,7 +71,7 @@ def collocate(
     Parameters
     ----------
     separate : bool
-        Keep a robot's inverse dynamics out of the stage's graph, if possible.
+        Keep a robot's inverse dynamics out of the graph of the point function, if possible.
     carried : frozenset of int or None
         See ``index_reduction.impose_equalities``.
     """
@@ -135,11 +135,11 @@ def collocate(
 
 
 _STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], PointFunctions]] = WeakKeyDictionary()
-"""Stages with their derivatives, for phases that are transcribed again, on finer meshes above all."""
+"""Point functions with their derivatives, for phases that are transcribed again, such as on finer meshes."""
 
 
 def _stage(phase: Phase, layout: PhaseLayout, separate: bool) -> PointFunctions:
-    """Return the stage of a phase: the same one on all meshes with the same free scalars."""
+    """Return the point functions of a phase: the same ones on all meshes with the same free scalars."""
     scalars = interval_scalars(layout, 0)
     key = separate, *(scalar.column is not None for scalar in scalars)
     known = _STAGES.setdefault(phase, {})
@@ -224,7 +224,7 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
         return rows.add([Entry(index, name, "", "s")], at, lower, upper)[:, 0]
 
     def subtract(at: NDArray[np.int_], scalar: Scalar, factors: Array) -> None:
-        """Write - factors * scalar on the left of the rows, where it is a column."""
+        """Add - factors * scalar to the left of the rows, if it is a column."""
         if scalar.column is not None:
             linear.add(at, np.full(len(at), scalar.column), -factors)
 

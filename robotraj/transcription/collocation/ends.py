@@ -160,7 +160,7 @@ def start_equalities_block(
 
 
 def _chooses_rates(phase: Phase) -> bool:
-    """Whether the objective made controls states: then their rates are chosen, and accelerations follow."""
+    """Whether an objective added controls to the states; their rates are then the controls."""
     return not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}
 
 

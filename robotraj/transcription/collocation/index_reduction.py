@@ -1,8 +1,8 @@
 """Index reduction: path equalities of the state are imposed with their rates.
 
 A path equality h(t, x, p) = 0 has order r if its rates h', ..., h^(r-1), along dx/dt = f, depend neither on controls
-nor on algebraic variables, and h^(r) does. The pose of a frame has order 2. Imposed at every collocation point, it
-would let the controls along it oscillate from point to point. It would not determine the rates at the end of the phase
+nor on algebraic variables, and h^(r) does. The pose of a frame has order 2. If it were imposed at every collocation
+point, controls along it would oscillate from point to point. The rates at the end of the phase would not be determined
 either. With a fixed end, at rest for example, the problem would have more rows than unknowns.
 
 Instead, the rows at the last r points of an interval are replaced by h, h', ..., h^(r-1) at the last one. For
@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 HIGHEST = 4
-"""Highest order that is reduced: expressions of higher rates grow, and robots have no such equalities."""
+"""Highest order that is reduced. Expressions of higher rates grow, and robots have no such equalities."""
 DETERMINED = 1e-9
 """Largest error of an equality or a rate, in its unit, that is determined by a fixed end."""
 
@@ -251,13 +251,13 @@ def carried_equalities(phases: Sequence[Phase], index: int, links: Sequence[Boun
     return frozenset(rows)
 
 
-def _alike(one: PathEquality, other: PathEquality) -> bool:
-    """Whether two equalities are the same; those of parameters, which each phase has for itself, are not."""
-    sizes = [one.values.size1_in(i) for i in range(3)]
-    same = one.order == other.order and one.target == other.target and sizes[2] == 0
+def _alike(first: PathEquality, other: PathEquality) -> bool:
+    """Whether two equalities are the same; equalities of parameters are not, since each phase has its own."""
+    sizes = [first.values.size1_in(i) for i in range(3)]
+    same = first.order == other.order and first.target == other.target and sizes[2] == 0
     if not same or sizes != [other.values.size1_in(i) for i in range(3)]:
         return False
     rng = np.random.default_rng(0)
     points = [[rng.standard_normal(size) for size in sizes] for _ in range(3)]
-    values = [[np.array(each.values(*point)).ravel() for point in points] for each in (one, other)]
+    values = [[np.array(each.values(*point)).ravel() for point in points] for each in (first, other)]
     return bool(np.array_equal(values[0], values[1]))

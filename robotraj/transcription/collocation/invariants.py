@@ -83,7 +83,10 @@ def _read(phase: Phase) -> tuple[Mask, Mask]:
 
 
 def _determined(phase: Phase, bounds: Bounds, anchored: Mask | None = None) -> Mask:
-    """Return the rows of fixed states alone, and of no free parameter that the other end leaves free (``anchored``)."""
+    """Return the rows of fixed states alone, without free parameters that the other end does not determine.
+
+    ``anchored`` are the rows whose parameters the other end determines.
+    """
     states, parameters = _dependence(phase)
     free = bounds.lower < bounds.upper
     moving = (states & free).any(axis=1)
@@ -107,6 +110,6 @@ def _carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) ->
         for i, row in enumerate(here):
             partner = carry.partners.get(row.label, row.label)
             carried[i] |= row.quantity in carry.quantities and (row.quantity, partner) in there
-    # The start determines where a contact stands: rows of its place have the names of its anchors.
+    # The start determines the place of a contact, whose rows have the names of its anchors.
     footholds = {anchor.name for contact in phases[index].bound_contacts for anchor in contact.anchors}
     return carried & ~np.array([row.name in footholds for row in here], dtype=bool)

@@ -1,4 +1,4 @@
-"""Symbols of one evaluation of a stage function, as the layout of a phase divides them into unknowns and constants."""
+"""Symbols of one evaluation of a point function, divided into unknowns and constants by the layout of a phase."""
 
 from __future__ import annotations
 

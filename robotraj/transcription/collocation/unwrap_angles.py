@@ -2,7 +2,7 @@
 
 Some controls enter through their sine and cosine alone, such as a direction of thrust or a heading. Values that differ
 by 2 pi are then equivalent, at every collocation point separately. After long first steps a solver may find the right
-direction at every point, but polynomials between them that rotate by whole turns.
+direction at every point, but polynomials that rotate by whole turns in between.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def unwrapped(nlp: Nlp, w: Array) -> Array:
 
 
 def _on_one_turn(values: Array, lower: Array, upper: Array) -> Array | None:
-    """Return values within pi of the one before, around zero, within bounds; None if they are so, or cannot be."""
+    """Return values within pi of the one before, around zero and within bounds; None if unchanged or impossible."""
     if np.all(np.abs(np.diff(values)) <= np.pi):
         return None
     near = np.unwrap(values)
@@ -65,8 +65,8 @@ def _on_one_turn(values: Array, lower: Array, upper: Array) -> Array | None:
 
 def _alike(nlp: Nlp, w: Array, other: Array) -> bool:
     """Whether two decision vectors have the same rows and the same objective."""
-    mine, its = nlp.outputs(w), nlp.outputs(other)
-    rows = (nlp.values(other, its) - nlp.values(w, mine)) * nlp.row_scale
-    objective = nlp.objective(w, mine)
-    change = abs(nlp.objective(other, its) - objective)
+    outputs, others = nlp.outputs(w), nlp.outputs(other)
+    rows = (nlp.values(other, others) - nlp.values(w, outputs)) * nlp.row_scale
+    objective = nlp.objective(w, outputs)
+    change = abs(nlp.objective(other, others) - objective)
     return bool(np.max(np.abs(rows), initial=0.0) <= SAME and change <= SAME * (1 + abs(objective)))

@@ -1,4 +1,4 @@
-"""Rows added between the collocation points: which ones violations call for, and the NLP that has them."""
+"""Rows added between the collocation points: their choice by violations, and the NLP with these rows."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
 def rows_to_add(nlp: Nlp, found: Sequence[IntervalViolation], added: Sequence[AddedRow]) -> list[AddedRow]:
     """Return the rows to impose against violations between the collocation points, without those already added.
 
-    A row is imposed at its worst place. An inequality that was added on the interval before is imposed at Chebyshev
-    points of the whole interval too; with several equalities on an interval, a motion has no choice left. Equalities
-    that are held with their rates are not added for the same reason.
+    A row is imposed at its worst place. An inequality that was already added on the interval is imposed at Chebyshev
+    points of the whole interval too. Several equalities on an interval would overdetermine the motion. For the same
+    reason equalities that are imposed with their rates (``index_reduction``) are not added.
     """
     table = [phase.rows for phase in nlp.problem.phases]
     inequalities = {
@@ -57,7 +57,7 @@ def _is_held_with_rates(nlp: Nlp, violation: IntervalViolation) -> bool:
 
 
 def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
-    """Add rows to an NLP: they and their states come last, everything else keeps its place, scale and functions.
+    """Append rows and their states to an NLP; everything else keeps its place, scale and functions.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
     added : sequence of AddedRow
         Rows that ``nlp`` does not have yet.
     w : ndarray (n_w,)
-        Where the solver starts, in physical units; states at added rows are those of its polynomials.
+        Start of the solver in physical units; states at added rows are those of its polynomials.
     """
     phases, layouts = nlp.problem.phases, nlp.layouts
     columns, rows, linear = ScalarTable.after(nlp.variables), ScalarTable.after(nlp.rows), Triplets()
@@ -104,7 +104,7 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
 
 
 def _states(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Array:
-    """States that path rows add, one after the other."""
+    """Return the states that path rows add, one after the other."""
     found = [np.empty(0)]
     trajectories = None
     for each in added:

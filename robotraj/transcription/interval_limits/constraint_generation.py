@@ -1,8 +1,8 @@
-"""Constraint generation: rows imposed between the collocation points, on the polynomials that were collocated.
+"""Constraint generation: rows imposed between the collocation points, on the collocated polynomials.
 
 Where a solution violates a row between its collocation points (``interval_violations``), the row is imposed at the
-worst place as well and the problem is solved again: an exchange method for semi-infinite programs. At a place tau of an
-interval the state is x(tau) = x_0 + d sum_k (T f_k) int_0^tau l_k, linear in the outputs of the stage functions.
+worst place as well, and the problem is solved again. This is an exchange method for semi-infinite programs. At a place
+tau of an interval the state is x(tau) = x_0 + d sum_k (T f_k) int_0^tau l_k, linear in the outputs of point functions.
 Source: Hettich and Kortanek, Semi-infinite programming, SIAM Review 35 (1993), section 7.
 """
 
@@ -59,8 +59,8 @@ def add_rows(
     scatters: Sequence[Triplets],
     outputs: Sequence[int],
 ) -> list[Block]:
-    """Write the added rows, and states for path rows; ``scatters`` and ``outputs`` are of the phases' blocks."""
-    # The places of a row are those of one block: a block for each would be differentiated and called one by one.
+    """Write the added rows, and states for path rows; ``scatters`` and ``outputs`` belong to the phases' blocks."""
+    # All places of a row are in one block, which is differentiated and called once.
     alike: dict[tuple[int, int, tuple[bool, ...]], list[tuple[AddedRow, _Place]]] = {}
     for each in added:
         phase, layout = phases[each.phase], layouts[each.phase]
@@ -99,7 +99,7 @@ def add_rows(
 
 
 class _Place(NamedTuple):
-    """Columns and constants that a path row reads at a place, and its row."""
+    """Columns and constants of a path row at a place, and its row number."""
 
     columns: Indices
     constants: np.ndarray
@@ -109,7 +109,7 @@ class _Place(NamedTuple):
 def _path_block(
     added: AddedRow, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], places: list[_Place]
 ) -> Block:
-    """Block of a path row at places that differ from ``added`` in their interval and tau alone."""
+    """Return the block of a path row at places that differ from ``added`` only in interval and tau."""
     phase = phases[added.phase]
     table = phase.rows
     s = point_symbols(phase, interval_scalars(layouts[added.phase], added.interval))

@@ -1,13 +1,13 @@
 """Rows that a solution violates between its collocation points.
 
-Limits are imposed at collocation points, and between these a polynomial may exceed them. Every row is read at dense
-places of every interval; a parabola through three neighbouring places locates a peak between them. Where a row bends
-sharply, as torques do where dry friction changes its sign, closer places are read first. Three groups of rows differ in
-what they read and in how much is allowed:
+Limits are imposed at collocation points, and a polynomial may exceed them in between. Every row is evaluated at dense
+places of every interval. A parabola through three neighbouring places locates a peak between them. Where a row bends
+sharply, as torques do where dry friction changes its sign, closer places are evaluated first. Three groups of rows
+differ in their variables and in the allowed violation:
 
-- rows of the state: the polynomials of the state;
-- bounds of controls, accelerations and other algebraic variables: the variable itself, and path rows that read them;
-- path rows that depend on controls or algebraic variables, and bounds of contact forces: all polynomials.
+- rows of the state, evaluated along the polynomials of the state;
+- bounds of controls, accelerations and other algebraic variables, and path rows that depend on them;
+- path rows that depend on controls or algebraic variables, and bounds of contact forces.
 """
 
 from __future__ import annotations
@@ -41,8 +41,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 PLACES = np.linspace(0.0, 1.0, 49)
-"""Places of an interval that are read, its ends among them: Radau's schemes have no point at the start, Gauss's none
-at either end."""
+"""Places of an interval at which rows are evaluated.
+
+They include its ends: Radau's schemes have no point at the start, and Gauss's none at either end.
+"""
 INNER_PLACES = (np.arange(48) + 0.5) / 48
 """Places for rows of controls, which may jump at the ends."""
 CLOSER = np.linspace(-1.0, 1.0, 33)
@@ -50,13 +52,13 @@ CLOSER = np.linspace(-1.0, 1.0, 33)
 ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
 """Places for rates, which jump at the knots."""
 SHARE = 1e-2
-"""Share of its limit by which a control may exceed it between collocation points before that is reported."""
+"""Largest relative excess of a control over its limit that is not reported."""
 EXACT = 1e-9
-"""Least violation of a state that is reported [SI unit]; solvers stop with errors of this size."""
+"""Largest violation of a state that is not reported [SI unit]; solvers stop with errors of this size."""
 ROUNDING = 1e-9
 """Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
-"""The same for torques of exact motions, which are known at any time, and for path rows."""
+"""Largest relative excess that is not reported for torques of exact motions and for path rows."""
 
 
 @dataclass(frozen=True)
@@ -69,11 +71,11 @@ class IntervalViolation:
         Indices.
     row : PhaseRow
     tau : float
-        Where on the interval, in [0, 1].
+        Fraction of the interval, in [0, 1].
     time : float
-        [s].
+        Time of the worst place [s].
     amount : float
-        How far the value is beyond the bound, in the row's SI unit.
+        Excess over the bound, in the row's SI unit.
     upper : bool
         Whether the upper bound is violated.
     """
@@ -93,9 +95,9 @@ class IntervalViolation:
 
 
 def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[IntervalViolation]:
-    """Find rows of the state, in every interval, that are violated by more than ``allowed`` [SI unit].
+    """Find rows of the state that are violated by more than ``allowed`` [SI unit], in every interval.
 
-    Of bounds of states below 1 SI unit, such as 0.05 rad/s, ``allowed`` is a share.
+    For bounds below 1 SI unit, such as 0.05 rad/s, ``allowed`` is relative.
     """
     rows = phase.rows.of_state
     sizes = np.array([row.greatest_bound if row.kind is Kind.BOUND else 1.0 for row in rows])
@@ -108,19 +110,19 @@ def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allo
 def variable_violations(
     phase: Phase, index: int, trajectory: PhaseTrajectory, inputs: Inputs | None = None
 ) -> list[IntervalViolation]:
-    """Find limits of controls and accelerations, in every interval, that are exceeded by more than a share of them.
+    """Find limits of controls and accelerations that are exceeded by more than a share of them, in every interval.
 
-    They are bounds of these variables and of their rates, and path rows of the phase that read them.
+    They are bounds of these variables and of their rates, and path rows of the phase that depend on them.
 
     Parameters
     ----------
     phase : Phase
     index : int
-        Of the phase.
+        Number of the phase.
     trajectory : PhaseTrajectory
     inputs : Inputs, optional
-        Along the motion; by default the polynomials. Limits of torques that drive the motion and path rows may be
-        exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
+        Inputs along the motion; the polynomials by default. Limits of torques that drive the motion and path rows may
+        be exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
@@ -146,7 +148,7 @@ def variable_violations(
 
 
 def _is_given(phase: Phase, row: PhaseRow) -> bool:
-    """Whether a row is one of the phase's own constraints; those of contacts are measured against the weight."""
+    """Whether a row is a constraint of the user; rows of contacts are measured against the weight."""
     return phase.rows.constraints[row.constraint].source is not None
 
 
@@ -169,7 +171,7 @@ def input_violations(
 def _violations(
     phase: int, rows: Sequence[PhaseRow], reader: RowValues, places: Array, allowed: Array
 ) -> list[IntervalViolation]:
-    """Find the worst place of every row on every interval where it exceeds a bound by more than is allowed (rows,)."""
+    """Find the worst place of every row and interval where the excess is above ``allowed`` (rows,)."""
     if not rows:
         return []
     lower, upper = (np.array([getattr(row, side) for row in rows]) for side in ("lower", "upper"))
@@ -199,8 +201,8 @@ def _violations(
             if over[i] > amount[k[i], r[i]]:
                 amount[k[i], r[i]], place[k[i], r[i]] = over[i], tau[i]
                 above[k[i], r[i]] = exact[i] > upper[r[i]]
-    # A knot is counted once, in the interval on its right. That has a worst place of its own, except where it is the
-    # next knot; and curves that jump at a knot may be within their limits there.
+    # A violation at a knot is counted once, in the interval on its right. It is kept on the left where the worst place
+    # of the right interval is its own right knot, or where a curve jumps to a value within its limits.
     shared = (place[:-1] == 1.0) & (place[1:] < 1.0) & (seen[1:, 0] >= amount[:-1] * (1.0 - ROUNDING))
     amount[:-1][shared] = -np.inf
     times = starts[:, None] + lengths[:, None] * place
@@ -212,7 +214,7 @@ def _violations(
 
 
 def _sharp_bends(seen: Array, places: Array, allowed: Array) -> tuple[Indices, Indices, Array]:
-    """Return closer places (interval, row, tau) around those where a row near its bound bends by more than is allowed.
+    """Return closer places (interval, row, tau) where a row near its bound bends by more than is allowed.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Margins: bounds of controls tightened on single intervals, by the violation of a motion between the points.
+"""Margins: bounds of controls tightened on single intervals by the excess of a motion between the points.
 
 Torques of an exact motion follow from inverse dynamics at every time. Between the collocation points they differ from
 the planned polynomial, whose Bernstein coefficients are bounded. Where they exceed a limit, the limit of the polynomial
-is lowered by the excess. Only bounds change: the transcription and its compiled form are reused.
+is lowered by the excess. Only bounds change, so that the transcription and its compiled program are used again.
 """
 
 from __future__ import annotations
@@ -76,7 +76,10 @@ class _Tightened:
         self.lower, self.upper = scalars.lower.copy(), scalars.upper.copy()
 
     def tighten(self, at: np.ndarray, lower: float, upper: float) -> None:
-        """Move finite bounds; columns without bounds have rows on coefficients, and a new bound takes a new program."""
+        """Tighten finite bounds only, since a new finite bound would need a new program.
+
+        Columns without bounds have rows on coefficients.
+        """
         low, high = at[np.isfinite(self.lower[at])], at[np.isfinite(self.upper[at])]
         self.lower[low] = np.maximum(self.lower[low], np.minimum(lower, self.upper[low]))
         self.upper[high] = np.minimum(self.upper[high], np.maximum(upper, self.lower[high]))

@@ -37,9 +37,14 @@ class ConstraintGeneration(OneLine):
     ----------
     tolerance : float
         Violation of a row of the state between collocation points above which it is imposed there [its SI unit].
-        Of bounds below 1 SI unit, such as 0.05 rad/s, it is a share.
+        For bounds below 1 SI unit, such as 0.05 rad/s, it is relative.
     rounds : int
-        How often the problem is solved again at most; with 0, violations are reported only.
+        Largest number of further solves. With 0, violations are only reported.
+
+    Raises
+    ------
+    InputError
+        ``tolerance`` is not above 0, or ``rounds`` is no whole number of 0 or more.
     """
 
     tolerance: float = 5e-4

@@ -1,6 +1,6 @@
 """Values of rows along a trajectory: entries of a curve, their rates, and expressions.
 
-``interval_violations`` reads all of them in the same way: on a grid of places of every interval, and at single times.
+``interval_violations`` evaluates all of them on a grid of places of every interval, and at single times.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
-    """Assess every interval of a phase; knots that move may have jumps of the control on them."""
+    """Assess every interval of a phase; jumps of the control at moving knots are ignored."""
     moving = isinstance(mesh, MovingMesh)
     inputs = None if is_exact(phase, mesh.schemes) else inputs_of(phase, trajectory, mesh.schemes)
     errors = interval_errors(phase, trajectory, inputs)
@@ -59,7 +59,7 @@ def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
     span = np.where(span > 0, span, 1.0)
     inside = np.array([np.max(np.ptp(value, axis=0) / span) for value in values])
     if moving:
-        # A switch belongs on a knot that moves.
+        # Moving knots follow the switches.
         return inside
     # A switch may also stand between the last node of one interval and the first of the next.
     ends = np.array([np.max(np.abs(b[0] - a[-1]) / span) for a, b in zip(values[:-1], values[1:], strict=True)])
@@ -67,10 +67,10 @@ def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
 
 
 def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
-    """Duration times the square of how far the neighbours' controls, carried on, miss the interval's own (K,).
+    """Return duration times squared difference of the controls from those extrapolated from neighbours (K,).
 
-    For constants that is the step, for lines the kink; relative to the control's range over the phase. Steps on knots
-    that move belong there.
+    The difference is relative to the range of the control over the phase. For constants it is the step, for lines the
+    kink. Steps at moving knots are ignored.
     """
     values, sites, lengths = trajectory.u.values, trajectory.u.sites, np.diff(trajectory.u.breaks)
     missed = np.zeros(len(values))
@@ -89,13 +89,13 @@ def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
 
 
 def _decays(trajectory: PhaseTrajectory) -> Array:
-    """Slope of log10 |c_n| over the degree n of the states' Legendre coefficients, least over the states."""
+    """Return the least decay -d log10 |c_n| / dn of the Legendre coefficients of the states (K,)."""
     decays = []
     for sites, values in zip(trajectory.x.sites, trajectory.x.values, strict=True):
         degree = len(sites) - 1
         coefficients = np.abs(np.polynomial.legendre.legfit(2 * sites - 1, values, degree))
         scale = np.maximum(np.abs(values).max(axis=0), 1e-8)
-        # What lies below round-off says nothing of smoothness.
+        # Coefficients below round-off do not measure smoothness.
         logs = np.log10(np.maximum(coefficients / scale, 1e-14))
         slopes = np.polyfit(np.arange(1, degree + 1), logs[1:], 1)[0] if degree > 1 else logs[1] - logs[0]
         moving = coefficients[1:].max(axis=0) > 1e-10 * scale

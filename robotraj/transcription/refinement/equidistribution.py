@@ -1,4 +1,4 @@
-"""Refinement by equidistribution: from the order of the scheme straight to the mesh that is needed.
+"""Refinement by equidistribution: the order of the scheme predicts the mesh that is needed.
 
 The residual of s-point collocation on an interval of length h falls about as h^(s + 1). An interval of error e needs
 
@@ -6,11 +6,11 @@ The residual of s-point collocation on an interval of length h falls about as h^
 
 parts. The sum of n over an interval's length is a density of knots; the next mesh has equal shares of it.
 
-Where the lengths h that are asked for grow too fast from one place to the next, they are replaced by
+Where the required lengths h grow too fast along the phase, they are replaced by
 
     min over s of h(s) + slope |t - s|,
 
-so that events which move from mesh to mesh find short intervals beside them as well.
+so that intervals are also short near events whose times change from mesh to mesh.
 Sources: de Boor, Good approximation by splines with variable knots II, Lecture Notes in Mathematics 363 (1974);
 Persson, Mesh size functions for implicit geometries and PDE-based gradient limiting, Eng. with Computers 22 (2006).
 """
@@ -32,11 +32,11 @@ Array = NDArray[np.float64]
 SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""
 LEAST_GROWTH = 1.1
-"""Growth of every mesh: on almost as many intervals no change of the objective could be judged."""
+"""Least growth of the number of intervals; with less, the change of the objective would not be significant."""
 HALVED, NEARLY = 2.0, 0.3
 """Parts of an interval on which a path row is violated between the collocation points, and of those beside it.
 
-Knots move with the number of intervals: what is violated near one end may come to lie in the next interval.
+Knots change with the number of intervals, so that a violation near an end may be in the next interval of the new mesh.
 """
 
 
@@ -47,9 +47,9 @@ class Equidistribute(Refinement):
     Parameters
     ----------
     most : float
-        Largest number of parts of an interval at once: errors of coarse meshes do not follow their order.
+        Largest number of parts of an interval at once, since errors of coarse meshes do not follow their order.
     second : float
-        Least growth from the first mesh to the second: what the objective changes by tells whether it has settled.
+        Least growth from the first mesh to the second, so that the change of the objective is significant.
     finest : int
         Largest number of intervals of a phase.
     path : float
@@ -80,9 +80,9 @@ class Equidistribute(Refinement):
             raise InputError(f"Equidistribute(finest) must be at least 1, got {self.finest!r}.")
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
-        """Return a mesh that has ``assessment.growth`` times as many intervals everywhere, and more where errors are.
+        """Return a mesh with ``assessment.growth`` times as many intervals everywhere, and more where errors are large.
 
-        The same mesh is returned where nothing is to be gained.
+        The same mesh is returned if all errors are below the tolerance and ``assessment.growth`` is 1.
         """
         orders = np.array([error_order(scheme) for scheme in mesh.schemes], dtype=float)
         parts = (assessment.errors / (SAFETY * tolerance)) ** (1.0 / orders)

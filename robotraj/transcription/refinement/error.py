@@ -10,14 +10,14 @@ Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at
 of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one under the
 torques that drive the motion (``driven_motion``).
 
-Damping makes the residual of a light joint large though its motion is right: what e changes decays at the rate
-lambda_i = (M^-1 D)_ii, with contacts the entry of the constrained inverse, and grows to |e_i| / lambda_i at most. Over
-an interval of length h the residual therefore counts as |e_i| / (1 + h lambda_i).
+With damping the residual of a light joint is large even if its motion is accurate. The effect of e decays at the rate
+lambda_i = (M^-1 D)_ii (with contacts, the entry of the constrained inverse) and is at most |e_i| / lambda_i. Over an
+interval of length h the residual therefore counts as |e_i| / (1 + h lambda_i).
 
 Schemes that integrate from knot to knot have the same estimate, by the polynomial of their dense output. It measures
-how well the motion between two knots is integrated. For classical Runge-Kutta and compressed Hermite-Simpson it falls
-as h^4. For an adaptive integrator it is of the size of the integrator's tolerance on any mesh. It does not measure how
-well constants or lines approximate the best control; that shows in the objective alone.
+the error of the integration between two knots. For classical Runge-Kutta and compressed Hermite-Simpson it falls as
+h^4. For an adaptive integrator it is of the size of the integrator's tolerance on any mesh. It does not measure the
+error of piecewise constant or linear controls, which only the objective shows.
 Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kelly, SIAM Review 59 (2017), section 8.
 """
 
@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
 SOLVED = 1e-9
-"""Share of the rows that a solution of the linear equations may leave; where it leaves more they are singular."""
+"""Largest relative residual of a solution of the linear equations; above it they are singular."""
 
 
 def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
@@ -63,7 +63,7 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | 
 def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
     """Return the integral of |xdot - f| over every interval by Kelly's definition, (K, nx), in each state's unit.
 
-    Residuals that damping lets decay count as much less.
+    Residuals are reduced by the decay that damping causes, as in the docstring of this module.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | Non
 
 
 def _decay(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array | None:
-    """Return the rates [1/s] at which damping lets each state decay by itself, (m, nx); None where there is none."""
+    """Return the rates [1/s] at which each state decays by damping, (m, nx); None without damping."""
     body = phase.body
     if not isinstance(body, InverseRigidBody) or body.design is not None or not np.any(body.robot.damping):
         return None
@@ -123,8 +123,8 @@ def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Ar
 def _least_change(slopes: Array, rows: Array) -> Array:
     """Solve slopes change = rows at every sample, (m, nz).
 
-    Slack variables that an objective brought leave more unknowns than rows, and forces of redundant contacts leave
-    singular ones: the least change holds them.
+    Slack variables of an objective cause more unknowns than rows, and forces of redundant contacts singular rows. The
+    solution is then the least change.
     """
     if slopes.shape[1] == slopes.shape[2]:
         try:

@@ -4,9 +4,9 @@ A scheme sums the integrand q of an integral constraint at its nodes, h sum_j b_
 
     error = K |h sum_j b_j q(t_j) - integral q dt| / (1 + |bound|),
 
-has the integral by Gauss's rule along the polynomials of the states and controls. The number of intervals K makes the
-largest error a bound on that of the whole integral. It is not part of the residual of
-the dynamics: a control that oscillates from node to node may satisfy the sum but not the constraint.
+takes the integral by Gauss's rule along the polynomials of the states and controls. By the factor K, the number of
+intervals, the largest error bounds that of the whole integral. It is not part of the residual of the dynamics. A
+control that oscillates from node to node may satisfy the sum but not the constraint.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
     ----------
     phase : Phase
     trajectory : PhaseTrajectory
-        Its polynomials.
+        Polynomials of the phase.
     schemes : sequence of Scheme
-        Of its intervals, (K,).
+        Schemes of the K intervals.
     """
     breaks = trajectory.x.breaks
     rows = phase.rows.integrals
@@ -62,13 +62,13 @@ def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence
 
 
 def _integrands(phase: Phase, trajectory: PhaseTrajectory, places: Sequence[Array]) -> Array:
-    """Integrands at places of every interval, each on its interval's side of the knots, (m, rows)."""
+    """Return the integrands at places of every interval, at knots those of its own side, (m, rows)."""
     breaks = trajectory.x.breaks
     times = [a + (b - a) * tau for a, b, tau in zip(breaks[:-1], breaks[1:], places, strict=True)]
 
-    def seen(curve: PiecewisePolynomial) -> Array:
+    def sampled(curve: PiecewisePolynomial) -> Array:
         return np.vstack([curve(t, k) for k, t in enumerate(times)])
 
-    x, z, u = (seen(curve) for curve in (trajectory.x, trajectory.z, trajectory.u))
+    x, z, u = (sampled(curve) for curve in (trajectory.x, trajectory.z, trajectory.u))
     parameters = np.array(list(trajectory.parameters.values()), dtype=float)
     return phase.rows.sample(phase.rows.integrals, np.concatenate(times), x, z, u, parameters)

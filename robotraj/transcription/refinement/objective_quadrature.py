@@ -43,9 +43,9 @@ def quadrature_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequen
     phase : Phase
     trajectory : PhaseTrajectory
     schemes : sequence of Scheme
-        Of its intervals.
+        Schemes of the intervals.
     inputs : Inputs
-        Along the motion, for its integral; at the nodes the collocated polynomials have them.
+        Inputs along the motion, for the integral. The sum has those of the collocated polynomials.
     """
     errors = np.zeros(len(schemes))
     rate = rate_of(phase)

@@ -1,4 +1,4 @@
-"""Refinement by order: p, and hp where smoothness decides between order and length.
+"""p-refinement, and hp-refinement, which chooses between order and length by the smoothness of the solution.
 
 The residual of s-point collocation on an interval of length h falls about as fast as h^(s + 1); with s points and
 error e the number of points is raised by ceil(log_s(e / tolerance)).
@@ -24,7 +24,7 @@ from robotraj.transcription.schemes.onestep import OneStep
 
 @dataclass(frozen=True)
 class RaiseOrder(Refinement):
-    """p-refinement: more points where an interval errs, the knots stay.
+    """p-refinement: more points in intervals of large error, on the same knots.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class RaiseOrder(Refinement):
             raise InputError(f"RaiseOrder(most) must be at least 3 points, got {self.most!r}.")
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
-        """Raise the order where the error is above the tolerance, or a control jumps and the objective moves."""
+        """Raise the order where the error is above the tolerance, or a control jumps and the objective changes."""
         knots, schemes = [0.0], list[Scheme]()
         for k, scheme in enumerate(mesh.schemes):
             wanted = self.points(scheme, assessment, k, tolerance)

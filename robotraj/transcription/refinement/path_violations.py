@@ -1,6 +1,6 @@
-"""Violations of path rows between the collocation points, of rows that read more than the state.
+"""Violations between the collocation points of path rows that depend on more than the state.
 
-Rows of the state alone are the subject of constraint generation, and bounds of controls that of Bernstein bounds.
+Constraint generation treats rows of the state alone, and Bernstein bounds treat bounds of controls.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FORCE_POWERS = {"N": 1, "N m": 1, "N^2": 2}
 
 
 def broken_rows(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
-    """Measure violations of path rows that read more than the state, and of bounds of contact forces.
+    """Measure violations of path rows that depend on more than the state, and of bounds of contact forces.
 
     Parameters
     ----------

@@ -45,9 +45,9 @@ class Assessment:
     settled : bool
         Whether the objective changed by less than the tolerance since the last mesh.
     coarse : ndarray (K,)
-        What the controls' shape may cost: duration of the interval times the square of how far a neighbour's control,
-        carried on, would miss its own. Read where the control is no part of the residual: of one-step schemes, and of
-        collocation with constants or lines for controls.
+        Estimated effect of the shape of the controls on the objective: duration of the interval times the squared
+        difference between its control and that extrapolated from a neighbour. It is used for schemes whose residual
+        does not depend on it: one-step schemes, and collocation with constant or linear controls.
     growth : float
         Least factor by which the number of intervals grows, so that the objective settles.
     """
@@ -62,7 +62,7 @@ class Assessment:
 
 
 class Refinement(OneLine, ABC):
-    """A value that makes the next mesh. A new method is one new class."""
+    """A rule for the next mesh. A new method is one new class."""
 
     @abstractmethod
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
@@ -77,12 +77,11 @@ class SplitAndMerge(Refinement):
     ceil((2 e / tolerance)^(1 / (s + 1))) parts. Intervals inside which a control jumps are halved until the objective
     has settled, since the residual is small although a switch lies between two nodes.
 
-    Shooting and compressed collocation are split in the same way, by the order of their dense output, and never
-    merged: their knots carry the control as well. Their residual measures how well the motion is integrated. It
-    does not measure how well constants or lines approximate the control, and neither does that of collocation with
-    such controls. Until the objective has settled, the intervals whose controls change most are therefore halved.
-    Those that are halved make up most of the estimated loss. An adaptive integrator is given a tighter tolerance
-    before its intervals are split, since its error does not fall with their length.
+    Shooting and compressed collocation are split in the same way, by the order of their dense output. They are never
+    merged, since their knots are control sites as well. Their residual measures the error of the integration, not that
+    of piecewise constant or linear controls. The same holds for collocation with such controls. Until the objective
+    has settled, the intervals whose controls change most are therefore halved (``BULK``). An adaptive integrator gets
+    a smaller tolerance before its intervals are split, since its error does not fall with their length.
 
     Parameters
     ----------
@@ -148,10 +147,10 @@ class SplitAndMerge(Refinement):
 
 
 def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
-    """Fewest intervals that make up ``BULK`` of what all may cost, of schemes whose controls the residual does not see.
+    """Return the fewest intervals with a share of ``BULK`` in the coarseness of the controls.
 
-    Those are one-step schemes, all of whose intervals are chosen where none costs any. They are also collocation with
-    constants or lines for controls instead of its own polynomial.
+    Only schemes whose residual does not depend on the shape of the controls count. They are one-step schemes, all of
+    whose intervals are chosen if none is coarse, and collocation with constant or linear controls.
     Source: Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numerical Analysis 33 (1996).
     """
     chosen = np.zeros(len(coarse), dtype=bool)
@@ -181,7 +180,7 @@ def _tightened(scheme: Scheme, tolerance: float) -> Scheme:
 def error_order(scheme: Scheme) -> int:
     """Return the power of an interval's length with which the integral of its residual falls."""
     if isinstance(scheme, Shooting):
-        # Cubic pieces, one for each substep; adaptive integrators stand for one polynomial of their degree.
+        # The dense output has a cubic piece for each substep, or one polynomial for an adaptive integrator.
         return 4 if scheme.order else scheme.degree + 1
     return 4 if isinstance(scheme, OneStep) else points_of(scheme) + 1
 

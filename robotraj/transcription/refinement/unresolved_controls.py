@@ -1,11 +1,11 @@
-"""What the objective may still gain by controls that a mesh does not resolve.
+"""The contribution to the objective of controls that a mesh does not resolve.
 
 On an interval the controls are u = sum_i c_i P_i with Legendre polynomials P_i. Where a control bends sharply, the
 coefficient of the highest degree d is not small. Half the second difference of the integrand l in that direction,
 
     integral of (l(u + c_d P_d) - 2 l(u) + l(u - c_d P_d)) / 2 dt,
 
-is h |c_d|^2 / (2 d + 1) for l = |u|^2: what the highest degree contributes to the least effort.
+is h |c_d|^2 / (2 d + 1) for l = |u|^2, the contribution of the highest degree to the effort.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Schemes are values: nodes, weights and the interpolant that was collocated."""
+"""Schemes as values: nodes, weights and the collocated interpolant."""
 
 import lazy_loader
 

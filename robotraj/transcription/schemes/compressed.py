@@ -3,7 +3,7 @@
     x_m = (x_0 + x_1) / 2 + h (f_0 - f_1) / 8,    x_1 - x_0 - h (f_0 + 4 f(x_m, u_m) + f_1) / 6 = 0
 
 It has half the states and defects of the separated form (``HermiteSimpson``), with the same solution. Since f is
-composed with itself, the rows are more nonlinear: from a distant guess a solver takes many more iterations.
+composed with itself, the rows are more nonlinear, and a solver takes many more iterations from a distant guess.
 Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Optimal Control (2010), section
 4.6.6.
 """

@@ -41,13 +41,12 @@ class Integrator(OneLine, ABC):
 class RungeKutta4(Integrator):
     """The classical method of order 4 with equal substeps; its dense output is the cubic Hermite of each substep.
 
-    With h = 1 / substeps, k1 = f(c, x), k2 = f(c + h/2, x + h k1/2), k3 = f(c + h/2, x + h k2/2), k4 = f(c +
-    h, x + h k3),
+    With h = 1 / substeps, k1 = f(c, x), k2 = f(c + h/2, x + h k1/2), k3 = f(c + h/2, x + h k2/2) and
+    k4 = f(c + h, x + h k3),
 
         x(c + h) = x + h (k1 + 2 k2 + 2 k3 + k4) / 6.
 
-    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.1 and
-    II.6.
+    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.1 and II.6.
 
     Parameters
     ----------

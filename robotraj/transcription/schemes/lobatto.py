@@ -27,7 +27,7 @@ def legendre_lobatto(points: int) -> Array:
         inner = np.zeros(points - 2)  # saves the import of numpy.polynomial
     else:
         inner = np.sort(np.polynomial.legendre.Legendre.basis(points - 1).deriv().roots().real)
-    # The nodes are symmetric; averaging the halves removes the root finder's last-digit asymmetry.
+    # The nodes are symmetric. Averaging the halves removes the round-off of the root finder.
     inner = 0.5 * (inner - inner[::-1])
     nodes = 0.5 * (np.concatenate([[-1.0], inner, [1.0]]) + 1.0)
     nodes.setflags(write=False)

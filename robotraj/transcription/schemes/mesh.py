@@ -28,12 +28,12 @@ class Mesh(OneLine):
     intervals : int or sequence of float
         Number of equal intervals, or knots as fractions of the phase, from 0 to 1.
     scheme : Scheme or sequence of Scheme
-        One for all intervals, or one for each.
+        One scheme for all intervals, or one for each.
 
     Raises
     ------
     InputError
-        No interval, knots that do not ascend from 0 to 1, or another number of schemes than intervals.
+        There is no interval, the knots do not ascend from 0 to 1, or the numbers of schemes and intervals differ.
     """
 
     intervals: int | Sequence[float] = 40

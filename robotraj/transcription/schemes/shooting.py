@@ -80,8 +80,8 @@ class MultipleShooting(Shooting):
 class SingleShooting(Shooting):
     """Single shooting: one integration from the first state to the last, controls piece by piece.
 
-    Rows and bounds of states are imposed on the integrated states at the knots. Every unknown acts on all later states:
-    matrices are dense. For unstable or long motions, use multiple shooting or collocation.
+    Rows and bounds of states are imposed on the integrated states at the knots. Every unknown acts on all later states,
+    so that matrices are dense. For unstable or long motions, use multiple shooting or collocation.
     """
 
     def over(self, knots: Array) -> Shot:

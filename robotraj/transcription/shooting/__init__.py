@@ -1,1 +1,1 @@
-"""Single and multiple shooting of a phase: an integrator's end state is the defect."""
+"""Single and multiple shooting of a phase: the defect contains the end state of an integrator."""

@@ -1,6 +1,6 @@
 """The rows of a phase by one-step schemes: shooting and compressed collocation.
 
-The stage function covers a whole interval. With unknowns (x_0, x_1, u at the control's sites, t0, T, p) it returns
+The point function covers a whole interval. With unknowns (x_0, x_1, u at the control's sites, t0, T, p) it returns
 
     y = ( x_1 - Phi,  states inside,  path rows inside,  cost ),
 
@@ -177,7 +177,7 @@ class IntervalSymbols:
 
 
 class _Interval:
-    """The stage function of one interval, and the places inside it at which path rows are imposed."""
+    """The point function of one interval, and the places inside it at which path rows are imposed."""
 
     def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
         scheme = layout.intervals[0].scheme
@@ -237,7 +237,7 @@ def _continuous(scheme: OneStep) -> bool:
 
 
 def _inner_states(scheme: OneStep) -> Array:
-    """Return the fractions of an interval at which the stage function returns the state, in its order."""
+    """Return the fractions of an interval at which the point function returns the state, in its order."""
     fractions = []
     for j, (low, high) in enumerate(zip(scheme.pieces[:-1], scheme.pieces[1:], strict=True)):
         fractions += [low + (high - low) * c for c in scheme.inner]

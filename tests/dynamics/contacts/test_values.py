@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solution.storage.codec import Packer, Unpacker
+from robotraj.solution.storage.packing import Packer
+from robotraj.solution.storage.unpacking import Unpacker
 
 VALUES = [
     rt.PointContact(

@@ -7,7 +7,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.replay_page.write import replay
-from robotraj.solution.storage.codec import Packer, Unpacker
+from robotraj.solution.storage.packing import Packer
+from robotraj.solution.storage.unpacking import Unpacker
 from robotraj.witness.simulation.tracking import track
 
 DESIGN = {

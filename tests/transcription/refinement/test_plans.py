@@ -351,10 +351,12 @@ def test_controls_within_limits_everywhere_once_refined() -> None:
 
 def test_a_tolerance_that_meshes_do_not_come_closer_to_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     errors = [1e-2, 1e-3, 1e-3, 9e-4, 9e-4, 9e-4]
-    assert adaptive._stuck(errors) and not adaptive._stuck([*errors, 1e-4]) and not adaptive._stuck(errors[:5])
-    assert not adaptive._stuck([1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015])
+    assert (
+        adaptive._stagnates(errors) and not adaptive._stagnates([*errors, 1e-4]) and not adaptive._stagnates(errors[:5])
+    )
+    assert not adaptive._stagnates([1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015])
     # A swing without an objective, by whatever motion: the next mesh was fine enough.
-    assert not adaptive._stuck([1e-3, 9e-6, 4e-8, 1.2e-8, 4e-8, 4e-8, 1e-7, 2e-8])
+    assert not adaptive._stagnates([1e-3, 9e-6, 4e-8, 1.2e-8, 4e-8, 4e-8, 1e-7, 2e-8])
     meshes: dict[int, float] = {}
     assess = adaptive.assess
 
