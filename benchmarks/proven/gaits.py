@@ -1,8 +1,9 @@
-"""Every gait call on every robot that fits: `python benchmarks/proven/gaits.py [--robot NAME] [--gait NAME]`.
+"""Every gait call on every robot: `python benchmarks/proven/gaits.py [--robot NAME] [--gait NAME] [--resume]`.
 
 Default calls of ``rt.gait`` and ``rt.plan``: only sizes are given (step length, speed, rise, width, angle), drawn with
 a fixed seed in parts of the height h of the centre of mass. Each robot is planned in a fresh process, and each plan
-validated. Without arguments the table is written to ``GAITS.md`` beside this file.
+validated. Every row is written to ``GAITS.md`` beside this file as soon as it is known; a run of one robot or one gait
+replaces its own rows there and keeps the others. ``--resume`` runs only what has no row yet.
 """
 
 from __future__ import annotations
@@ -27,6 +28,22 @@ import robotraj as rt
 
 SECONDS = 90.0
 """Processor time of one plan."""
+WALL = 280.0
+"""Wall-clock time of one call, loading and validation included."""
+TABLE = Path(__file__).with_name("GAITS.md")
+GAITS = (
+    "walk",
+    "trot",
+    "crawl",
+    "start",
+    "stop",
+    "start_stop",
+    "sidestep",
+    "turn",
+    "stairs",
+    "gap",
+    "jump",
+)
 ROBOTS = ("five_link", "solo12", "go1", "a1", "hyq", "anymal", "bolt", "alexander", "talos_legs", "g1", "talos")
 HEAD = "| robot | gait | proved | processor [s] | meshes | intervals | iterations | remark |"
 RULE = "|---|---|---|---|---|---|---|---|"
@@ -134,31 +151,60 @@ def line(robot: str, gait: str, found: dict[str, object]) -> str:
     return f"| {' | '.join([*cells, str(found['remark']).replace('|', '/')])} |"
 
 
+def known_rows() -> dict[tuple[str, str], str]:
+    """Return the rows of ``TABLE`` by robot and gait."""
+    lines = TABLE.read_text().splitlines() if TABLE.exists() else []
+    rows = [text for text in lines if text.startswith("| ") and text != HEAD]
+    return {tuple(cell.strip() for cell in text.split("|")[1:3]): text for text in rows}  # type: ignore[misc]
+
+
+def write(rows: dict[tuple[str, str], str]) -> None:
+    """Write the table in the order of ``ROBOTS`` and ``GAITS``."""
+    ordered = [rows[key] for key in sorted(rows, key=lambda key: (ROBOTS.index(key[0]), GAITS.index(key[1])))]
+    proved = sum(text.split("|")[3].strip() == "yes" for text in ordered)
+    head = (
+        "Written by `python benchmarks/proven/gaits.py`: default calls, one thread, a fresh process each. Processor"
+        f"\ntime of a plan is limited to {SECONDS:g} s."
+    )
+    end = f"{proved} of {len(ordered)} proved."
+    TABLE.write_text("\n".join(["# Gait calls", "", head, "", HEAD, RULE, *ordered, "", end, ""]))
+
+
+def in_a_fresh_process(robot: str, gait: str) -> dict[str, object]:
+    """Plan and validate a call in a separate process."""
+    command = [sys.executable, __file__, "--one", "--robot", robot, "--gait", gait]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=WALL)
+    except subprocess.TimeoutExpired:
+        return {"proved": False, "remark": f"stopped after {WALL:g} s of wall time"}
+    if done.returncode:
+        return {"proved": False, "remark": (done.stderr.strip().splitlines() or ["no message"])[-1][:150]}
+    found: dict[str, object] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
 def main() -> None:
-    """Print a row a robot and gait, then the share that is proved."""
+    """Print a row a robot and gait, and keep it in the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", choices=ROBOTS)
-    parser.add_argument("--gait")
+    parser.add_argument("--gait", choices=GAITS)
+    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
-    if given.robot:
-        warnings.simplefilter("ignore")
-        for gait, make in Walker(given.robot).calls().items():
-            if given.gait in (None, gait):
-                print(json.dumps([given.robot, gait, one(make)]), flush=True)
+    warnings.simplefilter("ignore")
+    if given.one:
+        print(json.dumps(one(Walker(given.robot).calls()[given.gait])))
         return
-    rows, proved = [HEAD, RULE], 0
-    for robot in ROBOTS:
-        command = [sys.executable, __file__, "--robot", robot]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        for text in done.stdout.splitlines():
-            name, gait, found = json.loads(text)
-            proved += bool(found["proved"])
-            rows.append(line(name, gait, found))
-            print(rows[-1], flush=True)
-    end = f"{proved} of {len(rows) - 2} proved."
-    head = "Written by `python benchmarks/proven/gaits.py`: default calls, one thread, in a fresh process a robot."
-    Path(__file__).with_name("GAITS.md").write_text("\n".join(["# Gait calls", "", head, "", *rows, "", end, ""]))
-    print(f"\n{end}")
+    # A complete run begins an empty table.
+    whole = not (given.robot or given.gait or given.resume)
+    rows = {} if whole else known_rows()
+    for robot in ROBOTS if given.robot is None else [given.robot]:
+        for gait in Walker(robot).calls():
+            if given.gait not in (None, gait) or (given.resume and (robot, gait) in rows):
+                continue
+            rows[robot, gait] = line(robot, gait, in_a_fresh_process(robot, gait))
+            write(rows)
+            print(rows[robot, gait], flush=True)
 
 
 if __name__ == "__main__":

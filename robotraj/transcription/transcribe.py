@@ -82,6 +82,7 @@ def transcribe(
     """
     engine = engine or VirtualMachine()
     interval_limits = interval_limits or ConstraintGeneration()
+    as_tapes = engine.separate_torques
     meshes = _meshes(problem, mesh)
     if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.given):
         from robotraj.transcription.shooting.problem import explicit
@@ -103,16 +104,20 @@ def transcribe(
             points.append(point)
             blocks += more
         else:
-            points.append(collocate(phase, i, layout, rows, linear, engine.separate_torques, interval_limits, known))
+            points.append(collocate(phase, i, layout, rows, linear, as_tapes, interval_limits, known))
         impose_on_controls(interval_limits, phase, i, layout, rows, linear)
         impose_on_rates(phase, i, layout, rows, linear)
-        blocks += end_constraint_blocks(phase, i, layout, rows)
-        chosen = start_equalities_block(phase, i, layout, rows, known) if collocated and known is not None else None
-        started = start_block(problem.phases, i, layout, problem.bound_links, rows)
-        blocks += [block for block in (chosen, started, mayer_block(phase, layout)) if block]
+        blocks += end_constraint_blocks(phase, i, layout, rows, as_tapes)
+        chosen = (
+            start_equalities_block(phase, i, layout, rows, known, as_tapes)
+            if collocated and known is not None
+            else None
+        )
+        started = start_block(problem.phases, i, layout, problem.bound_links, rows, as_tapes)
+        blocks += [block for block in (chosen, started, mayer_block(phase, layout, as_tapes)) if block]
     unknowns = tuple(link_unknowns(link, columns) for link in problem.bound_links)
     blocks += [
-        link_block(link, problem.phases, layouts, own, rows)
+        link_block(link, problem.phases, layouts, own, rows, as_tapes)
         for link, own in zip(problem.bound_links, unknowns, strict=True)
     ]
     free, constraints = columns.finish(), rows.finish()
@@ -121,7 +126,7 @@ def transcribe(
     every = [_finish_points(block, gather, scatter, shape) for block, gather, scatter in points]
     every += [widen(block, *shape) for block in blocks]
     for block in every:
-        block.stage.as_tapes = engine.separate_torques
+        block.stage.as_tapes = as_tapes
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
     scale = variable_scale(variables, start)

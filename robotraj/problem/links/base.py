@@ -53,7 +53,7 @@ STATE = frozenset({"unit quaternion", "contact position", "contact velocity"})
 """What runs on with the whole state."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BoundLink(OneLine):
     """A link bound to its phases.
 

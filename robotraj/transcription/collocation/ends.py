@@ -19,6 +19,15 @@ from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import weighted_sum
+from robotraj.transcription.collocation.end_functions import (
+    EndFunctions,
+    EndSymbols,
+    end_columns,
+    fixed_values,
+    functions_of,
+    point_functions,
+    read_by,
+)
 from robotraj.transcription.collocation.index_reduction import (
     determined_at_ends,
     path_equalities,
@@ -28,59 +37,40 @@ from robotraj.transcription.collocation.index_reduction import (
 from robotraj.transcription.collocation.invariants import start_invariants
 from robotraj.transcription.collocation.symbols import (
     PointSymbols,
-    column_of,
     phase_scalars,
     point_symbols,
-    shared_symbols,
 )
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.problem.rows import PhaseRow
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 
-class EndSymbols:
-    """Symbols of both ends of a phase, with their columns and the constants among them."""
-
-    def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
-        nx, names, scalars = len(phase.dae.states), phase.parameter_names, phase_scalars(layout)
-        self.unknowns, self.constants, (t0, duration, *each) = shared_symbols(scalars, 2 * nx, 0)
-        p = column_of(each)
-        self.points = (
-            phase.dae.point(t0, self.unknowns[:nx], None, None, p, names),
-            phase.dae.point(t0 + duration, self.unknowns[nx : 2 * nx], None, None, p, names),
-        )
-        free = [scalar.column for scalar in scalars if scalar.column is not None]
-        self.columns = np.concatenate([layout.knots[0], layout.knots[-1], free]).astype(int)
-        self.values = np.array([scalar.value for scalar in scalars if scalar.column is None])
-
-
-def mayer_block(phase: Phase, layout: PhaseLayout) -> Block | None:
+def mayer_block(phase: Phase, layout: PhaseLayout, as_tapes: bool) -> Block | None:
     """Return the weighted sum of the phase's Mayer terms; None without any."""
     if not phase.end_costs:
         return None
-    ends = EndSymbols(phase, layout)
-    cost = weighted_sum([(w, as_rows(t.value(*ends.points), "Mayer expression")[0]) for w, t in phase.end_costs])
-    read = _read(cost, ends.unknowns)
-    unknowns, columns = ends.unknowns[read.tolist()], ends.columns[read]
-    return single(unknowns, ends.constants, cost, columns, ends.values, np.array([], dtype=int), costed=0)
+
+    def make() -> EndFunctions:
+        ends = EndSymbols(phase, layout)
+        cost = weighted_sum([(w, as_rows(t.value(*ends.points), "Mayer expression")[0]) for w, t in phase.end_costs])
+        read = read_by(cost, ends.unknowns)
+        return EndFunctions(
+            point_functions(ends.unknowns[read.tolist()], ends.constants, cost, costed=0, as_tapes=as_tapes), read
+        )
+
+    known = functions_of(phase, ("Mayer", as_tapes), [layout], make)
+    return single(known.stage, end_columns(layout)[known.read], fixed_values(layout), np.array([], dtype=int))
 
 
-def _read(expression: ca.SX, unknowns: ca.SX) -> Indices:
-    """Return the indices of the unknowns that an expression depends on, of all if it depends on none.
-
-    Most terms and constraints at an end depend on few unknowns. Further ones would enlarge the matrices of the block,
-    and torques among the unknowns of a block cannot be eliminated.
-    """
-    read = np.array(ca.which_depends(expression, unknowns, 1, False), dtype=bool)
-    return np.flatnonzero(read) if read.any() else np.arange(read.size)
-
-
-def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable) -> list[Block]:
+def end_constraint_blocks(
+    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, as_tapes: bool
+) -> list[Block]:
     """Return the blocks of constraints that hold at the start or at the end alone."""
     blocks = []
     for where, node, fraction in ((Where.START, 0, 0.0), (Where.END, -1, 1.0)):
@@ -88,32 +78,47 @@ def end_constraint_blocks(phase: Phase, index: int, layout: PhaseLayout, rows: S
         if not held:
             continue
         interval = layout.intervals[node]
-        s = point_symbols(phase, phase_scalars(layout))
-        y = phase.rows.column(held, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names))
-        inner = ca.vertcat(s.z, s.u)
-        if interval.scheme.nodes[node] != fraction and inner.numel() and ca.depends_on(y, inner):
+
+        def make(held: Sequence[PhaseRow] = held) -> EndFunctions:
+            s = point_symbols(phase, phase_scalars(layout))
+            return _at_end(
+                s, phase.rows.column(held, phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)), as_tapes
+            )
+
+        known = functions_of(phase, (where, as_tapes), [layout], make)
+        if interval.scheme.nodes[node] != fraction and known.inner:
             raise InputError(
                 f"Phase {phase.name!r}: a constraint at the {where.value} depends on accelerations or controls, but "
                 f"{type(interval.scheme).__name__} has no collocation point there; use a Lobatto scheme."
             )
         added = rows.impose(index, held, np.array([fraction]))
-        blocks.append(_at_end(layout, node, s, y, added[0]))
+        blocks.append(_block_at_end(layout, node, known, added[0]))
     return blocks
 
 
-def _at_end(layout: PhaseLayout, node: int, s: PointSymbols, y: ca.SX, rows: Indices) -> Block:
-    """Return the block of rows y of symbols ``s`` at the first knot (``node`` 0) or at the last one (-1)."""
+def _at_end(s: PointSymbols, y: ca.SX, as_tapes: bool) -> EndFunctions:
+    """Return the functions of outputs y of symbols ``s`` of one point."""
+    inner, read = ca.vertcat(s.z, s.u), read_by(y, s.unknowns)
+    stage = point_functions(s.unknowns[read.tolist()], s.constants, y, as_tapes=as_tapes)
+    return EndFunctions(stage, read, bool(inner.numel()) and ca.depends_on(y, inner))
+
+
+def _block_at_end(layout: PhaseLayout, node: int, known: EndFunctions, rows: Indices) -> Block:
+    """Return the block of functions ``_at_end`` at the first knot (``node`` 0) or at the last one (-1)."""
     interval, scalars = layout.intervals[node], phase_scalars(layout)
     shared = [scalar.column for scalar in scalars if scalar.column is not None]
     inner = interval.algebraic[node], interval.controls[node]
     columns = np.concatenate([layout.knots[node], *inner, shared]).astype(int)
-    constants = np.array([float(-node), *(scalar.value for scalar in scalars if scalar.column is None)])
-    read = _read(y, s.unknowns)
-    return single(s.unknowns[read.tolist()], s.constants, y, columns[read], constants, rows)
+    return single(known.stage, columns[known.read], np.array([float(-node), *fixed_values(layout)]), rows)
 
 
 def start_block(
-    phases: Sequence[Phase], index: int, layout: PhaseLayout, links: Sequence[BoundLink], rows: ScalarTable
+    phases: Sequence[Phase],
+    index: int,
+    layout: PhaseLayout,
+    links: Sequence[BoundLink],
+    rows: ScalarTable,
+    as_tapes: bool,
 ) -> Block | None:
     """Return the block of I(x) = 0 at the first knot of a phase; None if no row is needed."""
     phase = phases[index]
@@ -122,15 +127,21 @@ def start_block(
     kept = start_invariants(phases, index, links)
     if not kept:
         return None
-    ends = EndSymbols(phase, layout)
-    y = phase.dae.invariant(ends.points[0])[kept]
+
+    def make() -> EndFunctions:
+        ends = EndSymbols(phase, layout)
+        y = phase.dae.invariant(ends.points[0])[kept]
+        stage = point_functions(ends.unknowns, ends.constants, y, as_tapes=as_tapes)
+        return EndFunctions(stage, np.arange(stage.inputs))
+
+    known = functions_of(phase, ("invariants", tuple(kept), as_tapes), [layout], make)
     entries = [entries_of(index, phase.dae.invariants)[i] for i in kept]
     added = rows.add(entries, np.zeros(1), 0.0, 0.0)[0]
-    return single(ends.unknowns, ends.constants, y, ends.columns, ends.values, added)
+    return single(known.stage, end_columns(layout), fixed_values(layout), added)
 
 
 def start_equalities_block(
-    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, carried: frozenset[int]
+    phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, carried: frozenset[int], as_tapes: bool
 ) -> Block | None:
     """Return the block of path equalities at the first knot; None if no row is needed.
 
@@ -156,7 +167,8 @@ def start_equalities_block(
     entries = [Entry.of(index, row) for row, _, _ in values]
     wanted = np.array([value for _, _, value in values])
     added = rows.add(entries, np.zeros(1), wanted, wanted)[0]
-    return _at_end(layout, 0, s, ca.vertcat(*(value for _, value, _ in values)), added)
+    # Which rows are needed depends on the mesh.
+    return _block_at_end(layout, 0, _at_end(s, ca.vertcat(*(value for _, value, _ in values)), as_tapes), added)
 
 
 def _chooses_rates(phase: Phase) -> bool:
@@ -176,47 +188,33 @@ def link_block(
     layouts: Sequence[PhaseLayout],
     own: NDArray[np.int_],
     rows: ScalarTable,
+    as_tapes: bool,
 ) -> Block:
     """Return the block of a link between phases; ``own`` are the columns of its unknowns."""
-    ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
-    brought = ca.SX.sym("b", len(own))
-    known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
-    y = ca.vertcat(*link.values([Ends(*e.points) for e in ends], known))
+    joined = [layouts[i] for i in link.phases]
+
+    def make() -> EndFunctions:
+        ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
+        brought = ca.SX.sym("b", len(link.unknowns))
+        known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
+        y = ca.vertcat(*link.values([Ends(*e.points) for e in ends], known))
+        unknowns, constants = ca.vertcat(*(e.unknowns for e in ends), brought), ca.vertcat(*(e.constants for e in ends))
+        stage = point_functions(unknowns, constants, y, as_tapes=as_tapes)
+        return EndFunctions(stage, np.arange(stage.inputs))
+
+    known = functions_of(link, (as_tapes,), joined, make)
     added = rows.impose(link.phases[0], link.rows, np.array([1.0]))
-    return single(
-        ca.vertcat(*(e.unknowns for e in ends), brought),
-        ca.vertcat(*(e.constants for e in ends)),
-        y,
-        np.concatenate([*(e.columns for e in ends), own]),
-        np.concatenate([e.values for e in ends]),
-        added[0],
-    )
+    columns = np.concatenate([*(end_columns(layout) for layout in joined), own])
+    return single(known.stage, columns, np.concatenate([fixed_values(layout) for layout in joined]), added[0])
 
 
-def single(
-    v: ca.SX,
-    c: ca.SX,
-    y: ca.SX,
-    columns: NDArray[np.int_],
-    constants: Array,
-    rows: NDArray[np.int_],
-    costed: int | None = None,
-) -> Block:
+def single(stage: PointFunctions, columns: NDArray[np.int_], constants: Array, rows: NDArray[np.int_]) -> Block:
     """Return a block of one place; ``widen`` extends its matrices to the size of the NLP."""
-    return repeated(v, c, y, columns[None, :], constants[None, :], rows[None, :], costed)
+    return repeated(stage, columns[None, :], constants[None, :], rows[None, :])
 
 
-def repeated(
-    v: ca.SX,
-    c: ca.SX,
-    y: ca.SX,
-    columns: NDArray[np.int_],
-    constants: Array,
-    rows: NDArray[np.int_],
-    costed: int | None = None,
-) -> Block:
+def repeated(stage: PointFunctions, columns: NDArray[np.int_], constants: Array, rows: NDArray[np.int_]) -> Block:
     """Return a block of E places with columns (E, n_v), constants (E, n_c) and rows (E, n_y)."""
-    stage = PointFunctions(v, c if c.numel() else ca.SX(0, 1), y, costed)
     gather, scatter = Triplets(), Triplets()
     gather.add(np.arange(columns.size), columns.ravel(), 1.0)
     scatter.add(rows.ravel(), np.arange(rows.size), 1.0)
@@ -228,7 +226,7 @@ def repeated(
         gather.matrix((columns.size, width)),
         np.ascontiguousarray(constants.T),
         scatter.matrix((height, count * stage.outputs)),
-        np.ones(count) if costed is not None else np.zeros(count),
+        np.ones(count) if stage.costed is not None else np.zeros(count),
     )
 
 

@@ -19,6 +19,7 @@ from robotraj._util.values import dataclass
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.collocation.end_functions import point_functions
 from robotraj.transcription.collocation.ends import repeated
 from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.extract import correction_basis
@@ -117,7 +118,7 @@ def _path_block(
     (value,) = table.values((table.rows[added.row],), point)
     kept = ca.vertcat(s.x, s.unknowns[s.x.numel() + s.z.numel() + s.u.numel() :])
     columns, constants, rows = (np.array(part) for part in zip(*places, strict=True))
-    return repeated(kept, s.constants, value, columns, constants, rows)
+    return repeated(point_functions(kept, s.constants, value), columns, constants, rows)
 
 
 def _polynomial(
