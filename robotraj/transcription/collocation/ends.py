@@ -45,7 +45,7 @@ from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-    from robotraj.problem.rows import PhaseRow
+    from robotraj.problem.phase_row import PhaseRow
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
