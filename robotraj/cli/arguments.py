@@ -1,4 +1,4 @@
-"""Words of the command line as values: configurations, durations, limits, motions from rest to rest."""
+"""Arguments of the command line as values: configurations, durations, limits, motions from rest to rest."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def rest_to_rest(
     end: Array | None,
     limits: Limits | None,
 ) -> Phase:
-    """Pose the motion that ``robotraj plan`` plans; 2 s long, or as long as is least, if no duration is given."""
+    """Return the phase of ``robotraj plan``; without a duration it takes 2 s, or a free time that is minimised."""
     free = (0.05, 60.0) if objective is Minimise.duration else 2.0
     cost: Objective = Duration() if objective is Minimise.duration else Effort()
     return Phase(

@@ -1,4 +1,4 @@
-"""What follows a plan at the shell: its figures, its proof and its files."""
+"""Output of a plan at the shell: its figures, its proof and its files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robotraj.witness.validation import validate
 
 @dataclass(frozen=True)
 class Files:
-    """Where a solution is written; None leaves a file out."""
+    """Paths of the files of a solution; None for files that are not written."""
 
     html: Path | None = None
     save: Path | None = None
@@ -59,7 +59,7 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
 
     Keys: ``status``, ``success``, ``proved``, ``message``, ``objective``, ``duration`` [s], ``iterations``,
     ``seconds``, ``times`` [s], ``error`` (relative, between knots), ``parameters``, ``violations`` and ``complaints``
-    (text), ``intervals`` of each phase by name, ``written`` (paths). What is not known is null.
+    (text), ``intervals`` of each phase by name, ``written`` (paths). Unknown values are null.
     """
     return {
         "status": solution.status.value,

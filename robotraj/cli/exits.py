@@ -1,4 +1,4 @@
-"""How the shell ends: one line for an error, a note for a warning, and an exit code for each kind of failure."""
+"""Errors at the shell: one line for an error, a note for a warning, and an exit code for each kind of failure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``robotraj plan`` minimises."""
+"""Objectives of ``robotraj plan``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Options and arguments that several commands have, with what the shell's completion offers for them."""
+"""Options and arguments of several commands, with their shell completion."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PLOTS = (".png", ".svg", ".pdf")
 
 
 def complete_robot(incomplete: str) -> list[str]:
-    """List the robots whose names begin so; file names are left to the shell."""
+    """List the robots whose names begin with the given text; the shell completes file names."""
     from robotraj.robot.known_robots.catalogue import catalogue
 
     return [entry.name for entry in catalogue() if entry.name.startswith(incomplete)]

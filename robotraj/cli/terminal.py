@@ -1,4 +1,4 @@
-"""What the shell prints: text as it is on standard output, notes and errors on standard error, tables, JSON."""
+"""Printing at the shell: plain text, tables and JSON on standard output, notes and errors on standard error."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from rich.table import Table
 
 
 def say(text: object) -> None:
-    """Print as it is: no markup, no wrapping.
+    """Print text without markup or wrapping.
 
-    Where the reader has closed the pipe (``robotraj demo | head``), further output is dropped. The command goes on:
-    its files are still written, and its exit code is that of its work.
+    Where the reader has closed the pipe (``robotraj demo | head``), further output is dropped. The command continues:
+    its files are written, and its exit code does not change.
     """
     try:
         typer.echo(str(text))
@@ -48,7 +48,7 @@ def say_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], w
 
 
 def drop_output() -> None:
-    """Send standard output nowhere from here on, so that its last flush at exit does not fail either."""
+    """Redirect standard output to the null device, so that its last flush at exit does not fail either."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

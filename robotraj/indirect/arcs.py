@@ -110,8 +110,8 @@ def _refuse_singular(name: str, times: Array, values: Array, low: float, high: f
         if start is not None and time - start > 2.5 * step:
             raise InputError(
                 f"Control {name!r} enters the Hamiltonian linearly and is between its bounds from "
-                f"t = {start:.4g} s: a singular arc, whose control the first-order conditions do not "
-                f"determine. Add a small quadratic cost on {name!r}, or keep the direct solution."
+                f"t = {start:.4g} s. First-order conditions do not determine a control on such a singular arc. "
+                f"Add a small quadratic cost on {name!r}, or keep the direct solution."
             )
 
 

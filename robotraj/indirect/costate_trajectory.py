@@ -97,7 +97,7 @@ class PhaseCostates(OneLine):
             "nu": duals.residual(t, interval),
             "eta": duals.path(t, interval),
         }
-        # A row of the NLP holds an integral as the duration times an average.
+        # The row of an integral in the NLP is the duration times an average.
         known["eta"][:, len(self.hamiltonian.path) :] *= self.solution.duration
         more = {name: getattr(duals, name)(t, interval) for name in ("states", "algebraic", "controls")}
         return known | more | self.hamiltonian(**known)
@@ -137,7 +137,7 @@ class Costates(OneLine):
     phases: tuple[PhaseCostates, ...]
 
     def at(self, t: Times) -> CostateSample:
-        """Evaluate at a global time, or at times of one phase; at a joint of phases the later one is used."""
+        """Evaluate at a global time, or at times of one phase; where phases meet, the later one is evaluated."""
         starts = np.array([part.solution.t0 for part in self.phases])
         owner = np.clip(np.searchsorted(starts, np.asarray(t, dtype=float), side="right") - 1, 0, len(starts) - 1)
         if len(np.unique(owner)) > 1:

@@ -43,7 +43,7 @@ class NewtonRoot(OneLine):
 def find_root(nlp: Nlp, tolerance: float) -> NewtonRoot:
     """Solve g(w) = 0 from ``nlp.guess`` by damped Newton steps with the exact sparse Jacobian.
 
-    It converges where the scaled rows are below ``tolerance`` and further steps do not reduce them.
+    It converges when the scaled rows are below ``tolerance`` and further steps do not reduce them.
     """
     if len(nlp.rows) != len(nlp.variables):
         return NewtonRoot(nlp.guess, np.inf, 0, f"{len(nlp.rows)} equations for {len(nlp.variables)} unknowns")

@@ -12,7 +12,7 @@ from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
 IMPULSE_TIME = 0.1
-"""An impulse is drawn as long as the constant force that produces it in this time [s]."""
+"""Time [s] in which a constant force of the drawn length produces an impulse."""
 
 
 def weight_of(robot: Robot) -> float:
@@ -30,7 +30,7 @@ def contact_scene(cycles: GaitCycles, robot: Robot, stature: float) -> dict[str,
     cycles : GaitCycles
     robot : Robot
     stature : float
-        Size of the robot [m]. An arrow a third as long stands for the robot's weight.
+        Size of the robot [m]. An arrow of a third of it represents the robot's weight.
     """
     holds = [hold for cycle_phase in cycles.phases for hold in footholds(cycle_phase)]
     if not holds:

@@ -20,8 +20,8 @@ POLICY = (
 )
 """Content-security policy: only the scripts of the page run, identified by hash, and no external source is loaded.
 
-Inline styles are allowed, since the viewer writes some; they cannot load external files. The viewer reads meshes and
-textures as ``data:`` and ``blob:`` URLs.
+Inline styles are allowed, since the viewer creates some; they cannot load external files. The viewer loads meshes and
+textures by ``data:`` and ``blob:`` URLs.
 """
 
 

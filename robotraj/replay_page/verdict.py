@@ -89,7 +89,7 @@ def figures(solution: Solution) -> list[Figure]:
         )
         found += [Figure(name, _number(v), goal, "good" if v <= goal else "unproved") for name, v, goal in measures]
     elif solution.success and solution.error is not None:
-        # The rates of a failed plan's arm may be right though its rows are violated.
+        # The rates of a failed plan may be accurate although its rows are violated.
         found.append(Figure("error between knots", _number(solution.error), None, "unproved"))
     rows, exceeded = len(solution.violation_list), _limits_exceeded(solution)
     found.append(Figure("violated rows", rows, None, "bad" if rows else "good" if proof is not None else "unproved"))

@@ -182,7 +182,7 @@ def _one_robot(solution: Solution) -> Robot | None:
 
 
 def _looks_like(robot: Robot, other: Robot) -> bool:
-    """Return whether two robots have the same joints and frames in the same places; loads may differ."""
+    """Whether two robots have the same joints and frames in the same places; loads may differ."""
     if robot.joint_names != other.joint_names or robot.frame_names != other.frame_names:
         return False
     pairs = [*zip(robot.model.jointPlacements, other.model.jointPlacements, strict=True)]

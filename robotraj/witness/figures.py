@@ -1,4 +1,4 @@
-"""The figures of a validation, and the thresholds that judge them."""
+"""The figures of a validation, and their thresholds."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Tolerances:
     Attributes
     ----------
     local : float or None
-        Largest local error: |simulated - planned| / (1 + |planned|) at the end of any short part of the plan that is
-        simulated from the plan's own state.
+        Largest local error |simulated - planned| / (1 + |planned|). It is measured at the ends of short parts of the
+        plan, each simulated from its planned state.
     tracking : float or None
         Largest deviation with feedback: joint positions [rad, m] as they are, joint velocities divided by
         10 max(1, largest planned value).
@@ -35,7 +35,7 @@ class Tolerances:
         Largest violation of limits on normal force, friction and centre of pressure between collocation points,
         relative to the robot's weight; of impacts, relative to the impulse.
     energy : float or None
-        |imbalance| of the energy balance relative to the energy that moved.
+        |imbalance| of the energy balance relative to ``Energy.scale``.
     residual : float or None
         Residual of the equations between collocation points and jump at knots, in the unit of each.
     drift : float or None
@@ -64,7 +64,7 @@ class Figures:
     closed_loop : ClosedLoop
         The simulation with the plan's feedback, and the growth of a small error without it.
     drift : Drift or None
-        Open loop, by state: final and largest distance between the simulated and the planned motion. Shown, not judged.
+        Final and largest distance of the open-loop simulation from the plan, by state. It has no threshold by default.
     breaches : tuple of Violation
         Bounds violated by more than a solver's tolerance, the worst first; ``violations`` exceed the threshold.
     energy : Energy or None
@@ -75,18 +75,18 @@ class Figures:
     tolerances : Tolerances
         The thresholds of ``passed``.
     duration : float
-        Of the plan [s].
+        Duration of the plan [s].
     intervals : int
-        Of all phases.
+        Number of intervals of all phases.
     phases : tuple of str
         Names of the phases.
     rtol, atol : float
-        Tolerances of the simulations' steps.
+        Tolerances of every step of the simulations.
     seconds : float
         Processor time of the validation [s].
     unchecked : tuple of str
-        Checks that were not made, and why: rows of the problem that a file cannot store, and checks after the time
-        limit. With any of them the plan has not passed.
+        Checks that were not made, with reasons: rows of the problem that a file cannot store, and checks after the time
+        limit. A plan with unchecked rows does not pass.
     unseen : tuple of str
         Figures without a threshold that were not computed before the time limit.
     landings : tuple of Landing
@@ -99,7 +99,7 @@ class Figures:
     clearances : tuple of Clearance
         Smallest distance of the exact shapes for every ``CollisionFree``.
     self_collisions : tuple of Clearance
-        Links that pass through each other where no ``CollisionFree`` keeps them apart: a warning, not judged.
+        Links that pass through each other without a ``CollisionFree``: a warning without a threshold.
     """
 
     local: Drift | None

@@ -35,7 +35,7 @@ def _flat(values: object) -> list[float]:
     if isinstance(values, ca.SX | ca.MX):
         values = ca.evalf(values)
     if isinstance(values, ca.DM):
-        # Columns first: the order in which CasADi itself flattens a matrix.
+        # Column after column, as CasADi flattens a matrix.
         return [float(entry) for entry in values.full().ravel(order="F")]
     if isinstance(values, np.ndarray):
         return [number for entry in values.ravel().tolist() for number in _flat(entry)]

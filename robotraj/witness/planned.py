@@ -1,4 +1,4 @@
-"""Readers of planned phases: samples of robots, Systems and joint limits with their exact types."""
+"""Samples, Systems and joint limits of planned phases, with their exact types."""
 
 from __future__ import annotations
 

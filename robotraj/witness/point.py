@@ -18,7 +18,7 @@ from robotraj.witness.protocols import Array, RobotLike, SystemLike
 class NumericPoint(Point):
     """The state of a robot at one time, in numbers.
 
-    It has the attributes of the symbolic point of the NLP; each is computed when it is read.
+    It has the attributes of the symbolic point of the NLP, which are computed at first use.
 
     Parameters
     ----------
@@ -165,8 +165,8 @@ class NumericFrame:
 def system_point(system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]) -> Point:
     """Return the point that a System's equations take, in numbers.
 
-    Entries are NumPy scalars: the square root of a negative trial value is NaN, which shortens the step. A Python
-    float would become complex or raise an error.
+    Entries are NumPy scalars. The square root of a negative trial value is then NaN, which shortens the step; that of a
+    Python float would be complex or raise an error.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The attributes that the witness reads of a solution; tests make plans without a planner by providing them."""
+"""The attributes of a solution on which the witness depends; tests provide them without a planner."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ WIDTH = 80
 """Columns of a report."""
 
 MOST_ROWS = 16
-"""Rows of a table; of more, the worst are shown."""
+"""Largest number of rows of a table; only the worst are shown."""
 
 GAP = 2
 """Blanks between columns."""
@@ -61,7 +61,7 @@ def table(headers: Sequence[str], rows: Sequence[Sequence[str]], texts: Sequence
 
 
 def shortened(text: str, width: int) -> str:
-    """Cut the middle out of a text that is too long: its ends tell similar names apart."""
+    """Cut the middle out of a text that is too long, since similar names differ at their ends."""
     if len(text) <= width:
         return text
     head = (width - 1) // 2

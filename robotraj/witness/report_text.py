@@ -28,9 +28,9 @@ def render(figures: Figures, complaints: Sequence[str], verdict: str) -> str:
     Parameters
     ----------
     complaints : sequence of str
-        What is wrong, in sentences.
+        Sentences on figures that exceed their tolerances.
     verdict : str
-        As it is to be printed.
+        Verdict as printed, which may be coloured.
     """
     phases = ", ".join(repr(name) for name in figures.phases)
     head = f"Validation of {phases}: {figures.duration:.6g} s, {figures.intervals} intervals"
@@ -78,7 +78,7 @@ def _row(drift: Drift | None, name: str) -> DriftRow | None:
 
 
 def _share(drift: Drift | None, name: str, tolerance: float | None) -> float:
-    """Return the part of its tolerance that a state uses; figures that are not judged are compared as they are."""
+    """Return the drift of a state relative to its tolerance; without a tolerance, the drift itself."""
     row = _row(drift, name)
     return 0.0 if row is None else row.relative / (1.0 if tolerance is None else tolerance)
 

@@ -26,9 +26,9 @@ class IntervalSamples(NamedTuple):
     Attributes
     ----------
     intervals : ndarray (k,)
-        Their indices.
+        Indices of the intervals.
     begins, ends : ndarray (k,)
-        [s].
+        Ends of the intervals [s].
     sites : ndarray (m,)
         Places of the samples in each interval, in [0, 1].
     """

@@ -31,8 +31,8 @@ def compile_functions(
     """Compile the functions of plans into your cache: later plans with rt.engines.Compiled() do not wait.
 
     For a saved solution: the functions of its problem, on any mesh and between any ends. For a robot: those of motions
-    from rest to rest, of least effort and of least duration, as 'robotraj plan ROBOT --compiled' plans them. What a
-    robot's problem adds in Python (contacts, path constraints, other objectives) makes other functions: rt.precompile.
+    from rest to rest, of least effort and of least duration, as 'robotraj plan ROBOT --compiled' plans them. Problems
+    with contacts, path constraints or other objectives have other functions; compile them by rt.precompile.
     """
     from robotraj.planning.compilation import precompile
     from robotraj.transcription.schemes.control import LinearControl
@@ -41,7 +41,7 @@ def compile_functions(
 
     problems = _of_robot(what, root) if Path(what).suffix != ".npz" else {"its problem": _of_file(what)}
     for name, problem in problems.items():
-        # Limits of least duration are held by lines, as 'robotraj plan' has them.
+        # Motions of least duration have linear controls, as in 'robotraj plan'.
         say(f"{name}: {precompile(problem, Mesh(10, HermiteSimpson(control=LinearControl())))}")
 
 

@@ -94,7 +94,7 @@ def plan_motion(
         say(f"{phase}\n")
     mesh = None
     if intervals is not None:
-        # Controls of least duration jump: lines keep their limits between the points, parabolas would not.
+        # Controls of least duration jump. Linear ones keep their limits between the points, parabolas would not.
         control = LinearControl() if objective is Minimise.duration else PolynomialControl()
         mesh = Mesh(intervals, HermiteSimpson(control=control))
     engine = Compiled() if compiled else None

@@ -1,4 +1,4 @@
-"""A built-in problem with what solves it."""
+"""A built-in problem with its meshes, guess and options."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ class Demo:
     ----------
     problem : Phase or Problem
     meshes : tuple of Mesh or of lists of Mesh
-        Solved one after the other, each from the solution before; without any, the default call.
+        Meshes that are solved one after the other, each from the solution before; without any, the default call.
     guess : InitialGuess or None
-        Of the first mesh; None for the default.
+        Guess of the first mesh; None for the default.
     tolerance : float or None
         Relative error between knots to which the last mesh is refined; None keeps the mesh.
     periods : int
-        How often the page shows a gait that closes on itself.
+        Number of periods of a gait that the page shows.
     starts : int
-        Random initial guesses; the best solution is kept. 0 for the one guess.
+        Number of random initial guesses, of which the best solution is kept; 0 for the one guess.
     options : mapping
         Further arguments of ``rt.plan``.
     analysis : callable or None
-        Takes the solution and returns what is printed below it.
+        ``analysis(solution)`` returns text that is printed below the solution.
     """
 
     problem: Phase | Problem

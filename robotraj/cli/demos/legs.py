@@ -47,7 +47,7 @@ def solo12_jump() -> Demo:
     """Jump 10 cm forward and 8 cm up."""
     robot, foot = _small("solo12"), partial(PointContact, friction=0.5)
     cost = gait_objective(robot, stand(robot, contact=foot)) + _calm(1e-4)
-    # Feet that push and land never quite without load: a force of zero is the tip of the cone.
+    # Feet keep a small load when they push off and land, since the cone is not smooth at zero force.
     loaded = partial(foot, cone=Linearised(4), normal_force=(0.5, 40.0))
     leap = jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=cost)
     return Demo(leap, ([Mesh(n, HermiteSimpson()) for n in (14, 8, 12)],))
@@ -69,7 +69,7 @@ def talos_walking() -> Demo:
     robot = load("talos_legs", root="floating")
     cost = gait_objective(robot, stand(robot, feet, sole)) + _calm(0.3)
     pace = partial(walk, step_length=0.2, duration=0.8, clearance=0.04, double_support=0.2)
-    # The inertias of its legs are not each other's mirror images: both steps are planned.
+    # Both steps are planned, since the inertias of its legs are not symmetric.
     steps = pace(robot, feet=feet, contact=sole, objective=cost, repeat=Periodic())
     return Demo(steps, ([Mesh(n, LobattoIIIA(4)) for n in (5, 7, 5, 7)],), periods=3)
 

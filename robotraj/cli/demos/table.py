@@ -1,4 +1,4 @@
-"""The demos by name; a problem is imported and written out only when its demo is run."""
+"""The demos by name; the problem of a demo is imported only when it is run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DEFAULT = "cartpole"
 
 @dataclass(frozen=True)
 class DemoEntry:
-    """A demo: its name, one line on what it shows, and where it is written.
+    """A demo: its name, one line on what it shows, and its module.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class DemoEntry:
         return f"{self.name}.html"
 
     def make(self) -> Demo:
-        """Write the problem out."""
+        """Return the demo."""
         demo: Demo = getattr(import_module(f"robotraj.cli.demos.{self.module}"), self.name)()
         return demo
 

@@ -16,7 +16,7 @@ from robotraj.solution.cycles.gait_cycles import GaitCycles
 from robotraj.solution.planned import Planned
 
 SAMPLES = 49
-"""A ground that is not level is drawn from so many samples a side, and where it bends."""
+"""Number of samples along each side of a ground that is not level; its edges are added."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class GroundView(OneLine):
 
 
 def ground_of(solution: Planned | GaitCycles, low: NDArray[np.float64], high: NDArray[np.float64]) -> GroundView:
-    """Draw the ground the robot stands on, else that which a constraint keeps it clear of, over the motion's extent.
+    """Return the ground of the robot's contacts, else of a clearance constraint, over the extent of the motion.
 
-    Without one it is z = 0, or a level below the robot if it dips deeper.
+    Without either it is z = 0, or a level below the robot if it moves lower.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def _grounds(solution: Planned | GaitCycles) -> Iterator[Ground]:
 
 
 def _drawn(ground: Ground, low: NDArray[np.float64], high: NDArray[np.float64], reach: float) -> GroundView:
-    """Sample the ground around the robot; where it has no height it has a hole."""
+    """Sample the ground around the robot; it has holes where its height is not defined."""
     xlim, ylim = ((float(low[i] - reach), float(high[i] + reach)) for i in (0, 1))
     xs, ys, z = ground.grid(xlim, ylim, SAMPLES)
     known = np.isfinite(z)

@@ -1,4 +1,4 @@
-"""Mesh files (.dae, .stl, .obj and whatever trimesh reads) as coloured parts."""
+"""Mesh files (.dae, .stl, .obj and other formats of trimesh) as coloured parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robotraj.replay_page.scene.part import Color, Part, merge_by_color
 from robotraj.replay_page.scene.simplify import simplified
 
 MOST_COLORS = 24
-"""A mesh painted face by face in more colours than this is drawn in their mean."""
+"""Largest number of colours of a mesh that is coloured face by face; with more it has their mean."""
 
 
 @lru_cache(maxsize=256)
@@ -30,7 +30,7 @@ def read_mesh(path: str) -> tuple[Part, ...]:
     Returns
     -------
     tuple of Part
-        ``color`` is None where the file carries no material. Empty if nothing in the file is a triangle.
+        ``color`` is None where the file has no material. The tuple is empty if the file has no triangle.
     """
     scene = trimesh.load_scene(Path(path))
     pieces: list[tuple[NDArray[np.float64], NDArray[np.integer], Color | None]] = []
@@ -74,6 +74,6 @@ def _material_color(material: trimesh.visual.material.Material) -> Color | None:
 
 
 def _color(rgba: NDArray[np.generic]) -> Color:
-    """Round a colour of 0 to 255 to 8 bits and scale it to [0, 1]; none left is an error in the file."""
+    """Round a colour from 0 to 255 to 8 bits, and scale it to [0, 1]."""
     red, green, blue, opacity = (float(np.rint(c)) / 255.0 for c in rgba)
     return (red, green, blue, opacity if opacity > 0.0 else 1.0)

@@ -17,9 +17,9 @@ from robotraj.solution.planned import Planned
 
 Array = NDArray[np.float64]
 FINEST = 8
-"""A frame is divided at most into this many keys (a power of two)."""
+"""Largest number of keys in a frame, a power of two."""
 TOLERANCE = 1e-5
-"""Largest difference [m, rad] between a joint's pose and what the page interpolates, if FINEST allows."""
+"""Largest difference [m, rad] between a joint's pose and the interpolated one, if FINEST allows."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ class SceneMotion(OneLine):
 
 
 def motion_of(model: pin.Model, solution: Planned | GaitCycles, fps: int) -> SceneMotion:
-    """Sample every phase at 1/(FINEST fps) and put the robot there.
+    """Sample every phase in steps of 1 / (FINEST fps), and compute the poses of all joints.
 
-    At a boundary the later phase counts, except at the very end.
+    At a boundary the later phase is evaluated, except at the end of the motion.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def motion_of(model: pin.Model, solution: Planned | GaitCycles, fps: int) -> Sce
 
 
 def _quaternions(rotation: Array) -> Array:
-    """Turn rotations (m, n, 3, 3) into quaternions (x, y, z, w), neighbours in time on one hemisphere."""
+    """Convert rotations (m, n, 3, 3) to quaternions (x, y, z, w), neighbours in time on one hemisphere."""
     m, n = rotation.shape[:2]
     quaternion = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat().reshape(m, n, 4)
     flips = np.sum(quaternion[1:] * quaternion[:-1], axis=-1) < 0.0
@@ -90,7 +90,7 @@ def _quaternions(rotation: Array) -> Array:
 
 
 def keys(position: Array, quaternion: Array) -> NDArray[np.intp]:
-    """Choose the samples of one joint to send: one a frame, more where interpolation misses by TOLERANCE.
+    """Choose the samples of one joint for the page: one a frame, more where interpolation errs by TOLERANCE.
 
     Starting from every FINEST-th sample, an interval is halved where its midpoint differs from the mean of its ends,
     linear for positions and on the great arc for rotations. Its halves are halved again.

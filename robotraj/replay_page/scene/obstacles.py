@@ -37,7 +37,7 @@ def draw_obstacles(
     paths : sequence of str
         Node of each joint.
     times : ndarray (m,)
-        Of the animation [s].
+        Times of the animation [s].
     fps : int
     """
     clips = {}

@@ -1,4 +1,4 @@
-"""A piece of triangulated surface in one colour, small enough to travel inside a page."""
+"""A piece of triangulated surface in one colour, stored compactly in a page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robotraj._util.values import dataclass
 
 Color = tuple[float, float, float, float]
 CREASE = np.radians(40.0)
-"""Faces that meet at a sharper angle [rad] get their own normals: edges stay crisp and curves smooth."""
+"""Angle between faces [rad] above which their edge is sharp, so that they have their own normals."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class Part(OneLine):
 def weld(vertices: NDArray[np.floating], faces: NDArray[np.integer], color: Color | None = None) -> Part | None:
     """Merge equal vertices, split them again along creases, and round positions so that they compress.
 
-    Positions are rounded to a power of two near 1e-5 of the largest extent, far below a pixel; the many zero
-    bits that leaves in a float32 are what gzip removes. Faces without area are dropped.
+    Positions are rounded to a power of two near 1e-5 of the largest extent, far below a pixel. A float32 then has
+    many zero bits, which gzip compresses. Faces without area are dropped.
 
     Returns
     -------

@@ -33,12 +33,12 @@ Array = NDArray[np.float64]
 GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)
 ROOT = NodePath(("meshcat",))
 STILL = 1e-9
-"""A joint whose pose changes less than this [m, and unitless quaternion] carries no track."""
+"""Change of a pose [m, and unitless quaternion] below which a joint has no track."""
 
 
 @dataclass(frozen=True)
 class Scene(OneLine):
-    """Everything the page needs for its 3D view.
+    """The data of the page's 3D view.
 
     Attributes
     ----------
@@ -61,9 +61,9 @@ def scene_of(robot: Robot, cycles: GaitCycles, fps: int, traces: Sequence[str] |
         ``.model``, ``.visual_model``, ``.frame(name)``.
     cycles : GaitCycles
     fps : int
-        Animation keys per second; more are added where the motion bends.
+        Animation keys per second; more are added where the motion is curved.
     traces : sequence of str or None
-        Frames whose path is drawn; None takes those of the contacts, without any the tip of the longest chain.
+        Frames whose path is drawn. By default those of the contacts, or without contacts the tip of the longest chain.
     """
     model = robot.model
     feet = list(contact_frames(cycles).values())
@@ -166,7 +166,7 @@ def _stature(visuals: Sequence[Visual], motion: SceneMotion) -> float:
 
 
 def _animation(motion: SceneMotion, paths: list[str], fps: int) -> Animation:
-    """One clip per joint that moves, with a track for what changes."""
+    """Return one clip for each joint that moves, with tracks of its position and orientation if they change."""
     animation = Animation(default_framerate=fps)
     frames = (motion.times - motion.times[0]) * fps
     for joint in range(1, len(paths)):
@@ -192,7 +192,7 @@ def _trace(
     color: tuple[float, float, float],
     size: float,
 ) -> dict[str, object] | None:
-    """Draw a frame's path as a thin tube; None if the frame stays where it is."""
+    """Draw a frame's path as a thin tube; None if the frame does not move."""
     world = motion.world[:, frame.parentJoint]
     points = world[:, :3, :3] @ np.array(frame.placement.translation) + world[:, :3, 3]
     spacing, kept = 2e-3 * size, [0]

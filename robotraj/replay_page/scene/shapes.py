@@ -1,4 +1,4 @@
-"""Geometric primitives of a URDF, as coal holds them, turned into triangles."""
+"""Geometric primitives of a URDF, converted from coal's shapes to triangles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from trimesh import creation
 from robotraj.replay_page.scene.part import Part, weld
 
 PLANE_SIDE = 4.0
-"""Side [m] of the square that stands for an infinite plane."""
+"""Side [m] of the square that represents an infinite plane."""
 
 
 def shape_part(shape: coal.CollisionGeometry) -> Part | None:

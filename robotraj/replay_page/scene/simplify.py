@@ -1,6 +1,6 @@
 """Fewer triangles of a large mesh, by clusters of its vertices.
 
-Vertices in one cell of a cubic grid become their mean; triangles that lose a corner are left out. No vertex moves by
+Vertices in one cell of a cubic grid become their mean, and triangles that lose a corner are removed. No vertex moves by
 more than the diagonal of a cell. Source: Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex
 scenes (1993).
 """
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST = 200_000
-"""Triangles of a mesh that a page shows as they are: more than those of any robot of the catalogue."""
+"""Largest number of triangles of a mesh that is not simplified, above that of any robot of the catalogue."""
 CELLS = 512
 """Cells of the first grid along the longest side of the mesh."""
 COARSER = 1.25

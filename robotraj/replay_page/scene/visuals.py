@@ -1,4 +1,4 @@
-"""What a robot looks like: coloured parts, each fixed to a joint."""
+"""The visual geometry of a robot: coloured parts, each fixed to a joint."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class Visual(OneLine):
     name : str
         The geometry's name.
     placement : (4, 4) array
-        From the parts' frame to the joint's, mesh scale included; a mirrored mesh has a negative determinant.
+        Transform from the parts' frame to the joint's, including mesh scale; that of a mirrored mesh has a negative
+        determinant.
     parts : tuple of (Part, Color)
     """
 
@@ -85,7 +86,7 @@ def _visual(thing: pin.GeometryObject) -> Visual | None:
 
 
 def _file_parts(path: str) -> tuple[Part, ...]:
-    """Read the parts of a mesh file; none if it cannot be read, then Pinocchio's own mesh serves."""
+    """Read the parts of a mesh file; none if it cannot be read, so that Pinocchio's mesh is drawn."""
     if not path or not Path(path).is_file():
         return ()
     try:

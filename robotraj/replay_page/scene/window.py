@@ -25,9 +25,9 @@ _EXTENSIONS = {
 
 
 class RecordingWindow:
-    """Collects what a ``meshcat.Visualizer(window=...)`` sends, in order.
+    """Records the commands of a ``meshcat.Visualizer(window=...)`` in order.
 
-    A geometry that was sent before travels as a reference to its uuid, so a mesh used twice is stored once.
+    A geometry that was sent before is recorded as a reference to its uuid, so that a mesh used twice is stored once.
     """
 
     def __init__(self) -> None:
@@ -78,7 +78,7 @@ class Surface(Geometry):
 
 
 class PackedTrack(AnimationTrack):
-    """An animation track whose keys travel as two float32 arrays, which three.js takes as they are.
+    """An animation track whose keys are two float32 arrays, which three.js uses without conversion.
 
     Parameters
     ----------

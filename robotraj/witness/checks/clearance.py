@@ -1,8 +1,8 @@
 """Distances of a robot's exact shapes from obstacles and from each other, by coal, along a plan.
 
-A pair whose distance is d and changes by at most L a second cannot touch before d / L has passed. Each pair is
-evaluated again then, and near contact every ``RESOLUTION``. L is this file's own bound: speeds of the joints, the
-largest of samples with a reserve, times the greatest distance of the shape's points from each joint.
+A pair whose distance d changes at a rate of at most L cannot touch within a time of d / L. Each pair is evaluated again
+after that time, and near contact every ``RESOLUTION``. The bound L is independent of the planner: sampled speeds of the
+joints, with a reserve, times the greatest distances of the shape's points from each joint.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Clearance(NamedTuple):
     phase, label : str
         Name of the phase, and of both shapes.
     distance, margin : float
-        [m].
+        Smallest distance, and the distance that the constraint requires [m].
     time : float
-        [s].
+        Time of the smallest distance [s].
     """
 
     phase: str
@@ -68,7 +68,7 @@ class _Shape(NamedTuple):
 def clearance_of(
     planned: PhaseSolutionLike, clock: Callable[[], None] = lambda: None
 ) -> tuple[list[Clearance], list[Violation]]:
-    """Return the smallest distance for every ``CollisionFree`` of a phase, and all that are below the margin."""
+    """Return the smallest distance for every ``CollisionFree`` of a phase, and violations of the margin."""
     phase = planned.phase
     nearest: list[Clearance] = []
     broken: list[Violation] = []
@@ -212,7 +212,7 @@ def _speeds(planned: PhaseSolutionLike, knots: Array) -> Array:
 
 
 def _rates(robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]]) -> Array:
-    """Bounds (pairs, nv): a distance changes by at most rates @ abs(v) a second."""
+    """Return bounds (pairs, nv) [m/rad, 1]: the rate of a distance is at most rates @ abs(v)."""
     levers = [_levers(robot, shape) for shape in shapes]
     return np.array([levers[a] + levers[b] for a, b in pairs]).reshape(len(pairs), robot.nv)
 

@@ -15,7 +15,7 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 QUADRATURE_POINTS = 16
-"""Gauss-Legendre points of an interval: exact for power of degree 31 in time, far above any plan's."""
+"""Gauss-Legendre points of an interval, exact for a power of degree 31 in time."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Energy:
     change : float
         Change of kinetic plus potential energy over the intervals [J].
     scale : float
-        The energy that moved: the largest of the integral of |(B tau)'v|, ``dissipated`` and the range of the
-        kinetic energy [J].
+        Scale of the energies: the largest of the integral of |(B tau)'v|, ``dissipated`` and the range of the kinetic
+        energy [J].
     worst : float
         Largest imbalance of one interval [J].
     time : float

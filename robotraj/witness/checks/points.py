@@ -1,4 +1,4 @@
-"""Points along a plan, in numbers, at which constraints and links are evaluated."""
+"""Numeric points along a plan, at which constraints and links are evaluated."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def added_variables(
 ) -> dict[str, NDArray[np.float64]]:
     """Return the variables (m,) that the objective or a constraint added to the dynamics of a robot, by name.
 
-    Rates that rows bound are central differences of the planned torques and accelerations.
+    Rates of torques and accelerations that have bounds are central differences of the planned values.
     """
     phase = planned.phase
     if phase.robot is None or (phase.dae is phase.body and not phase.rows.rates):

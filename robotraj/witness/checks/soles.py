@@ -1,7 +1,7 @@
-"""Clearance between the points of a ``GroundClearance``: an edge of the ground may cut into a sole between its corners.
+"""Clearance between the points of a ``GroundClearance``, where an edge of the ground may penetrate a sole.
 
-Over a plane the corners of a sole are enough. Over other ground, points on all segments between two corners are
-checked: the straight edge of a step enters a flat sole through its rim.
+Over a plane it is enough to check the corners of a sole. Over other ground, points on all segments between two corners
+are checked, since the straight edge of a step enters a flat sole through its rim.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
 
 PLACES = np.linspace(0.0, 1.0, 41)[1:-1]
-"""Points of a segment that are checked, without its ends, which are rows of the constraint."""
+"""Checked points of a segment, without its ends, which are rows of the constraint."""
 
 
 class _Segment(NamedTuple):
@@ -64,7 +64,7 @@ def _segments_of(planned: PhaseSolutionLike, bound: BoundConstraint) -> list[_Se
         return []
     bodies: dict[tuple[str, str], list[ClearancePoint]] = {}
     for spot in spots_of(source.frames, realised(planned)):
-        # The lowest point of a disc is none of a segment's.
+        # The lowest point of a disc is on no segment.
         if spot.axis is None:
             bodies.setdefault((spot.frame, spot.shape), []).append(spot)
     return [

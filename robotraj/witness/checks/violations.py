@@ -20,7 +20,7 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 FEW_SAMPLES = 9
-"""Points of every interval at which constraints are evaluated; near their bounds more points are."""
+"""Points of every interval at which constraints are evaluated first; near their bounds, more points follow."""
 
 ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
 

@@ -12,7 +12,7 @@ from robotraj.solution.violation import Violation, violated
 from robotraj.witness.protocols import Array
 
 SOLVER_NOISE = 1e-6
-"""Amounts below this, relative to max(1, |limit|), are a solver's tolerance and not listed."""
+"""Largest violation, relative to max(1, |limit|), that counts as the tolerance of a solver and is not listed."""
 
 
 @dataclass

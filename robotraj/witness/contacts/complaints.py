@@ -22,7 +22,7 @@ def contact_complaints(
     Parameters
     ----------
     contact, forces, limits : float or None
-        Thresholds of ``Tolerances``; None does not judge.
+        Thresholds of ``Tolerances``; figures without a threshold are not judged.
     """
     return [
         *([] if contact is None else _moves(holdings, contact)),

@@ -26,7 +26,7 @@ RANK_TOLERANCE = 1e-9
 """Singular values below this, relative to the largest, belong to redundant rows."""
 
 PROJECTIONS = 10
-"""Largest number of Gauss-Newton steps of a projection; a drift of 1e-3 m takes 3."""
+"""Largest number of Gauss-Newton steps of a projection; a drift of 1e-3 m needs 3."""
 
 
 class Held(NamedTuple):
@@ -82,7 +82,7 @@ def impact(model: pin.Model, data: pin.Data, q: Array, v: Array, held: Held) -> 
     after : ndarray (nv,)
         Velocity v+ after the impact.
     impulse : ndarray (m,)
-        Of every row [N s, N m s].
+        Impulse of every row [N s, N m s].
 
     Source: Hurmuzlu and Marghitu, Rigid body collisions of planar kinematic chains with multiple contact points,
     International Journal of Robotics Research 13 (1994).

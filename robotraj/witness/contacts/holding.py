@@ -24,12 +24,12 @@ NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2, "m": 
 """Power of the force in the unit of a row, with which it is compared with the robot's weight."""
 
 FORCE_NOISE = 1e-6
-"""Violations by less than this part of the weight are a solver's tolerance and not listed."""
+"""Largest violation, relative to the weight, that counts as the tolerance of a solver and is not listed."""
 
 GRAVITY = 9.81
 
 MOST_SAMPLES = 9
-"""Points of an interval at which contacts are evaluated, more than the extremes of planned polynomials."""
+"""Largest number of points of an interval at which contacts are evaluated."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class Holding:
     planned : tuple of Violation
         Limits of normal force, friction and centre of pressure that the planned forces violate.
     solved : tuple of Violation
-        The same for the forces that the equations of motion require under the planned q, v and tau.
+        Limits that the forces of the equations of motion violate, under the planned q, v and tau.
     difference : Peak or None
         Largest difference of planned and solved force [N, N m]; None where forces are not unique.
     weight : float
-        Of the robot [N].
+        Weight of the robot [N].
     """
 
     contact: str
@@ -102,7 +102,7 @@ def holding_of(
             instant = Instant(stance.robot, data, q, v)
             for watch in watched:
                 name = watch.contact.name
-                # Forces of implicit contacts are constant over an interval: they are evaluated at its end.
+                # Forces of implicit contacts are constant over an interval and are evaluated at its end.
                 if watch.contact.holds or (i + 1) % len(part.sites) == 0:
                     watch.see(instant, float(t), gaps[name], forces[name], None if solved is None else solved[name])
     return tuple(watch.result(phase.name) for watch in watched)

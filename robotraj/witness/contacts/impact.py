@@ -35,11 +35,11 @@ class Impact:
     ----------
     link : str
     time : float
-        Of the impact, at the end of the phase before it [s].
+        Time of the impact, at the end of the phase before it [s].
     impulses : mapping of str to float
-        Planned, by name [N s, N m s].
+        Planned impulses by name [N s, N m s].
     solved : mapping of str to float or None
-        Of the equations of impact at the planned q and v-; None where they are not unique.
+        Impulses of the equations of impact at the planned q and v-; None where they are not unique.
     momentum : Peak
         Largest |M (v+ - v-) - J' L| of the plan [N s, N m s], by velocity.
     rest : Peak

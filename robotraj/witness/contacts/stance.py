@@ -40,7 +40,7 @@ class Instant:
     ----------
     q, v : ndarray
     by_joint : bool
-        Return Jacobians (6, nv) of frames as their velocities: rows are linear in these and become rows of J.
+        Whether velocities of frames are their Jacobians (6, nv). Rows, which are linear in them, are then rows of J.
     """
 
     def __init__(self, robot: RobotLike, data: pin.Data, q: Array, v: Array) -> None:
@@ -81,7 +81,7 @@ class Stance:
     robot : Robot
     contacts : sequence of BoundContact
     parameters : mapping of str to float
-        Of the phase, with the anchors of the contacts.
+        Parameters of the phase, with the anchors of the contacts.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Stance:
         self._shift = np.zeros(sum(len(contact.holds) for contact in self.contacts))
 
     def stand(self, q: Array) -> Array:
-        """Hold the contacts at their places in q from now on; return the distances from their anchors (m,)."""
+        """Move the anchors to the places of the contacts in q; return the distances from the old ones (m,)."""
         self._shift = np.zeros_like(self._shift)
         self._shift = self.rows(q, np.zeros(self.robot.nv)).gap
         return self._shift.copy()

@@ -12,7 +12,7 @@ from robotraj.witness.report_tables import table, worst_of, wrapped
 
 
 class Allowed(Protocol):
-    """Thresholds that concern contacts; None does not judge."""
+    """Thresholds of contacts; figures whose threshold is None are not judged."""
 
     @property
     def contact(self) -> float | None:

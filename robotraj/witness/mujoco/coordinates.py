@@ -32,7 +32,7 @@ class Coordinates:
     ----------
     model : pinocchio.Model
     compiled : mujoco.MjModel
-        With the joints of ``model``, by the same names.
+        MuJoCo's model with the joints of ``model``, by the same names.
     """
 
     def __init__(self, model: pin.Model, compiled: mujoco.MjModel) -> None:

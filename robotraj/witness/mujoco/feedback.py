@@ -1,4 +1,4 @@
-"""Feedback that holds a robot on its plan: tau = tau_plan - K(t) e, with e the deviation in position and velocity.
+"""Feedback that stabilises a robot on its plan: tau = tau_plan - K(t) e, with e the deviation of the state.
 
 A new kind of feedback is one new class.
 """
@@ -89,7 +89,7 @@ class JointFeedback(Feedback):
 
 @dataclass(frozen=True)
 class LinearQuadratic(Feedback):
-    """The time-varying linear quadratic regulator along the plan, contacts held, periodic where the plan is.
+    """The time-varying linear quadratic regulator along the plan with its contacts, periodic if the plan is.
 
     It minimises the integral of the sum of (e_q / position)^2, (e_v / velocity)^2 and (u / (effort tau_scale))^2, where
     tau_scale is a motor's largest planned torque, and at least a fifth of the largest of all.

@@ -1,8 +1,8 @@
 """Feet and ground for MuJoCo: shapes, places and stiffness.
 
 A point foot is a small sphere about its contact point, a flat one a thin box, a line a capsule, all with the same
-radius r; the ground is lower by r along its normal. So each foot touches the ground at its planned place, and a foot
-that turns rolls by at most r times its angle. Each foot collides with the ground of its contact only.
+radius r. The ground is lower by r along its normal, so that each foot touches it at its planned place. A foot that
+turns rolls by at most r times its angle. Each foot collides only with the ground of its contact.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ CELL = 0.01
 MOST_CELLS = 600
 
 PLANAR_WIDTH = 0.04
-"""Width [m] of a flat foot of a planar robot, which has none."""
+"""Width [m] of a flat foot of a planar robot, whose plan has no width."""
 
 PLANE_TOLERANCE = 1e-9
 """Largest deviation of a ground from a plane [m] with which it becomes a plane of MuJoCo."""
@@ -59,10 +59,10 @@ class SoftGround:
     Parameters
     ----------
     time : float
-        Time constant of the critically damped contact [s], MuJoCo's ``solref``; its own default is 0.02. Smaller is
-        harder; the least is two simulation steps.
+        Time constant of the critically damped contact [s], MuJoCo's ``solref``, whose default there is 0.02. A smaller
+        one is harder; the least is two simulation steps.
     radius : float
-        r [m].
+        Radius r of the feet [m].
     grip : float
         Ratio of the friction in MuJoCo and in the plan. Soft contacts slide at the edge of the friction cone, which
         plans use fully: plan with less friction than there is.
@@ -95,7 +95,7 @@ class Foot:
     frame : int
         Pinocchio's index of its frame.
     pose : pinocchio.SE3
-        Of the shape in that frame; its origin is the contact point, or the middle of the sole.
+        Pose of the shape in that frame; its origin is the contact point, or the middle of the sole.
     shape : str
         ``"SPHERE"``, ``"CAPSULE"`` along z or ``"BOX"``, whose z is up.
     half : tuple of float

@@ -50,7 +50,7 @@ def second_opinion(
     Parameters
     ----------
     solution : Solution
-        Of a robot.
+        A plan of a robot.
     periods : int, optional
         Number of periods, each displaced, and mirrored if the plan is half a gait. Default: three for a plan closed by
         a link (``rt.Periodic``, ``rt.Mirror``, ``rt.Touchdown(repeat=...)``), else one.
@@ -76,8 +76,8 @@ def second_opinion(
     Raises
     ------
     InputError
-        MuJoCo is not installed, the plan moves a System, or is not periodic though several periods are asked; ``runs``
-        are asked of a plan with contacts or a moving root.
+        MuJoCo is not installed, or the plan moves a System. Several periods are given for a plan that is not periodic,
+        or ``runs`` for a plan with contacts or a moving root.
     """
     require_solution(solution, "rt.witness.second_opinion")
     course = ReferenceMotion(solution, periods)

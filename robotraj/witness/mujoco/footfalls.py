@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import mujoco
 
 LEAST = 1e-3
-"""Share of the weight below which a foot is off the ground."""
+"""Force, relative to the weight, below which a foot is off the ground."""
 
 BOUNCE = 0.01
 """Shortest time [s] without load that ends a stance."""

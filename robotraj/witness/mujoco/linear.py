@@ -41,7 +41,7 @@ class LinearPhase:
     Parameters
     ----------
     robot : Robot
-        In plain numbers.
+        The robot, without symbolic design parameters.
     contacts : sequence of BoundContact
     """
 
@@ -64,7 +64,7 @@ class LinearPhase:
         rate = np.zeros((2 * nv, 2 * nv))
         rate[:nv, nv:] = np.eye(nv)
         if model.nq > nv:
-            # In the axes of a moving body, a deviation that is constant in the world turns and shifts.
+            # A deviation that is constant in the world rotates and shifts in the axes of a moving body.
             rate[:6, :6] -= pin.Motion(v[:6]).action
         for i, unit in enumerate(STEP * np.eye(nv)):
             there = pin.integrate(model, q, unit)

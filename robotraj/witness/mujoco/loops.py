@@ -1,4 +1,4 @@
-"""Closed loops for MuJoCo: pairs of points of the robot that equality constraints hold together."""
+"""Closed loops for MuJoCo: pairs of points of the robot that are joined by equality constraints."""
 
 from __future__ import annotations
 

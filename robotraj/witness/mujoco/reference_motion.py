@@ -55,14 +55,14 @@ class ReferenceMotion:
     Parameters
     ----------
     solution : Solution
-        Of a robot.
+        A plan of a robot.
     periods : int or None
         Number of periods; None means three for a periodic plan, else one.
 
     Attributes
     ----------
     robot : Robot
-        In plain numbers.
+        The robot, without symbolic design parameters.
     phases : tuple of PhaseSolution
     periods : int
     closing : CycleMap or None
@@ -71,8 +71,8 @@ class ReferenceMotion:
     Raises
     ------
     InputError
-        The solution moves a System, or robots that differ between phases, or several periods are asked of a plan that
-        is not periodic.
+        The solution moves a System, or robots that differ between phases. Several periods are given for a plan that is
+        not periodic.
     """
 
     def __init__(self, solution: SolutionLike, periods: int | None = None) -> None:

@@ -33,9 +33,9 @@ class FootReport:
     force : ndarray (3,)
         Mean contact force over the whole motion, impacts included, world axes [N].
     planned : ndarray (3,) or None
-        The same of the plan; None where the robot did not complete it.
+        Mean contact force of the plan; None where the robot did not complete it.
     loaded : float
-        Share of the time on the ground.
+        Fraction of the time with load.
     stances : int
         Number of touchdowns, the start included.
     """
@@ -56,7 +56,7 @@ class SecondOpinion:
     Attributes
     ----------
     simulation : Simulation
-        The motion, every step of it, in Pinocchio's coordinates.
+        Every step of the motion, in Pinocchio's coordinates.
     deviation : Drift
         By state: final and largest distance from the plan. A floating root deviates by positions along world axes and
         a rotation vector in its own axes (``q.root_rx`` ...).
@@ -68,16 +68,16 @@ class SecondOpinion:
     fell : float or None
         Time at which the robot fell [s]; None if it did not, or if its root does not move.
     failure : str or None
-        Why and when the robot fell or the simulation stopped early; None if it completed the plan.
+        Reason and time of a fall or of an early stop of the simulation; None if the robot completed the plan.
     periods : int
     duration : float
-        Of all periods, as planned [s].
+        Planned duration of all periods [s].
     lag : float
         Time by which touchdowns delayed the plan [s]: each phase begins with its own touchdown.
     step : float
         Longest step of MuJoCo [s].
     feedback : str
-        The feedback that held the robot on its plan.
+        Description of the feedback.
     simulator : str
         MuJoCo's version, its integrator and its contacts.
     robustness : MonteCarlo or None

@@ -25,7 +25,7 @@ class RootCoordinates:
     ----------
     floating, moves : bool
     turns : slice
-        Its angular velocities in v; empty for a fixed root.
+        Angular velocities of the root in v; empty for a fixed root.
     """
 
     def __init__(self, model: pin.Model) -> None:

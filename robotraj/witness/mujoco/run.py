@@ -51,7 +51,7 @@ class MujocoRun:
     feedback : Feedback
     feet : sequence of Foot
     held : bool
-        Whether soft contacts or loops act on the robot: then RK4 is not more accurate.
+        Whether soft contacts or loops act on the robot, for which RK4 is not more accurate.
     fall : Fall
     """
 

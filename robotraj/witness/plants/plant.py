@@ -1,4 +1,4 @@
-"""The protocol of a plant: what a simulation needs of a robot or a System that moves under planned controls."""
+"""The protocol of a plant: a robot or a System under planned controls, as it is simulated."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Landing:
     time : float
         Start of the phase [s].
     distance : float
-        From the planned place [m].
+        Distance from the planned place [m].
     moved : float
-        Largest distance from there while the contact held in the simulation [m, rad].
+        Largest distance from its place while the contact held in the simulation [m, rad].
     """
 
     contact: str
@@ -41,9 +41,10 @@ class Plant(Protocol):
     Attributes
     ----------
     names : tuple of str
-        Of the states, (n,).
+        Names of the states, (n,).
     gap_names, gap_units : tuple of str
-        Of the difference of two states, (k,): the orientation of a floating root differs by three angles.
+        Names and units of the difference of two states, (k,). The orientation of a floating root differs by a vector of
+        three angles.
     """
 
     names: tuple[str, ...]
@@ -67,7 +68,7 @@ class Plant(Protocol):
         ...
 
     def given(self, times: Array) -> Array:
-        """Return the planned controls at times (m,), one row each, with all else that ``rate`` reads."""
+        """Return the planned controls and other planned arguments of ``rate`` at times (m,), one row each."""
         ...
 
     def rate(self, t: float, x: Array, given: Array) -> Array:

@@ -26,7 +26,7 @@ FLYING = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz")
 """Deviation of a floating root: along the world's axes [m], and a rotation vector in its own axes [rad]."""
 
 VELOCITY_SCALE = 10.0
-"""Ratio of the tolerances of velocities and positions: planned motions change within a tenth of a second."""
+"""Ratio of the tolerances of velocities and positions, for motions that change within a tenth of a second."""
 
 QUATERNION_DIFFERENCE = 1e-7
 """Finite difference of the entries of a floating root's configuration."""
@@ -51,7 +51,7 @@ class RobotPlant:
     feedback : callable, optional
         ``feedback(times)`` returns gains (m, nu, 2 nv): the torque is tau_plan - K (x - x_plan).
     robot : Robot, optional
-        Simulated in place of the planned robot.
+        Robot that is simulated in place of the planned one.
     """
 
     def __init__(
@@ -235,7 +235,7 @@ class RobotPlant:
         if stance is None:
             return landings
         nq = stance.robot.model.nq
-        # Contacts drift over whole intervals: every fifth state is enough.
+        # Contacts drift slowly over intervals, so that every fifth state is enough.
         gaps = stance.by_contact(np.array([stance.rows(x[:nq], x[nq:]).gap for x in states[::5]]))
         return tuple(
             replace(landing, moved=float(np.nan_to_num(np.abs(gaps[landing.contact]), nan=np.inf).max(initial=0.0)))

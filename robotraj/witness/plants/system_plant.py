@@ -45,7 +45,7 @@ class SystemPlant:
         return states - planned
 
     def scales(self, peaks: Array) -> Array:
-        """Return max(1, peak): units of a user's states are not known."""
+        """Return max(1, peak), since units of a user's states are not known."""
         return np.maximum(1.0, peaks)
 
     def sizes(self, states: Array) -> Array:

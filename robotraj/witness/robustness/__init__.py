@@ -1,1 +1,1 @@
-"""Many simulations of a plan under its own gains, with disturbances that the plan does not know."""
+"""Many simulations of a plan under its own gains, with random disturbances."""

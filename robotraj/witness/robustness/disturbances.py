@@ -1,4 +1,4 @@
-"""What a robot meets that its plan does not know: wrong masses, pushes, noise of sensors, delay."""
+"""Disturbances of a plan: wrong masses and friction, pushes, noise of sensors, delay."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ class Disturbances:
     Parameters
     ----------
     position, velocity : float
-        Of the first state of every joint [rad, m], [rad/s, m/s].
+        Standard deviation of the first state of every joint [rad, m], [rad/s, m/s].
     mass : float
-        Relative, of the mass and inertia of every body.
+        Relative standard deviation of the mass and inertia of every body.
     friction : float
-        Relative, of damping and dry friction of every joint.
+        Relative standard deviation of damping and dry friction of every joint.
     position_noise, velocity_noise : float
-        Of every measurement [rad, m], [rad/s, m/s].
+        Standard deviation of every measurement [rad, m], [rad/s, m/s].
     push : float
-        Of each component of one impulse [N s], at the centre of mass of a random body, at a random time, within 20 ms.
+        Standard deviation of each component of one impulse [N s]. It acts within 20 ms at the centre of mass of a
+        random body, at a random time.
     delay : float
-        Time from a measurement to the torque that answers it [s]; the same in every run.
+        Time from a measurement to the torque that depends on it [s]; the same in every run.
 
     Raises
     ------

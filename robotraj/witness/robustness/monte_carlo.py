@@ -26,7 +26,7 @@ SUBSTEPS = 2
 CONFIDENCE = 1.96
 """Standard deviations of a 95 percent interval."""
 LEAST_RESERVE = 1e-3
-"""Share of the limit of effort that counts as reserve of a motor at its limit."""
+"""Least reserve of a motor, relative to its limit of effort."""
 SHARES = (50, 90, 100)
 """Percentiles that the funnel plot draws."""
 
@@ -38,18 +38,18 @@ class MonteCarlo(OneLine):
     Attributes
     ----------
     times : ndarray (m,)
-        Of the controller's periods [s].
+        Times of the controller's periods [s].
     deviations : ndarray (runs, m)
         Largest deviation of a joint's position from the plan [rad, m]; infinite after a simulation diverged.
     used : ndarray (runs,)
-        Largest share of a motor's reserve that the feedback asked for. The reserve is what the plan leaves of the limit
-        of effort in the feedback's direction; above 1 the motor saturated.
+        Largest feedback torque relative to the reserve of its motor; above 1 the motor saturated. The reserve is the
+        distance of the planned torque from the limit of effort in the direction of the feedback.
     bound : float
-        Largest deviation that counts as held [rad, m].
+        Largest deviation of a run that counts as held [rad, m].
     seed : int
     disturbances : Disturbances
     how : str
-        The simulator.
+        Description of the simulator.
     """
 
     times: Array
@@ -130,13 +130,13 @@ def monte_carlo(
 ) -> MonteCarlo:
     """Simulate a plan in MuJoCo many times under tau = tau_plan - K(t) e, with random disturbances.
 
-    The controller reads positions and velocities with noise at its rate. After the delay it answers with the torque of
-    ``solution.gains``, clipped at the phase's limits of effort, and holds it for a period.
+    The controller measures positions and velocities with noise at its rate. After the delay it applies the torque of
+    ``solution.gains``, clipped at the phase's limits of effort, for one period.
 
     Parameters
     ----------
     solution : Solution
-        Of a robot with a fixed root and without contacts. ``rt.witness.second_opinion`` simulates others.
+        A plan of a robot with a fixed root and without contacts. ``rt.witness.second_opinion`` simulates others.
     runs : int
     disturbances : Disturbances, optional
     bound : float
@@ -144,7 +144,7 @@ def monte_carlo(
     seed : int
         The same seed gives the same runs.
     rate : float
-        Of the controller [Hz].
+        Rate of the controller [Hz].
 
     Returns
     -------
@@ -178,12 +178,12 @@ def monte_carlo(
 
 
 def _generators(seed: int, runs: int) -> Iterator[np.random.Generator]:
-    """Yield one independent generator a run: a run does not depend on the number of runs."""
+    """Yield one independent generator a run, so that a run does not depend on the number of runs."""
     return (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(runs))
 
 
 class _Loop:
-    """A plan as its controller reads it: set points, torques and gains at the controller's times."""
+    """A plan for its controller: set points, torques and gains at the controller's times."""
 
     def __init__(self, solution: SolutionLike, robot: RobotLike, rate: float) -> None:
         parts = solution.phases
@@ -208,7 +208,7 @@ class _Loop:
     def run(
         self, mujoco: ModuleType, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator
     ) -> tuple[Array, float]:
-        """Return the largest deviation at every time, (m,), and the largest share of a reserve that was asked for."""
+        """Return the largest deviation at every time (m,), and the largest feedback relative to a reserve."""
         model = drawn.of_model(mujoco, plant.model, rng)
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
         model.opt.timestep = self.period / SUBSTEPS

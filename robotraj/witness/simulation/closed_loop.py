@@ -1,4 +1,4 @@
-"""Simulation of a plan with its own feedback, which keeps a robot on a good plan."""
+"""Simulation of a plan with its own feedback, ``solution.gains``."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class ClosedLoop:
     error : Drift or None
         By state: final and largest distance from the plan; None where there is no simulation.
     growth : float or None
-        Largest factor by which a small deviation grows along the plan without feedback; it explains open-loop drift.
+        Largest factor by which a small deviation grows along the plan without feedback.
     reason : str or None
-        Why there is no simulation, or why it stopped early.
+        Reason why there is no simulation, or why it stopped early.
     """
 
     error: Drift | None

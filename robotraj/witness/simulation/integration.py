@@ -1,4 +1,4 @@
-"""Initial value problems under any torque, whose right-hand side is smooth between knots only.
+"""Initial value problems under any torque, whose right-hand sides are smooth only between knots.
 
 DOP853 is restarted at every knot, since its error estimate holds for smooth right-hand sides. Friction of light links
 makes robots stiff, and stability then shortens explicit steps. From the first interval with too many of them, LSODA
@@ -23,12 +23,12 @@ from robotraj.witness.simulation.spans import Motion, Stopped
 Rates = Callable[[float, Array, int], Array]
 
 MOST_EVALUATIONS = 200_000
-"""Evaluations of the rates one interval may take before the motion counts as too stiff or divergent."""
+"""Largest number of evaluations of the rates in one interval."""
 
 MOST_EXPLICIT = 2_000
 """Evaluations by DOP853 in one interval above which LSODA integrates; a smooth motion takes about 50."""
 
-SHARPER = 0.1
+LSODA_TOLERANCE = 0.1
 """Ratio of the tolerances of LSODA and DOP853 at which their errors over an interval are equal."""
 
 FINEST = 1e-13
@@ -39,7 +39,7 @@ _LSODA = threading.Lock()
 
 
 class TooMany(Stopped):
-    """The integration takes too many evaluations."""
+    """The integration takes more than the allowed evaluations."""
 
 
 def integrate(
@@ -111,8 +111,8 @@ def integrate(
 def stiff_interval(
     rates: Rates, x: Array, sampled: Array, k: int, rtol: float, atol: float
 ) -> tuple[Array, Array, Array, str | None]:
-    """Integrate one interval by LSODA; return its samples without the last, its last state, and why it stopped."""
-    finer = max(SHARPER * rtol, FINEST), SHARPER * atol
+    """Integrate one interval by LSODA; return its samples without the last, its last state, and a failure."""
+    finer = max(LSODA_TOLERANCE * rtol, FINEST), LSODA_TOLERANCE * atol
     with _LSODA, warnings.catch_warnings():
         # A warning ends the motion early, and its reason is returned.
         warnings.simplefilter("ignore")
@@ -122,7 +122,7 @@ def stiff_interval(
 def _interval(
     rates: Rates, x: Array, sampled: Array, k: int, method: str, rtol: float, atol: float, most: int
 ) -> tuple[Array, Array, Array, str | None]:
-    """Return the samples of one interval without its end, the state there, and why it stopped early."""
+    """Return the samples of one interval without its end, the state there, and the reason of an early stop."""
     begin, end = float(sampled[0]), float(sampled[-1])
     count = 0
 

@@ -1,8 +1,8 @@
-"""The local error of a plan: short parts of it simulated one by one, each from the plan's own state.
+"""The local error of a plan: short parts of it are simulated one by one, each from its planned state.
 
-A small error of an unstable motion grows without bound in an open-loop simulation, but not over a short window. So the
-local error decides whether the plan is a motion of the robot, on any mesh alike: intervals longer than a window are
-simulated in equal parts, shorter ones are joined.
+A small error of an unstable motion grows without bound in an open-loop simulation, but not over a short window. The
+local error therefore decides whether the plan is a motion of the robot. It does not depend on the mesh: intervals
+longer than a window are simulated in equal parts, and shorter ones are joined.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
 
 WINDOWS = 40
-"""Windows of a whole plan, which are simulated one by one."""
+"""Number of windows of a whole plan."""
 
 SHORTEST_WINDOW, LONGEST_WINDOW = 0.05, 0.1
 """Bounds of a window [s] for robots: long enough to show an error, too short for gravity to amplify it."""

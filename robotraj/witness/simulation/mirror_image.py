@@ -1,7 +1,7 @@
-"""The mirror image of a robot: the mirrored half of a gait is the planned half, moved by the image of the robot.
+"""The mirror image of a robot, which simulates the mirrored half of a gait with the planned half.
 
-Half a gait is planned and the other half mirrored. ``rt.gait.mirror`` checks geometry, and inertia is seldom symmetric.
-The plan is kept, and every body of the robot is replaced by the mirror image of its partner: this mirrors the world
+Half a gait is planned and the other half mirrored. ``rt.gait.mirror`` checks geometry, but inertia is seldom symmetric.
+The plan is kept, and every body of the robot is replaced by the mirror image of its partner. This mirrors the world
 instead of the motion.
 """
 

@@ -23,13 +23,13 @@ class OpenLoop:
     Attributes
     ----------
     drift : Drift
-        Through all phases from the plan's first state.
+        Drift through all phases from the plan's first state.
     failure : str or None
-        Why and when the simulation stopped before the end.
+        Reason and time of an early stop of the simulation.
     landings : tuple of Landing
         Places at which the simulation set its contacts down.
     stiff : float or None
-        Time [s] of the first interval that implicit steps passed.
+        Time [s] of the first interval that was simulated by implicit steps.
     """
 
     drift: Drift
@@ -41,9 +41,9 @@ class OpenLoop:
 def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> OpenLoop:
     """Simulate a plan under its controls alone.
 
-    A phase with the same states as the phase before starts from the simulated state. So a jump of the plan between
+    A phase with the same states as the phase before starts from the simulated state, so that a jump of the plan between
     phases is drift. Jumps that a link permits are added. Where contacts begin to hold, a simulated impact stops them. A
-    phase with other states, or after a displaced or mirrored end, starts from its own plan.
+    phase with other states, or after a displaced or mirrored end, starts from its planned state.
     """
     rows: list[tuple[DriftRow, ...]] = []
     landings: list[Landing] = []

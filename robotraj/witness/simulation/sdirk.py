@@ -1,7 +1,8 @@
 """Steps of a singly diagonally implicit Runge-Kutta method (SDIRK) for stiff motions, of order 4 and L-stable.
 
-Friction and damping of light links make the rates of a robot decay within microseconds; implicit steps follow the
-motion and not this decay. Friction changes the Jacobian twentyfold within a step, so every stage evaluates its own.
+Friction and damping of light links make the rates of a robot decay within microseconds. Implicit steps follow the
+motion without resolving this decay. Friction changes the Jacobian twentyfold within a step, so that every stage
+evaluates its own.
 The method integrates the deviation e = x - p(t) from a polynomial p through the planned states. For any p,
 e' = f(p(t) + e, t) - p'(t); where the plan is accurate, e and its rate are small.
 Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), section IV.6, table 6.5.
@@ -36,13 +37,13 @@ POINTS = 12
 """Planned states through which the polynomial p of a span passes: exact to degree 11."""
 
 NEWTON = 0.01
-"""Newton's iteration stops where its correction is this part of the tolerance."""
+"""Correction, relative to the tolerance, below which Newton's iteration stops."""
 
 MOST_ITERATIONS = 8
 """Newton iterations of a stage, after which a shorter step is tried."""
 
 MOST_STEPS = 1000
-"""Steps, refused ones included, that one span may take before the motion counts as divergent."""
+"""Largest number of steps of one span, including rejected ones."""
 
 
 class Stepped(NamedTuple):
@@ -60,7 +61,7 @@ class StatePolynomial:
     ----------
     span : Span
     states : ndarray (POINTS, n)
-        At ``StatePolynomial.times(span)``.
+        States at ``StatePolynomial.times(span)``.
     """
 
     def __init__(self, span: Span, states: Array) -> None:
@@ -134,7 +135,7 @@ def pass_stiffly(
             times.append(t)
             states.append(x)
             if last:
-                # A short last step is no reason to begin the next span with short ones.
+                # The next span does not begin with the length of a short last step.
                 return Stepped(np.array(times), np.array(states), max(wanted, proposed))
         step = proposed
         if step < 1e-12 * span.length:
@@ -174,7 +175,7 @@ def take_step(
                 correction = inverse @ (driven.rate(t, state, plan[i]) - slope[i] - rates[i])
                 rates[i] += correction
                 size = GAMMA * step * np.max(np.abs(correction) / scale)
-                # Corrections this small change by their square only.
+                # Newton's method converges quadratically, so that the next correction is negligible.
                 if size < NEWTON:
                     break
             else:
