@@ -108,6 +108,30 @@ std::shared_ptr<native::Program> hock_schittkowski_71() {
                                            std::vector<native::Term>{std::move(term)}, 2);
 }
 
+Started::Started(std::vector<double> x, double mu, double objective_scale)
+    : layout(its_stages()),
+      problem(hock_schittkowski_71(), layout),
+      algorithm(problem, options, progress),
+      run(algorithm.run) {
+  problem.lower = its_lower;
+  problem.upper = its_upper;
+  problem.objective_scale = objective_scale;
+  problem.bounds_changed();
+  run.set_barrier(mu);
+  interior_point::start_cold(run, x.data());
+}
+
+double slope(const std::function<double(const std::vector<double>&)>& function, const std::vector<double>& x,
+             const std::vector<double>& step) {
+  constexpr double h = 1e-6;
+  std::vector<double> ahead = x, behind = x;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ahead[i] += h * step[i];
+    behind[i] -= h * step[i];
+  }
+  return (function(ahead) - function(behind)) / (2.0 * h);
+}
+
 Named::Named(const char* name, Test test) { all().emplace_back(name, test); }
 
 void check(bool holds, const char* what, const char* file, int line) {

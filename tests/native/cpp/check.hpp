@@ -1,11 +1,13 @@
 // The little that the tests of the C++ need: named tests, checks that name their line, and the smallest full problem.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "interior_point/solver.hpp"
+#include "interior_point/start.hpp"
 
 namespace robotraj::tests {
 
@@ -33,5 +35,21 @@ void check(bool holds, const char* what, const char* file, int line);
 std::shared_ptr<native::Program> hock_schittkowski_71();
 native::Stages its_stages();
 extern const std::vector<double> its_lower, its_upper, its_start;
+
+/// That problem at a cold start from x.
+struct Started {
+  explicit Started(std::vector<double> x = its_start, double mu = 0.1, double objective_scale = 1.0);
+
+  native::Layout layout;
+  interior_point::ProgramProblem problem;
+  interior_point::Options options;
+  interior_point::Progress progress;
+  interior_point::Algorithm algorithm;
+  interior_point::Run& run;
+};
+
+/// Slope of a function along the direction `step`, by central differences.
+double slope(const std::function<double(const std::vector<double>&)>& function, const std::vector<double>& x,
+             const std::vector<double>& step);
 
 }  // namespace robotraj::tests

@@ -1,0 +1,61 @@
+// The error of the optimality conditions against its definition, and the two kinds of convergence.
+#include <algorithm>
+#include <cmath>
+
+#include "check.hpp"
+
+namespace robotraj::tests {
+
+using interior_point::Converged;
+
+ROBOTRAJ_TEST(the_error_is_the_scaled_one_of_the_paper) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  for (const double size : {1.0, 1e4}) {  // multipliers whose mean is below and above s_max
+    for (int i = 0; i < 6; ++i) at.at->rows[i] = size * (i - 2.5);
+    for (int i = 0; i < 5; ++i) {
+      at.at->lower[i] = size * (i + 1);
+      at.at->upper[i] = i == 0 ? 0.0 : size * (6 - i);
+    }
+    at.turned();
+    const double mu = 0.3;
+    double rows = 0.0, bounds = 0.0, complementarity = 0.0;
+    for (int i = 0; i < 6; ++i) rows += std::abs(at.at->rows[i]);
+    for (int i = 0; i < 5; ++i) {
+      bounds += at.at->lower[i] + at.at->upper[i];
+      complementarity = std::max(complementarity, std::abs(at.at->lower[i] * at.below()[i] - mu));
+      if (i > 0) complementarity = std::max(complementarity, std::abs(at.at->upper[i] * at.above()[i] - mu));
+    }
+    const double s_d = std::max(100.0, (rows + bounds) / (6 + 9)) / 100.0, s_c = std::max(100.0, bounds / 9) / 100.0;
+    const double expected = std::max({at.largest_infeasibility() / s_d, at.largest_violation(), complementarity / s_c});
+    CHECK(std::abs(interior_point::error(at, mu) - expected) < 1e-12 * expected);
+    double products = 0.0;
+    for (int i = 0; i < 5; ++i) products += at.at->lower[i] * at.below()[i] + at.at->upper[i] * at.above()[i];
+    CHECK(std::abs(interior_point::mean_complementarity(at) - products / 9) < 1e-12 * products);
+  }
+}
+
+ROBOTRAJ_TEST(an_acceptable_error_counts_only_in_a_row) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  const double now = interior_point::error(at, 0.0);
+  interior_point::Options options;
+  options.violation_tolerance = 1e3;
+  options.tolerance = 0.5 * now;
+  options.acceptable_tolerance = 2.0 * now;
+  options.acceptable_iterations = 3;
+  interior_point::Convergence convergence(options);
+  CHECK(convergence.check(at) == Converged::no);
+  CHECK(convergence.check(at) == Converged::no);
+  CHECK(convergence.check(at) == Converged::acceptable);
+  options.acceptable_tolerance = 0.9 * now;
+  CHECK(convergence.check(at) == Converged::no);
+  options.acceptable_tolerance = 2.0 * now;
+  CHECK(convergence.check(at) == Converged::no);
+  options.tolerance = now;
+  CHECK(convergence.check(at) == Converged::solved);
+  options.violation_tolerance = 0.5 * at.largest_violation();
+  CHECK(convergence.check(at) == Converged::no);
+}
+
+}  // namespace robotraj::tests

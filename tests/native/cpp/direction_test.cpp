@@ -1,0 +1,66 @@
+// Search directions where the Hessian is indefinite, and those of the same factors.
+#include <Eigen/Dense>
+
+#include <cmath>
+
+#include "check.hpp"
+
+namespace robotraj::tests {
+namespace {
+
+/// Largest residual of the linearised rows, A dx + (dc / ds) ds + c.
+double left_of_rows(Started& its, const interior_point::Room& step, const double* c) {
+  native::Program& program = its.problem.program();
+  program.set_point(its.run.current->at->x);
+  const native::Numbers jacobian = program.jacobian();
+  Eigen::VectorXd left(6);
+  for (int i = 0; i < 6; ++i) left[i] = c[i] - (i > 0 ? step->s[i - 1] : 0.0);
+  for (std::size_t e = 0; e < jacobian.size(); ++e)
+    left[program.jacobian_pattern().rows[e]] += jacobian[e] * step->x[program.jacobian_pattern().columns[e]];
+  return left.lpNorm<Eigen::Infinity>();
+}
+
+}  // namespace
+
+ROBOTRAJ_TEST(directions_descend_where_the_objective_is_concave) {
+  // Every row holds at this point, so a direction descends exactly where the reduced Hessian is positive along it.
+  Started its({3.0, 3.0, 3.0, std::sqrt(13.0)}, 0.1, -100.0);
+  interior_point::Iterate& at = *its.run.current;
+  CHECK(at.violation() < 1e-12);
+  for (int i = 0; i < 6; ++i) at.at->rows[i] = 0.0;
+  at.turned();
+  interior_point::Room step(its.problem);
+  interior_point::Newton& newton = its.run.direction.newton;
+  CHECK(its.run.direction.find(at, its.run.mu, step.get()));
+  CHECK(left_of_rows(its, step, at.residual()) < 1e-6);
+  double slope = 0.0;
+  for (int i = 0; i < 4; ++i) slope += at.gradient_x()[i] * step->x[i];
+  for (int i = 0; i < 5; ++i) {
+    slope += its.run.mu * step->s[i] * (i > 0 ? 1.0 / at.above()[i] : interior_point::Iterate::kappa_d);
+    slope -= its.run.mu * step->s[i] / at.below()[i];
+  }
+  CHECK(slope < 0.0);
+  // The Hessian as it is has too many negative eigenvalues.
+  const std::vector<double> none(6, 0.0);
+  const double* zero = none.data();
+  CHECK(newton.solve(at, {zero, zero, zero, zero, zero}, 0.0, 0.0, step.get()) == interior_point::Solved::indefinite);
+}
+
+ROBOTRAJ_TEST(corrections_solve_for_other_residuals_by_the_same_factors) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  interior_point::Room step(its.problem), again(its.problem);
+  CHECK(its.run.direction.find(at, its.run.mu, step.get()));
+  CHECK(its.run.direction.correct(at, at.residual(), again.get()));
+  for (int i = 0; i < 4; ++i) CHECK(std::abs(again->x[i] - step->x[i]) < 1e-6);
+  const double other[] = {1.0, -2.0, 3.0, 0.5, 0.0, -1.0};
+  CHECK(its.run.direction.correct(at, other, again.get()));
+  CHECK(left_of_rows(its, again, other) < 1e-6);
+  // Another barrier parameter is another right-hand side.
+  CHECK(its.run.direction.find(at, 0.01, step.get()));
+  CHECK(its.run.direction.aim(at, its.run.mu, again.get()));
+  CHECK(its.run.direction.find(at, its.run.mu, step.get()));
+  for (int i = 0; i < 5; ++i) CHECK(std::abs(again->s[i] - step->s[i]) < 1e-6);
+}
+
+}  // namespace robotraj::tests

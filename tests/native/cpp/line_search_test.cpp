@@ -1,0 +1,52 @@
+// Accepted points against the conditions of the line search, and what the filter keeps of them.
+#include <cmath>
+
+#include "check.hpp"
+
+namespace robotraj::tests {
+
+ROBOTRAJ_TEST(accepted_points_lower_the_violation_or_the_barrier_function) {
+  for (const std::vector<double>& x : {its_start, std::vector<double>{1.2, 1.2, 4.8, 4.8}, {2.0, 3.0, 4.0, 1.5}}) {
+    Started its(x);
+    interior_point::LineSearch& search = its.algorithm.search;
+    search.start();
+    for (int iteration = 0; iteration < 25 && its.run.current->violation() > 1e-6; ++iteration) {
+      interior_point::Iterate& at = *its.run.current;
+      CHECK(its.run.direction.find(at, its.run.mu, its.run.step.get()));
+      const double violation = at.violation(), barrier = at.barrier(its.run.mu);
+      CHECK(search.search());
+      interior_point::Iterate& trial = *its.run.trial;
+      CHECK(trial.violation() <= (1.0 - 1e-5) * violation + 1e-13 ||
+            trial.barrier(its.run.mu) <= barrier - 1e-8 * violation + 1e-13 * std::abs(barrier));
+      // 1 - tau of every distance and multiplier is left.
+      const double left = (1.0 - its.run.tau()) * (1.0 - 1e-9);
+      for (int i = 0; i < 5; ++i) {
+        CHECK(trial.below()[i] >= left * at.below()[i]);
+        CHECK(trial.at->lower[i] >= left * at.at->lower[i]);
+        if (i == 0) continue;
+        CHECK(trial.above()[i] >= left * at.above()[i]);
+        CHECK(trial.at->upper[i] >= left * at.at->upper[i]);
+      }
+      std::swap(its.run.current, its.run.trial);
+    }
+    CHECK(its.run.current->violation() <= 1e-6);
+  }
+}
+
+ROBOTRAJ_TEST(a_point_that_was_given_up_is_accepted_no_more) {
+  Started its;
+  interior_point::LineSearch& search = its.algorithm.search;
+  search.start();
+  interior_point::Iterate& at = *its.run.current;
+  const double violation = at.violation(), barrier = at.barrier(its.run.mu);
+  search.give_up();
+  CHECK(!search.accepts(violation, barrier));
+  CHECK(!search.accepts(violation, barrier + 1.0));
+  CHECK(search.accepts(0.5 * violation, barrier + 1.0));
+  CHECK(search.accepts(violation, barrier - 1.0));
+  CHECK(!search.accepts(0.5 * violation, std::nan("")));
+  search.reset();
+  CHECK(search.accepts(violation, barrier - 1e-8 * violation - 1e-9));
+}
+
+}  // namespace robotraj::tests

@@ -1,0 +1,51 @@
+// Points of the restoration phase against its conditions.
+#include <cmath>
+
+#include "check.hpp"
+
+namespace robotraj::tests {
+
+using interior_point::End;
+
+ROBOTRAJ_TEST(a_restored_point_halves_the_violation_and_is_accepted) {
+  for (const std::vector<double>& x : {std::vector<double>{1.1, 1.1, 1.1, 1.1}, {4.9, 4.9, 4.9, 4.9}}) {
+    Started its(x);
+    const double before = its.run.current->violation();
+    its.algorithm.search.start();
+    its.algorithm.search.give_up();
+    interior_point::Restoration restoration(its.problem, its.options, its.progress);
+    CHECK(restoration.restore(its.run, its.algorithm.search) == End::restored);
+    interior_point::Iterate& to = *its.run.trial;
+    CHECK(to.violation() <= 0.5 * before);
+    CHECK(its.algorithm.search.accepts(to.violation(), to.barrier(its.run.mu)));
+    for (int i = 0; i < 5; ++i) {
+      CHECK(to.below()[i] > 0.0 && to.above()[i] > 0.0);
+      CHECK(to.at->lower[i] >= 0.0 && to.at->upper[i] >= 0.0);
+      CHECK(to.at->rows[i] == 0.0);
+    }
+    CHECK(its.progress.iterations > 0);
+    CHECK(its.progress.trace.size() == static_cast<std::size_t>(its.progress.iterations) + 1);
+  }
+}
+
+ROBOTRAJ_TEST(the_least_violation_that_is_not_zero_is_infeasible) {
+  Started its;
+  its.problem.lower[0] = 700.0;  // |x|^2 = 40 allows a product of 100
+  its.problem.bounds_changed();
+  interior_point::start_cold(its.run, its_start.data());
+  its.algorithm.search.start();
+  its.algorithm.search.give_up();
+  interior_point::Restoration restoration(its.problem, its.options, its.progress);
+  // Halves of the violation are restored points as well; from the last of them on there is none.
+  End end = End::restored;
+  for (int round = 0; end == End::restored && round < 20; ++round) {
+    end = restoration.restore(its.run, its.algorithm.search);
+    if (end != End::restored) break;
+    std::swap(its.run.current, its.run.trial);
+    its.algorithm.search.give_up();
+  }
+  CHECK(end == End::infeasible);
+  CHECK(its.run.trial->largest_violation() > 1.0);
+}
+
+}  // namespace robotraj::tests
