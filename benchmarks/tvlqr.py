@@ -13,7 +13,8 @@ is 1.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 
@@ -23,6 +24,17 @@ RUNS = 100
 SEED = 22
 ERROR = 0.01
 """Standard deviation of the first state of the biped [rad, m, rad/s, m/s]."""
+
+HEAD = """\
+# Plans under their own gains in MuJoCo
+
+Written by `python benchmarks/tvlqr.py`: 100 seeded runs a row. Disturbances are factors of the default ones. Where a
+run is lost at the default ones, the second row has those for which the feedback uses half of the torque that the plan
+leaves of the limits. A run is held while every position stays within the bound of the plan [rad, m].
+
+| plan | disturbances | bound | held of 100 | 95 percent interval | median | worst |
+|---|---|---|---|---|---|---|
+"""
 
 
 def cartpole() -> rt.Solution:
@@ -88,30 +100,38 @@ def biped(scale: float) -> tuple[int, int]:
     return kept, RUNS
 
 
+def rows(name: str) -> Iterator[str]:
+    """Rows of a plan: at the default disturbances and, where a run is lost, at those of its torque reserve."""
+    if name not in PLANS:
+        kept, _ = biped(1.0)
+        yield f"| {name} | 1 | upright | {kept} | | | |"
+        return
+    make, bound = PLANS[name]
+    solution = make()
+    for attempt in range(2):
+        scale = within_reserve(solution, bound) if attempt else 1.0
+        drawn = rt.witness.Disturbances().scaled(scale)
+        found = rt.witness.monte_carlo(solution, RUNS, disturbances=drawn, bound=bound, seed=SEED)
+        kept, (low, high) = int(np.sum(found.worst <= bound)), found.interval
+        yield (
+            f"| {name} | {scale:.2g} | {bound:g} | {kept} | {low:.3f} to {high:.3f} | "
+            f"{np.median(found.worst):.3g} | {found.worst.max():.3g} |"
+        )
+        if kept == RUNS:
+            return
+
+
 def main() -> None:
-    """Print the table."""
-    names = sys.argv[1:] or [*PLANS, "five_link"]
-    print("| plan | disturbances | bound | held of 100 | 95 percent interval | median | worst |", flush=True)
-    print("|---|---|---|---|---|---|---|", flush=True)
-    for name in names:
-        if name not in PLANS:
-            kept, _ = biped(1.0)
-            print(f"| {name} | 1 | upright | {kept} | | | |", flush=True)
-            continue
-        make, bound = PLANS[name]
-        solution = make()
-        for attempt in range(2):
-            scale = within_reserve(solution, bound) if attempt else 1.0
-            drawn = rt.witness.Disturbances().scaled(scale)
-            found = rt.witness.monte_carlo(solution, RUNS, disturbances=drawn, bound=bound, seed=SEED)
-            kept, (low, high) = int(np.sum(found.worst <= bound)), found.interval
-            print(
-                f"| {name} | {scale:.2g} | {bound:g} | {kept} | {low:.3f} to {high:.3f} | "
-                f"{np.median(found.worst):.3g} | {found.worst.max():.3g} |",
-                flush=True,
-            )
-            if kept == RUNS:
-                break
+    """Print the table, and write it beside this file if it has every plan."""
+    names = sys.argv[1:]
+    lines = HEAD.splitlines()
+    print(*lines, sep="\n", flush=True)
+    for name in names or [*PLANS, "five_link"]:
+        for row in rows(name):
+            print(row, flush=True)
+            lines.append(row)
+    if not names:
+        Path(__file__).with_suffix(".md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
