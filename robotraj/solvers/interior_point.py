@@ -28,6 +28,7 @@ from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program, refresh
+from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.solvers.status import STATUSES, Status
 
 if TYPE_CHECKING:
@@ -49,10 +50,12 @@ FACTORS = (100.0, 10.0)
 
 The first takes fewer iterations. If its line search fails, the solve starts again from the guess with the second.
 """
-PATIENCE, LARGER = 500, 10.0
-"""Iterations of the first attempt, and factor on the first barrier of the next.
+PATIENCE, PATIENCE_ASSEMBLED, LARGER = 500, 150, 100.0
+"""Iterations of the first attempt, of one on a problem without stages, and factor on the first barrier of the next.
 
-Near singular postures such as straight knees an attempt may wander without converging."""
+Near singular postures such as straight knees an attempt may wander without converging. With contacts, attempts that
+converge seldom take 100 iterations.
+"""
 SHORTEST = 1e-3
 """Shortest time limit of a fallback [s]."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
@@ -218,9 +221,10 @@ class InteriorPoint(Solver):
         iterations = 0
         factors = FACTORS if self.barrier_factor is None else (self.barrier_factor,)
         attempts = [(barrier, factor, warm) for factor in factors]
+        longest = PATIENCE if isinstance(formulation, Reduction) else PATIENCE_ASSEMBLED
         while attempts:
             first, factor, known = attempts.pop(0)
-            patience = min(self.max_iterations if tried else PATIENCE, self.max_iterations - iterations)
+            patience = min(self.max_iterations if tried else longest, self.max_iterations - iterations)
             left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
             found = native.solve(
                 start,
@@ -238,7 +242,10 @@ class InteriorPoint(Solver):
             if iterations >= self.max_iterations or status not in (Status.STALLED, Status.ITERATION_LIMIT):
                 break
             if status is Status.ITERATION_LIMIT:
-                attempts = [(LARGER * self.initial_barrier, factors[0], {})]
+                # The weight of the barrier stays, and rows weigh less beside the objective.
+                larger = LARGER * self.initial_barrier
+                scale = self.objective_scale or of_program(native, start, program, larger, nlp)
+                attempts = [(larger, factors[0], {})]
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready

@@ -241,7 +241,10 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     assert asked == [7, 10, 3]
 
 
-def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("name", "patience"), [("arm", "PATIENCE"), ("step", "PATIENCE_ASSEMBLED")])
+def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
+    monkeypatch: pytest.MonkeyPatch, name: str, patience: str
+) -> None:
     asked = []
 
     class Seen:
@@ -257,13 +260,13 @@ def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(monkeypa
     make = module.native_program
     monkeypatch.setattr(module, "native_program", lambda *given: Seen(make(*given)))
     monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
-    problem = EVERY["arm"]()
+    problem = EVERY[name]()
     nlp = rt.transcription.transcribe(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
     solver = rt.InteriorPoint(fallback=None, max_iterations=200)
-    known = solver.solve(nlp)
-    monkeypatch.setattr(module, "PATIENCE", 5)
+    before, known = getattr(module, patience), solver.solve(nlp)
+    monkeypatch.setattr(module, patience, 5)
     found = solver.solve(nlp)
-    assert asked == [(0.01, 200), (0.01, 5), (0.1, 195)]
+    assert asked == [(0.01, min(200, before)), (0.01, 5), (1.0, 195)]
     assert known.iterations > 5 and found.status is rt.solvers.Status.SOLVED
     assert nlp.objective(found.w) == pytest.approx(nlp.objective(known.w), rel=1e-6)
     few = rt.InteriorPoint(fallback=None, max_iterations=7).solve(nlp)
