@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
-from typing import Any, cast
+from typing import TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +102,15 @@ def system_panels(system: System) -> list[Panel]:
     return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
 
 
+class _Chart(TypedDict):
+    """A chart as JSON; see ``curves``."""
+
+    title: str
+    symbol: str
+    series: list[dict[str, str]]
+    pieces: list[dict[str, object]]
+
+
 def curves(cycles: GaitCycles) -> list[dict[str, object]]:
     """Sample every chart of a solution, ready for JSON.
 
@@ -114,7 +123,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, object]]:
         ``title``, ``symbol``, ``series`` (label, unit, variable) and ``pieces``, one for each phase: ``t`` (m,) [s],
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
-    drawn: dict[str, dict[str, Any]] = {}
+    drawn: dict[str, _Chart] = {}
     number = len(cycles.phases)
     for cycle_phase in cycles.phases:
         phase = cycle_phase.phase
@@ -126,9 +135,8 @@ def curves(cycles: GaitCycles) -> list[dict[str, object]]:
         times, samples = _sample(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
         for panel in panels:
             labels = [{"label": s.label, "unit": s.unit, "variable": s.variable} for s in panel.series]
-            chart = drawn.setdefault(
-                panel.title, {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
-            )
+            empty: _Chart = {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
+            chart = drawn.setdefault(panel.title, empty)
             chart["series"] += [label for label in labels if label not in chart["series"]]
             values = np.concatenate([panel.read(sample) for sample in samples])
             bounds = [limits.get(s.variable, (-np.inf, np.inf)) for s in panel.series]
@@ -141,7 +149,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, object]]:
                     "upper": [high if np.isfinite(high) else None for _, high in bounds],
                 }
             )
-    return list(drawn.values())
+    return [dict(chart) for chart in drawn.values()]
 
 
 def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Sample | CycleSample]]:

@@ -140,7 +140,7 @@ def page_of(
         "hidden": list(root_of(robot.root).positions + root_of(robot.root).velocities) if robot is not None else [],
         "scene": scene.description if scene is not None else None,
     }
-    return page(_heading(cycles, robot, title), description, scene.commands if scene is not None else None)
+    return page(_heading(cycles, title), description, scene.commands if scene is not None else None)
 
 
 def _is_number(value: object) -> bool:
@@ -197,7 +197,7 @@ def _name(phase: Phase) -> str:
     return moved.name
 
 
-def _heading(cycles: GaitCycles, robot: Robot | None, title: str | None) -> Heading:
+def _heading(cycles: GaitCycles, title: str | None) -> Heading:
     solution = cycles.solution
     first = solution.phases[0].phase
     names = [result.phase.name for result in solution.phases]

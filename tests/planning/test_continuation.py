@@ -1,4 +1,4 @@
-"""Stages: easier problems first, the problem itself last, and a record of each."""
+"""Continuation steps: easier problems first, the problem itself last, and a record of each."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def reach(arm: rt.Robot, **changes: object) -> rt.Phase:
     return rt.Phase(arm, **(given | changes))
 
 
-def test_the_last_stage_is_the_problem_itself(arm: rt.Robot) -> None:
+def test_the_last_step_is_the_problem_itself(arm: rt.Robot) -> None:
     phase = reach(arm)
     direct = rt.plan(phase, mesh=rt.Mesh(20))
     staged = rt.plan(
@@ -59,7 +59,7 @@ def test_effort_before_absolute_power(arm: rt.Robot) -> None:
     assert staged.objective == pytest.approx(rt.plan(phase, mesh=rt.Mesh(14)).objective, rel=1e-4)
 
 
-def test_limits_and_objective_can_be_dropped_for_a_stage(arm: rt.Robot) -> None:
+def test_limits_and_objective_can_be_dropped_for_a_step(arm: rt.Robot) -> None:
     phase = reach(arm)
     stage = rt.planning.ContinuationStep(limits=None, objective=None).of(rt.Problem([phase])).phases[0]
     assert stage.limits is None and stage.objective is None
@@ -80,12 +80,12 @@ def test_phases_are_changed_by_name(arm: rt.Robot) -> None:
         rt.planning.ContinuationStep(constraints={"bakc": ()}).of(problem)
 
 
-def test_a_stage_that_changes_nothing_is_the_problem(arm: rt.Robot) -> None:
+def test_a_step_that_changes_nothing_is_the_problem(arm: rt.Robot) -> None:
     problem = rt.Problem([reach(arm)])
     assert rt.planning.ContinuationStep(mesh=rt.Mesh(5)).of(problem) is problem
 
 
-def test_a_stage_that_fails_is_recorded_and_left_behind(arm: rt.Robot) -> None:
+def test_a_step_that_fails_is_recorded_and_left_behind(arm: rt.Robot) -> None:
     impossible = rt.PathConstraint(lambda p: 1.0 + p.a[0] ** 2, upper=0.5, name="never")
     phase = reach(arm)
     stages = [
@@ -103,19 +103,19 @@ def test_a_stage_that_fails_is_recorded_and_left_behind(arm: rt.Robot) -> None:
     np.testing.assert_allclose(solution.objective, direct.objective, rtol=1e-10)
 
 
-def test_stages_lead_to_a_tolerance(arm: rt.Robot) -> None:
+def test_steps_lead_to_a_tolerance(arm: rt.Robot) -> None:
     solution = rt.plan(
         reach(arm), tolerance=1e-5, continuation=[rt.planning.ContinuationStep(mesh=rt.Mesh(5), constraints=())]
     )
     assert solution.success and solution.refinement and solution.continuation
 
 
-def test_what_is_no_stage_is_refused(arm: rt.Robot) -> None:
+def test_what_is_no_step_is_refused(arm: rt.Robot) -> None:
     with pytest.raises(InputError, match="number 0 is a Mesh"):
         rt.plan(reach(arm), continuation=[rt.Mesh(5)])
 
 
-def test_an_interrupted_stage_ends_the_plan(arm: rt.Robot) -> None:
+def test_an_interrupted_step_ends_the_plan(arm: rt.Robot) -> None:
     class Interrupts(rt.Ipopt):
         def solve(self, nlp: Any, progress: Any = None, multipliers: Any = None) -> Any:
             outcome = super().solve(nlp, progress, multipliers)

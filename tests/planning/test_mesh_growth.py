@@ -1,4 +1,4 @@
-"""Meshes of a tolerance that hardly grow are made to, so that the number of meshes does not end a plan."""
+"""Meshes that hardly grow are refined further, so that the largest number of meshes does not end a plan."""
 
 import robotraj as rt
 from robotraj._util.values import dataclass

@@ -60,7 +60,7 @@ def test_what_it_took_is_counted() -> None:
     assert solution.iterations > 3 * again.iterations
 
 
-def test_a_plan_on_several_meshes_names_the_beginning_that_led_to_it() -> None:
+def test_a_plan_on_several_meshes_names_the_start_that_led_to_it() -> None:
     solution = rt.plan(triple_integrator(), solver=rt.Ipopt())
     assert solution.proof is not None and solution.proof.holds
     assert len(solution.refinement) > 1 and "the guess was too short" in solution.message
@@ -85,7 +85,7 @@ def test_what_is_infeasible_stays_so() -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.5, 6.0, 9.0])
-def test_guesses_with_a_course_of_their_own_get_more_time_too(seconds: float) -> None:
+def test_guesses_of_the_user_get_more_time_too(seconds: float) -> None:
     own = rt.guess.Keyframes([0, 1], [rt.State([5, 0]), rt.State([0, 0])], duration=seconds)
     solution = rt.plan(oscillator(5.0), guess=own)
     assert solution.duration == pytest.approx(7.93741, rel=1e-2)
@@ -150,7 +150,7 @@ def test_rows_between_the_points_are_weighed_by_solutions_of_the_problem_alone()
     assert asked and all(each is problem for each in asked)
 
 
-def test_an_interruption_ends_all_beginnings(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_ends_all_starts(monkeypatch: pytest.MonkeyPatch) -> None:
     problem, solves, plain = Problem([too_far()]), [], rt.InteriorPoint.solve
 
     def stopped(self: rt.InteriorPoint, *arguments: Any) -> Any:
@@ -201,7 +201,7 @@ def test_variations_of_the_default_guess_follow_one_that_fails(monkeypatch: pyte
     assert "from a variation of the default guess" in solution.message
 
 
-def test_ones_own_guess_is_not_varied() -> None:
+def test_a_given_guess_is_not_varied() -> None:
     solution = rt.plan(around_a_ball(), rt.Mesh(30), guess=AT_HOME, check=False)
     assert not solution.success and "variation" not in solution.message
 

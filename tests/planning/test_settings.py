@@ -85,7 +85,7 @@ def test_what_has_no_stages_is_for_ipopt() -> None:
 
 
 def test_a_system_reaches_the_optimum_of_its_mesh_and_keeps_nothing_from_its_bounds() -> None:
-    """A hull would ask for more than the bounds; for systems rows are imposed where a plan breaks them."""
+    """Bernstein bounds are stricter than the bounds; for systems rows are imposed where a plan violates them."""
     system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
     phase = rt.Phase(
         system,

@@ -1,4 +1,4 @@
-"""One solve on one mesh: what is held between the collocation points, and what an earlier solution brings along."""
+"""One solve on one mesh: limits between the collocation points, and data of an earlier solution."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def block() -> rt.System:
 
 
 def turning(*constraints: Any) -> rt.Phase:
-    """There and back in a second."""
+    """Return a motion there and back in a second."""
     ends = rt.State([0, 1.0]), rt.State([0, -1.0])
     return rt.Phase(block(), 1.0, *ends, rt.Effort(), constraints=list(constraints))
 
@@ -175,7 +175,7 @@ def test_torques_of_refined_plans_are_held_between_the_points() -> None:
 
 
 def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
-    """A hull of the speeds would ask for 4e-6 more."""
+    """Bernstein bounds of the speeds would cost 4e-6 more."""
     phase = hurried().with_(duration=1.0, objective=rt.Effort())
     assert rt.plan(phase, tolerance=1e-6).objective == pytest.approx(1071.8077, rel=1e-6)
 

@@ -38,7 +38,7 @@ def test_the_last_iterate_is_kept(options: dict[str, object]) -> None:
     assert np.isfinite(solution.at(1.0).q).all()
 
 
-def test_other_beginnings_are_part_of_the_plan() -> None:
+def test_restarts_are_part_of_the_plan() -> None:
     """The goal is out of reach; without a limit the plan takes many times as long."""
     far = cartpole().with_(duration=0.05)
     began = time.process_time()

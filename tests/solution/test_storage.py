@@ -296,7 +296,7 @@ def test_a_height_map_survives() -> None:
 
 @dataclass(frozen=True)
 class Mine(Constraint):
-    """A user's own constraint: the codec has never heard of it."""
+    """A constraint of the user, which is not on the allow-list."""
 
     gains: dict[str, tuple[float, ...]]
 

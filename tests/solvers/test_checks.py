@@ -1,4 +1,4 @@
-"""Numbers that solvers are given are looked at when the value is made."""
+"""Options of solvers are checked when the value is made."""
 
 from __future__ import annotations
 

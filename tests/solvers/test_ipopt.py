@@ -1,4 +1,4 @@
-"""IPOPT's options are a value; what it is handed is enough for it."""
+"""IPOPT's options are a value, and its solutions are stationary points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bits depend neither on CasADi's plugins that ran before, nor do theirs on robotraj."""
+"""Results do not depend on CasADi's plugins that ran before, nor do theirs on robotraj, bit for bit."""
 
 from __future__ import annotations
 

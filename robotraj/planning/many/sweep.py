@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from robotraj._util.errors import InputError, Interrupted, unknown_name
 from robotraj.planning.many.workers import run
@@ -139,8 +139,8 @@ def _numbered_plan(options: GuessedChoices, number: int, problem: Problem) -> So
 
 def detach(solution: Solution) -> Solution:
     """Return a solution without its problem, to be sent to a process that has the problem."""
-    bare: Any = None
-    return replace(solution, problem=bare, phases=tuple(replace(part, phase=bare) for part in solution.phases))
+    bare = tuple(replace(part, phase=cast(Phase, None)) for part in solution.phases)
+    return replace(solution, problem=cast(Problem, None), phases=bare)
 
 
 def attach(solution: Solution, problem: Problem) -> Solution:

@@ -34,7 +34,7 @@ function valueAt(chart, series, t) {
 class Chart {
   constructor(host, data, { phases, impacts, proof }, state, onSeek) {
     Object.assign(this, { data, phases, impacts, violations: proof.violations, state, fit: false });
-    // Limits far away would leave the curves no room: then they are shown on demand. Curves that are zero need none.
+    // Limits far from the curves would compress them, so they are shown on demand. Zero curves need no limits.
     const all = this.range();
     this.fit = true;
     const own = this.range();
@@ -160,7 +160,7 @@ class Chart {
     pen.globalAlpha = 1;
   }
 
-  // Knots of the mesh as ticks on the time axis, as long as they can be told apart.
+  // Knots of the mesh as ticks on the time axis, unless they are too dense.
   drawKnots(pen, frame) {
     pen.strokeStyle = "#8894a2";
     pen.lineWidth = 1;

@@ -103,7 +103,7 @@ class _Phase:
         self.state_bounds = self._bound_density("states", self.nx)
         self.algebraic_bounds = self._bound_density("algebraic", self.nz)
         self._defects(nlp, index, rows)
-        self._added_rows(nlp, index, block.scatter, rows)
+        self._added_rows(nlp, block.scatter, rows)
 
     def _jacobians(self, block: object, w: Array) -> Array:
         """Dense dy/dv at every place, (places, n_y, n_v)."""
@@ -146,7 +146,7 @@ class _Phase:
         flat = rows[self.defect_rows].reshape(-1, self.nx)
         self.defects = np.split(flat, np.cumsum(counts)[:-1])
 
-    def _added_rows(self, nlp: Nlp, index: int, scatter: csr_array, rows: Array) -> None:
+    def _added_rows(self, nlp: Nlp, scatter: csr_array, rows: Array) -> None:
         """Rows between collocation points, by interval: tau, impulse and contributions to the stages."""
         rates = (np.arange(self.places)[:, None] * self.stage.outputs + np.arange(self.nx)).ravel()
         reading = csr_array(scatter.tocsc()[:, rates])

@@ -61,7 +61,7 @@ def to_controller(solution: Planned, path: str | os.PathLike[str], rate: float =
         raise InputError(f"to_controller writes {', '.join(_WRITERS)}; got {str(path)!r}.")
     points = set_points(solution, rate)
     with whole_file(target) as partial:
-        write(points, partial, rate)
+        write(points, partial)
     return target
 
 
@@ -85,11 +85,11 @@ def joint_trajectory(points: SetPoints) -> dict[str, object]:
     }
 
 
-def _write_json(points: SetPoints, path: Path, rate: float) -> None:
+def _write_json(points: SetPoints, path: Path) -> None:
     path.write_text(json.dumps(joint_trajectory(points), allow_nan=False) + "\n", encoding="utf-8")
 
 
-def _write_yaml(points: SetPoints, path: Path, rate: float) -> None:
+def _write_yaml(points: SetPoints, path: Path) -> None:
     """Write block style with one line a list; JSON's lists and strings are YAML's."""
     message = joint_trajectory(points)
     lines = ["header:", "  stamp: {sec: 0, nanosec: 0}", '  frame_id: ""']
@@ -104,7 +104,7 @@ def _write_yaml(points: SetPoints, path: Path, rate: float) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _write_csv(points: SetPoints, path: Path, rate: float) -> None:
+def _write_csv(points: SetPoints, path: Path) -> None:
     headings = ["t [s]"]
     for kind, per in (("q", ""), ("v", "/s"), ("a", "/s^2")):
         headings += [f"{kind}.{joint} [{unit}{per}]" for joint, unit in zip(points.joints, points.units, strict=True)]
@@ -117,13 +117,13 @@ def _write_csv(points: SetPoints, path: Path, rate: float) -> None:
             writer.writerow([repr(value) for value in row])
 
 
-def _write_servo(points: SetPoints, path: Path, rate: float) -> None:
+def _write_servo(points: SetPoints, path: Path) -> None:
     """Write only numbers. Every row lasts one period; the last row is the end of the plan, at or after its time."""
     rows = np.column_stack([points.q, points.v, points.tau])
     path.write_text("\n".join(" ".join(f"{value:.9g}" for value in row) for row in rows) + "\n", encoding="utf-8")
 
 
-def _write_mcap(points: SetPoints, path: Path, rate: float) -> None:
+def _write_mcap(points: SetPoints, path: Path) -> None:
     try:
         from mcap.writer import Writer
     except ImportError as error:
@@ -145,7 +145,7 @@ def _write_mcap(points: SetPoints, path: Path, rate: float) -> None:
         writer.finish()
 
 
-_WRITERS: Mapping[str, Callable[[SetPoints, Path, float], None]] = {
+_WRITERS: Mapping[str, Callable[[SetPoints, Path], None]] = {
     ".yaml": _write_yaml,
     ".json": _write_json,
     ".csv": _write_csv,

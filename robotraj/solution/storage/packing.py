@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 from robotraj.solution.storage.classes import CLASSES, ENUMS, NOT_KEPT
 from robotraj.solution.storage.models import model_data
 from robotraj.solution.storage.plain_data import MARK, Json, NotPlainData
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
 class Packer:
@@ -91,7 +94,7 @@ class Packer:
             return {"$arrays": joined, "lengths": [len(part) for part in arrays], "as": mark}
         return {mark: [self._pack(entry, f"{path}.{i}") for i, entry in enumerate(value)]}
 
-    def _dataclass(self, value: Any, path: str) -> dict[str, Json]:
+    def _dataclass(self, value: DataclassInstance, path: str) -> dict[str, Json]:
         name = self._listed(type(value), CLASSES, path)
         kept = [field.name for field in fields(value) if field.init and field.name not in NOT_KEPT.get(name, ())]
         return {"$class": name, "fields": {key: self._pack(getattr(value, key), f"{path}.{key}") for key in kept}}

@@ -95,11 +95,6 @@ class Program:
     form_rows: Indices
     bound_columns: Indices
 
-    @property
-    def columns_of_states(self) -> Mask:
-        """Which entries of y are states, (n_y,)."""
-        return np.concatenate([np.arange(u + x) >= u for u, x in zip(self.nu, self.nx, strict=True)])
-
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
@@ -157,7 +152,7 @@ def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) ->
 
     # x_{k+1}, the slot (c, s + 1), has the coefficient -1 in the dynamics. The list of nonzeros does not contain it.
     row, column, data = entries_of(slots.matrix, slots.carried[:, 1])
-    cost, base = _cost(form, order, slots, known, values)
+    cost, base = _cost(form, slots, known, values)
     stages = order.stages
     return Program(
         slots.nu,
@@ -197,7 +192,7 @@ def with_values(program: Program, form: Form, order: Order, slots: Slots, known:
         reads, fixed = _reads(block, known, values)
         offset = _at_places(reads, places, slots) @ slots.offset
         blocks.append(replace(part, block=replace(part.block, constants=block.constants), shift=fixed + offset))
-    _, constant = _cost(form, order, slots, known, values)
+    _, constant = _cost(form, slots, known, values)
     lower, upper = path.lower[~path.equal], path.upper[~path.equal]
     return replace(program, shift=shift, constant=constant, blocks=tuple(blocks), lower=lower, upper=upper)
 
@@ -283,7 +278,7 @@ def _chain(block: Block, reads: Csr, gather: Csr, places: Indices) -> Chain:
     return made
 
 
-def _cost(form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> tuple[Array, float]:
+def _cost(form: Form, slots: Slots, known: Mask, values: Array) -> tuple[Array, float]:
     costed = np.flatnonzero((form.cost != 0.0) & ~known)
     base = form.constant + float(form.cost[known] @ values[known])
     if not costed.size:

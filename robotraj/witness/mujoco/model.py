@@ -72,7 +72,7 @@ def mujoco_robot(
     for joint in range(1, model.njoints):
         bodies[joint] = _body(mujoco, model, joint, bodies[model.parents[joint]])
     if limits is not None:
-        _limit(mujoco, spec, robot, limits)
+        _limit(mujoco, spec, limits)
     if furnish is not None:
         furnish(spec, bodies)
     compiled = spec.compile()
@@ -138,7 +138,7 @@ def _losses(robot: RobotLike) -> Array:
     return np.array([np.broadcast_to(value, robot.nv) for value in (robot.damping, robot.friction)], dtype=float)
 
 
-def _limit(mujoco: ModuleType, spec: mujoco.MjSpec, robot: RobotLike, limits: Limits) -> None:
+def _limit(mujoco: ModuleType, spec: mujoco.MjSpec, limits: Limits) -> None:
     """Set the position limits of joints with two finite ones."""
     for i, name in enumerate(limits.joints):
         low, high = float(limits.position_lower[i]), float(limits.position_upper[i])

@@ -5,12 +5,15 @@ from __future__ import annotations
 import copy
 from dataclasses import fields
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+
+if TYPE_CHECKING:
+    import mujoco
 
 PUSH_TIME = 0.02
 """Duration of a push [s]."""
@@ -61,7 +64,7 @@ class Disturbances:
         """Return disturbances of ``factor`` times the size, the delay included."""
         return Disturbances(**{entry.name: factor * getattr(self, entry.name) for entry in fields(self)})
 
-    def of_model(self, mujoco: ModuleType, model: Any, rng: np.random.Generator) -> Any:
+    def of_model(self, mujoco: ModuleType, model: mujoco.MjModel, rng: np.random.Generator) -> mujoco.MjModel:
         """Return a copy of a MuJoCo model with other masses, inertias and friction."""
         other = copy.copy(model)
         factors = np.exp(self.mass * rng.standard_normal(model.nbody))

@@ -1,4 +1,4 @@
-"""The rows that must give are those that were made too tight."""
+"""The rows to relax are those that were made too tight."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def reach(ur5: rt.Robot, **changes: Any) -> rt.Problem:
     return rt.Problem([rt.Phase(ur5, **options)])
 
 
-def test_a_problem_that_has_a_solution_needs_no_stretch(ur5: rt.Robot) -> None:
+def test_a_problem_that_has_a_solution_needs_no_slack(ur5: rt.Robot) -> None:
     assert relaxed_motion(reach(ur5), coarse)[1] == ()
 
 
-def test_the_weak_motor_is_named_with_a_torque_that_would_do(ur5: rt.Robot) -> None:
+def test_the_weak_motor_is_named_with_a_torque_that_suffices(ur5: rt.Robot) -> None:
     limits = ur5.limits.with_(effort={"shoulder_lift_joint": 20.0})
     (conflict,) = relaxed_motion(reach(ur5, limits=limits), coarse)[1]
     assert conflict.name == "effort limit, shoulder_lift_joint" and conflict.unit == "N m"

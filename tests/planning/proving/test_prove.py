@@ -136,7 +136,7 @@ def test_an_objective_is_compared_with_that_of_a_mesh_that_is_clearly_coarser() 
     assert solution.objective == pytest.approx(fine.objective, rel=1e-3)
 
 
-def test_intervals_of_a_first_mesh_are_shared_out_by_durations() -> None:
+def test_intervals_of_a_first_mesh_are_proportional_to_durations() -> None:
     robot = rt.load("hopper", root="planar")
     spans = (0.2, 1.0, 0.6, (0.0, np.inf), (0.2, 0.6))
     problem = rt.Problem([rt.Phase(robot, span, name=str(i)) for i, span in enumerate(spans)])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 import robotraj as rt
+from robotraj.solvers.stagewise.program import Program
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
@@ -34,6 +35,11 @@ CASES = [
 
 def reduced(problem: str, mesh: str, interval_limits: rt.interval_limits.ConstraintGeneration = PLAIN) -> Reduction:
     return reduce(transcribe(EVERY[problem](), MESHES[mesh], None, None, interval_limits))
+
+
+def columns_of_states(program: Program) -> NDArray[np.bool_]:
+    """Return which entries of y are states, (n_y,)."""
+    return np.concatenate([np.arange(u + x) >= u for u, x in zip(program.nu, program.nx, strict=True)])
 
 
 @dataclass(frozen=True)
@@ -76,7 +82,7 @@ class Numbers:
         jacobian = sparse.csr_array((values, program.jacobian), shape=shape)
         # The list omits x_{k+1}, whose coefficient in the dynamics is -1.
         dynamics = len(self.reduction.slots.carried)
-        states = np.flatnonzero(program.columns_of_states)
+        states = np.flatnonzero(columns_of_states(program))
         minus = sparse.csr_array((-np.ones(dynamics), (np.arange(dynamics), states)), shape=shape)
         return sparse.csr_array(jacobian + minus)
 
@@ -101,7 +107,7 @@ class Numbers:
 def consistent(reduction: Reduction, y: Array) -> Array:
     """Set the states of y to those of the dynamics."""
     slots, program = reduction.slots, reduction.program
-    states = np.flatnonzero(program.columns_of_states)
+    states = np.flatnonzero(columns_of_states(program))
     arriving = slots.carried[:, 0]
     for _ in range(len(program.nu)):
         y[states] = (slots.matrix @ y + slots.offset)[arriving]

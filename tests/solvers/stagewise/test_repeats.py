@@ -1,4 +1,4 @@
-"""What a Hessian is made of is kept once for intervals that are alike, and is the same as if it were not."""
+"""Combinations of a Hessian are stored once for equal intervals, with the same values as without."""
 
 from __future__ import annotations
 

@@ -349,7 +349,7 @@ def test_controls_within_limits_everywhere_once_refined() -> None:
     assert report.passed, str(report)
 
 
-def test_a_tolerance_that_meshes_do_not_come_closer_to_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refinement_stops_where_meshes_come_no_closer_to_the_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
     errors = [1e-2, 1e-3, 1e-3, 9e-4, 9e-4, 9e-4]
     assert (
         adaptive._stagnates(errors) and not adaptive._stagnates([*errors, 1e-4]) and not adaptive._stagnates(errors[:5])
