@@ -127,8 +127,8 @@ class SphereTree {
     }
     return to_numpy(std::move(out));
   }
-  /// Places (4 k) and numbers (2 k) of what is not proved: interval, first, second, self; tau and distance. Then the
-  /// same of the least distance.
+  /// Places (4 k) and numbers (2 k) of the pairs that are not proved: interval, first, second, self; tau and distance.
+  /// Then the same of the least distance.
   nb::tuple shortfalls(const Doubles& coefficients, const Indices& counts, double margin) const {
     const std::size_t n = tree_.joints.size();
     collision::PolynomialMotion motion(tree_, margin);

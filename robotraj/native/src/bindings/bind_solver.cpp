@@ -1,4 +1,4 @@
-// What a solve is given and what it returns: options and outcome.
+// Options and outcome of a solve.
 #include "bindings.hpp"
 
 #include <nanobind/stl/array.h>
@@ -42,7 +42,7 @@ static void each_option(Use&& use) {
   use("least_row_correction", &Options::least_row_correction);
 }
 
-/// Options by their names; what is not named keeps its default.
+/// Options by their names; the others keep their defaults.
 static void set_options(Options* self, const nb::kwargs& given) {
   new (self) Options();
   for (const auto& [key, value] : given) {

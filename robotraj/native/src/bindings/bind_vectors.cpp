@@ -15,7 +15,7 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-/// Bounds of slacks, and what is done with vectors as long as they are.
+/// Bounds of slacks, and operations on vectors of their length.
 class SlackVectors {
  public:
   SlackVectors(const Doubles& lower, const Doubles& upper, const std::string& processor)
@@ -82,7 +82,7 @@ class SlackVectors {
                  {s.data(), lower.data(), upper.data()});
     return nb::make_tuple(to_numpy(std::move(s)), to_numpy(std::move(lower)), to_numpy(std::move(upper)));
   }
-  /// `step` is [s, z_l, z_u]; gives what is left of the three equations and the change of `rows`.
+  /// `step` is [s, z_l, z_u]; returns the residuals of the three equations and the change of `rows`.
   nb::tuple residual(const Doubles& system, const Doubles& side, const Doubles& step, const Doubles& lam,
                      const Doubles& rows) const {
     Numbers solution(checked(step, 3 * lower_.size(), "step"), step.data() + step.size());

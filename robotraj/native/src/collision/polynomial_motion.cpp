@@ -12,7 +12,7 @@ namespace {
 
 /// Halvings after which a piece that is not proved counts as short.
 constexpr int HALVINGS = 16;
-/// Halvings after which the worst place of what is short is known well enough.
+/// Halvings after which the place of the least distance is known well enough.
 constexpr int COARSE = 5;
 
 }  // namespace

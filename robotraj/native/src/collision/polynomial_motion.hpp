@@ -1,7 +1,8 @@
 // Proof of distances along a motion of polynomials, or where and by how much they are short.
 //
 // Distances change on a piece of an interval as in `straight_motion.hpp`, with rates and accelerations bounded by the
-// Bernstein coefficients of their polynomials on the whole interval. A piece is halved for the pairs that are not proved.
+// Bernstein coefficients of their polynomials on the whole interval. A piece is halved for the pairs that are not
+// proved.
 #pragma once
 
 #include "moving_spheres.hpp"

@@ -81,7 +81,7 @@ Path rrt_connect(StraightMotion& motion, const Search& search, const Point& star
   Point drawn(start.size());
   for (std::size_t k = 0; k < search.iterations; ++k) {
     if (std::chrono::duration<double>(Clock::now() - began).count() > search.seconds) break;
-    // The smaller tree grows towards what is drawn, the other towards what was reached.
+    // The smaller tree grows towards the drawn point, the other towards the new node.
     const std::size_t small = trees[0].size() <= trees[1].size() ? 0 : 1;
     Tree &growing = trees[small], &other = trees[1 - small];
     for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] = random.uniform(search.lower[i], search.upper[i]);

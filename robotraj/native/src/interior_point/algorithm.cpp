@@ -44,7 +44,7 @@ End Algorithm::iterate(double mu) {
     if (progress_.check) progress_.check(progress_.iterations, progress_.trace.back()[0], progress_.trace.back()[1]);
     if (progress_.iterations >= options_.max_iterations) return End::iteration_limit;
     if (out_of_time()) return End::processor_limit;
-    // What a restoration begins with is its own barrier parameter, however well it is solved.
+    // A restoration phase takes its first step with the parameter it is given.
     if (!(first && goal) && barrier.update()) search.reset();
     const bool stepped = step();
     if (!stepped || !search.search()) {

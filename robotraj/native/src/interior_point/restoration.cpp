@@ -8,7 +8,7 @@ namespace robotraj::interior_point {
 namespace {
 
 constexpr double kGain = 0.5;               // kappa_resto; the paper has 0.9, which circles on the acrobot
-constexpr double kLargestMultiplier = 1e3;  // beyond which multipliers of bounds begin anew
+constexpr double kLargestMultiplier = 1e3;  // multipliers of bounds above it are set to 1
 constexpr double kInfeasible = 1e2;         // times the tolerance
 
 }  // namespace
@@ -57,7 +57,11 @@ void Restoration::take_point(Run& original) {
   original.trial->moved();
 }
 
-/// Multipliers of the bounds by Newton's step of z d = mu for the way that the slacks went, those of the rows zero.
+/// Moves the multipliers z of the bounds by Newton's step of z d = mu for the change of the slacks' distances d,
+///
+///     dz = (mu - z dd) / d - z,
+///
+/// and sets those of the rows to zero.
 void Restoration::step_duals(Run& original) const {
   Iterate &from = *original.current, &to = *original.trial;
   const VectorKernels& vectors = native::vector_kernels_of();

@@ -131,7 +131,7 @@ void Solver::collect(const Start& start, Outcome& outcome) {
     if (!(broken <= outcome.violation)) outcome.violation = broken;
     if (std::isnan(broken)) break;
   }
-  // Largest magnitudes pass over what is no number.
+  // A largest magnitude ignores NaN.
   const bool claimed = outcome.status == "solved" || outcome.status == "acceptable";
   if (claimed && !(std::isfinite(outcome.objective) && std::isfinite(outcome.violation) && finite(outcome.y) &&
                    finite(outcome.lam) && finite(outcome.lower_duals) && finite(outcome.upper_duals)))

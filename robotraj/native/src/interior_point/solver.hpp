@@ -20,7 +20,7 @@ struct Start {
   const double* lam = nullptr;          // of all rows
   const double* lower_duals = nullptr;  // of the inequality rows' bounds, both non-negative;
   const double* upper_duals = nullptr;  //   without them they are the negative and the positive part of lam
-  double objective_scale = 1.0;         // what the solver multiplies the objective by; multipliers are of it as it is
+  double objective_scale = 1.0;         // factor of the objective; multipliers are those of the unscaled one
 };
 
 struct Outcome {
@@ -28,7 +28,7 @@ struct Outcome {
   Numbers lam;  // gradient + Jacobian' lam = 0 at a solution
   Numbers lower_duals, upper_duals;
   std::string status;
-  std::string message;  // what was thrown where status is "failed"
+  std::string message;  // of the exception, where status is "failed"
   int iterations = 0;
   double objective = 0.0;
   double violation = 0.0;  // largest violated row, bounds of inequality rows included

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLargestMultiplier = 1e3;
 
-/// Values of the inequality rows, in the slacks: what is left of d(x) - s at s = 0.
+/// Sets the slacks to the values d(x) of the inequality rows, the residual d(x) - s at s = 0.
 void rows_into_slacks(Run& run) {
   const Vectors& at = run.current->at.get();
   std::fill_n(at.s, run.problem.slacks(), 0.0);

@@ -9,7 +9,7 @@
 #include "parallel/lanes.hpp"
 #include "rigid_body/spatial.hpp"
 #include "tape/run_tape.hpp"
-// The algorithms use what is above.
+// The algorithms use the headers above.
 #include "barrier_vectors.hpp"
 #include "riccati/riccati_substitution.hpp"
 #include "rigid_body/rigid_kernel.hpp"

@@ -12,7 +12,8 @@
 
 namespace robotraj::native {
 
-/// Inverse dynamics tau = RNEA(q, w, a) of a pack of points and, where asked for, derivatives; arrays of packs.
+/// Inverse dynamics tau = RNEA(q, w, a) of a pack of points and, where their arrays are given, derivatives; arrays of
+/// packs.
 struct RigidArguments {
   const double* q;
   const double* w;
@@ -37,7 +38,7 @@ struct Kernels {
   void (*rigid)(const Tree& tree, const RigidArguments& arguments);
   void (*multiply)(const Product* terms, std::size_t count, const double* left, const double* right, double* out);
   /// y = base + A x of `count` repeats, at most as many as a pack holds; base may be null. `memory` holds a pack for
-  /// each of what is read and of the rows.
+  /// each number that is read and for each row.
   void (*combine_rows)(const RepeatedRows& rows, const RepeatSteps& steps, const double* x, const double* base,
                        double* y, std::size_t count, double* memory);
   RiccatiKernels riccati;

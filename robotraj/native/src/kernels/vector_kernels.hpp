@@ -1,4 +1,4 @@
-// Vectors of an interior-point iteration: what is done with all slacks, bounds and multipliers at once.
+// Vector operations of an interior-point iteration on all slacks, bounds and multipliers.
 #pragma once
 
 #include <string>
@@ -75,7 +75,7 @@ struct VectorKernels {
 /// Throws std::invalid_argument where this processor does not run them.
 const VectorKernels& vector_kernels_of(const std::string& processor = "");
 
-/// Sum of log of what `distances` found; -log of each distance by itself where they are not regular.
+/// Sum of the logarithms of the distances from `distances`; distance by distance where the product is not regular.
 double log_sum(const DistanceSums& sums, const Bounds& bounds, const double* below, const double* above);
 
 }  // namespace robotraj::native

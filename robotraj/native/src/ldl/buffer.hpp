@@ -1,4 +1,4 @@
-// Memory that is neither cleared nor given back while it is in use: what is not touched costs nothing.
+// Memory that is never cleared and only grows: pages that are not touched cost nothing.
 #pragma once
 
 #include <cstddef>

@@ -19,8 +19,8 @@ struct Inertia {
 /// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are first scaled
 /// by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
 ///
-/// The first order knows nothing of zeros on the diagonal. Where many candidates wait for another front, the third
-/// factorisation begins with the order in which the second one's pivots left.
+/// The first order is that of the pattern alone, as if no diagonal were zero. Where many candidates are delayed to
+/// another front, the third factorisation takes the order of the second one's pivots.
 ///
 /// Memory of one factorisation serves the next.
 class Factors {

@@ -9,19 +9,19 @@ namespace robotraj::native::ldl {
 constexpr int kRowBlock = 8;
 constexpr int padded_rows(int rows) { return (rows + kRowBlock - 1) / kRowBlock * kRowBlock; }
 
-/// Pivots that wait before the rest of a front hears of them.
+/// Pivots that are collected before the rest of a front is updated.
 constexpr int kPanel = 24;
 
 /// A front: a symmetric matrix whose first `candidates` rows have all their entries.
 ///
-/// Only the lower triangle counts; what is above it may be anything. Elimination leaves the columns of L in the first
-/// ones, the Schur complement in the others.
+/// Only the lower triangle is read; the upper one may hold any numbers. Elimination leaves the columns of L in the
+/// first ones, the Schur complement in the others.
 struct Front {
   double* entries;  ///< column-major, `ld` numbers a column
   int ld;           ///< padded_rows(rows)
   int rows;
   int candidates;
-  int* order;        ///< what the rows are; swapped with them
+  int* order;        ///< numbers of the rows in the matrix; swapped with them
   double* diagonal;  ///< of the inverse of D, a number a pivot
   double* off;       ///< beside it: not zero where a pivot has two rows, at the first of them
   double* memory;    ///< (kPanel + 3) ld numbers
@@ -29,7 +29,7 @@ struct Front {
 
 struct PivotRule {
   double threshold;  ///< a pivot must not make multipliers larger than 1 / threshold
-  double small;      ///< what counts as zero
+  double small;      ///< pivots below it are zero
   bool last;         ///< nothing comes after this front: every candidate has to go
 };
 

@@ -53,7 +53,7 @@ class Elimination {
  private:
   double& at(int i, int j) { return f_.entries[j * ld_ + i]; }
 
-  /// Column j of what is left, rows `begin` to `end`, as it is after all pivots so far. `begin` is `done_` or a
+  /// Column j of the Schur complement after all pivots so far, rows `begin` to `end`. `begin` is `done_` or a
   /// multiple of kStep beyond j; `end` is a multiple of kStep.
   void column(int j, int begin, int end, double* out) {
     const double* own = f_.entries + j * ld_;

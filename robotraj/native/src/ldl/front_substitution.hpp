@@ -86,7 +86,7 @@ void backward(const double* l, int ld, int pivots, double* x) {
     const double* columns = l + k * ld;
     double product[kTogether];
     products<kTogether>(columns, ld, k / kStep * kStep, x, product);
-    // The products have what was in x[k], ... before: what is found here still changes those before it.
+    // The products hold the old x[k], ..., so each new one still changes those before it.
     for (int p = kTogether - 1; p >= 0; --p) {
       for (int q = p + 1; q < kTogether; ++q) product[p] -= columns[p * ld + k + q] * product[q];
       x[k + p] -= product[p];

@@ -27,7 +27,7 @@ struct NewtonSystem {
   double *z, *lam;
 };
 
-/// Work on the slacks of some stages, done while the numbers of these stages are in the caches.
+/// Work on the slacks of some stages, done while their numbers are in the processor's caches.
 class Along {
  public:
   /// Stages from a multiple of it on, or fewer at the end.
@@ -36,7 +36,7 @@ class Along {
   virtual ~Along() = default;
   /// Stages [begin, end) are about to be factorised, the last ones first; where that fails, `after` is not called.
   virtual void before(std::size_t begin, std::size_t end) = 0;
-  /// Those are solved, and the states of stage `end`.
+  /// Stages [begin, end) are solved, and so are the states of stage `end`.
   virtual void after(std::size_t begin, std::size_t end) = 0;
 };
 
@@ -64,7 +64,8 @@ class NewtonMatrices {
   virtual ~NewtonMatrices() = default;
 
   const Layout& layout() const { return layout_; }
-  /// Place of each entry of the program among the values; -1 where it is known without.
+  /// Place of each entry of the program among the values; -1 for entries that are not stored, such as the -1 of a next
+  /// state.
   virtual std::vector<std::int32_t> jacobian_places() const = 0;
   virtual std::vector<std::int32_t> hessian_places() const = 0;
   virtual StageValues empty_jacobian() const = 0;

@@ -7,10 +7,10 @@
 
 namespace robotraj::native {
 
-/// Solves a `NewtonSystem` stage after stage from the last one. Rows of a stage become part of its Hessian (A_i, and A_e
-/// where D_e is given) or are solved for controls (A_e without D_e). Dynamics cost as many operations as they have
-/// entries, for vectors of the states; the rest is dense.
-/// Source: Vanroye, Sathya, De Schutter, Decre, FATROP, IROS 2023.
+/// Solves a `NewtonSystem` stage after stage from the last one. Rows of a stage become part of its Hessian (A_i, and
+/// A_e where D_e is given) or are solved for controls (A_e without D_e). Dynamics cost as many operations as they have
+/// entries, for vectors of the states; the rest is dense. Source: Vanroye, Sathya, De Schutter, Decre, FATROP, IROS
+/// 2023.
 class RiccatiSolver final : public NewtonSolver {
  public:
   explicit RiccatiSolver(const StageMatrices& matrices);

@@ -27,7 +27,7 @@ class StageMatrices final : public NewtonMatrices {
 
   std::size_t count() const { return stages_.size(); }
   const RiccatiKernels& run() const { return run_; }
-  /// Either may be null where its matrices are not asked for.
+  /// Either may be null; the view then lacks its matrices.
   StageView view(std::size_t stage, const StageValues* jacobian, const StageValues* hessian) const;
 
   /// out = alpha y + A x; y may be out.

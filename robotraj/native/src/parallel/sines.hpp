@@ -28,7 +28,7 @@ ROBOTRAJ_INLINE Pack polynomial(const double (&coefficients)[terms], Pack x) {
   return sum;
 }
 
-/// Taylor's series of what is left of a multiple of pi / 2, within 4e-16 of the C library's.
+/// Taylor's series of the remainder of a division by pi / 2, within 4e-16 of the C library's.
 /// Source: Cody and Waite, Software Manual for the Elementary Functions, 1980, chapter 8.
 ROBOTRAJ_INLINE void sines(Pack x, Pack& sine, Pack& cosine) {
   if (__builtin_expect(greatest(magnitudes(x)) > kFar, false)) {

@@ -34,7 +34,8 @@ bool spin(Condition&& holds) {
 ThreadPool::~ThreadPool() { leave_if_elsewhere(); }
 
 void ThreadPool::leave_if_elsewhere() {
-  // Threads that are not there can be neither joined nor woken, and what they slept on waits for them for ever.
+  // The threads of the parent process do not exist here: they cannot be joined, and the destructor of their condition
+  // variable would wait for them for ever.
   if (team_ && !team_->here()) static_cast<void>(team_.release());
 }
 
@@ -107,7 +108,7 @@ void ThreadPool::Team::take_pieces(std::size_t thread) {
   std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
   while ((ticket & mask) < (ticket >> bits & mask)) {
     if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) continue;
-    // The piece is ours, so the call cannot end and what describes it stays.
+    // This thread has a piece, so the call does not end before it and its description stays valid.
     const std::size_t begin = static_cast<std::size_t>(ticket & mask) * piece_;
     call_(context_, thread, begin, std::min(count_, begin + piece_));
     unfinished_.fetch_sub(1, std::memory_order_release);

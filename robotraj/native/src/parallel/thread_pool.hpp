@@ -15,10 +15,10 @@ namespace robotraj::native {
 
 /// A fixed team of threads, the caller being thread 0.
 ///
-/// Work is cut into pieces that do not depend on who takes them, so its results do not either. The caller takes pieces
-/// like everyone else: where the machine is busy and the others do not wake, it does the work alone and waits for
-/// nobody. Between calls the others spin for some microseconds before they sleep. One caller at a time. In a process
-/// that was forked since, where there are no others, they are made anew.
+/// The pieces of the work do not depend on the thread that computes them, so results do not either. The caller computes
+/// pieces too: where the machine is busy and no other thread wakes, it does all the work and waits for none of them.
+/// Between calls the other threads spin for some microseconds before they sleep. One caller at a time. A forked process
+/// has none of these threads and starts its own.
 class ThreadPool {
  public:
   /// A pool of `threads` in all, the others made when there is something to share for the first time.
@@ -49,7 +49,7 @@ class ThreadPool {
  private:
   using Call = void (*)(void* context, std::size_t thread, std::size_t begin, std::size_t end);
 
-  /// The others, and what they share with the caller.
+  /// The other threads, and the state they share with the caller.
   class Team {
    public:
     explicit Team(std::size_t size);

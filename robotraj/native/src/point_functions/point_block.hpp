@@ -23,7 +23,7 @@ struct PointSizes {
 /// One point function at E points.
 ///
 /// Every array is column-major (n, E): point after point. The order of the nonzeros is the block's own and the
-/// same at every point; the constructor hands it to Python. An evaluation writes every entry of its result and
+/// same at every point; the constructor returns it to Python. An evaluation writes every entry of its result and
 /// allocates nothing. It gives the same bits for any number of threads, and never throws once `prepare` was called. A
 /// block has work memory of its own, so it serves one caller at a time: `alone` keeps the others waiting.
 class PointBlock {

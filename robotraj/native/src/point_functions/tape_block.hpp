@@ -23,8 +23,8 @@ struct Call {
 ///     [ 1 | the tape's outputs | d tau/dx | d^2 (l' tau)/dx^2 | (x, dx/dv) | sum_i g_i d^2 x_i/dv^2 | calls | made ]
 ///
 /// whose last part begins at zero and is filled by the products, in their order. The result is a piece of the buffer.
-/// Parts that are not asked for, or that the torques have not, are left out. Of the Hessian, l is what the tape gives
-/// first, and g = (d tau/dx)' l.
+/// Parts that a recipe does not use, or that the torques do not have, are left out. In the Hessian, l are the first
+/// outputs of the tape, and g = (d tau/dx)' l.
 struct Recipe {
   Tape tape;
   bool jacobian = false;
@@ -41,7 +41,7 @@ struct Recipe {
 
 /// Inverse dynamics inside a stage function: tau = RNEA(q, w, a), x = (q, w, a).
 ///
-/// Each entry of x is one of v, or zero where its place is -1; or else x is what a tape makes of (v, c), followed by
+/// Each entry of x is one of v, or zero where its place is -1; or else a tape computes x from (v, c), followed by
 /// the nonzeros of dx/dv. A second tape then gives sum_i g_i d^2 x_i/dv^2 from (v, c, g).
 struct Torques {
   RigidTree robot;

@@ -112,7 +112,8 @@ Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>&
 
 namespace {
 
-/// One product of G' H G in any stage that reads like another: numbers i and j of what place `place` of the stage reads.
+/// One product of G' H G, the same in all stages of equal reads: of entries i and j that place `place` of the stage
+/// reads.
 struct Step {
   std::int32_t at, place, nonzero, i, j;
   bool twice;
@@ -142,7 +143,7 @@ struct Reading {
   }
 };
 
-/// Products of one block in one stage, `at` being row * width + column; marks what is there.
+/// Products of one block in one stage, `at` being row * width + column; marks the entries that occur.
 std::vector<Step> steps_of(const Chain& chain, const std::vector<std::size_t>& places, std::int64_t first,
                            std::size_t width, std::vector<std::int32_t>& number) {
   std::vector<Step> steps;

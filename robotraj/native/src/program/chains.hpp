@@ -4,8 +4,8 @@
 //   L + sum_b S_b blkdiag(J_b,e) G_b:   Jacobian entries j = j0 + sum_b M_b vec(J_b)
 //   sum_b G_b' blkdiag(H_b,e) G_b:      entries of the upper triangle h = sum_b N_b vec(H_b)
 //
-// A row, and what a place reads, lies in one stage, which is a short run of columns. So entries are numbered stage by
-// stage with a small table; nothing as long as the list of all products is ever sorted.
+// A row lies in one stage, a short run of columns, and so do the columns that a place reads. So entries are numbered
+// stage by stage with a small table, and the long list of all products is never sorted.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct Chain {
   Pattern jacobian;                    // nonzeros of one place
   Pattern hessian;                     // of one triangle of one place
   Csr scatter;                         // S (rows, n_y E)
-  Csr reads;                           // (n_v E, columns of the problem): what v is before columns have their stages
+  Csr reads;                           // (n_v E, columns of the problem): before columns are assigned to stages
   Csr gather;                          // G (n_v E, n_y): the same, read in the place's own stage
   std::vector<std::int64_t> stages;    // of the places (E,)
 
@@ -43,7 +43,7 @@ struct Runs {
   std::vector<std::int64_t> rows;    // stage of every row
 };
 
-/// Entries in row-major order, and what makes them up.
+/// Entries in row-major order, and the constant and the matrices that give them.
 template <typename Matrix>
 struct Combined {
   Pattern pattern;

@@ -1,4 +1,4 @@
-// A stagewise nonlinear program: point functions at many points, and fixed sparse combinations of what they give.
+// A stagewise nonlinear program: point functions at many points, and fixed sparse combinations of their results.
 //
 //   v_b = G_b y + g0_b,   Y_b = f_b(v_b, c_b)
 //   rows = L y + l0 + sum_b S_b vec(Y_b),         objective = l_f' y + c0 + sum_b weights_b' (costed output of b)
@@ -48,7 +48,7 @@ struct LinearPart {
   Numbers jacobian;
 };
 
-/// Evaluates the program at one point at a time; what was computed at that point is kept until it changes.
+/// Evaluates the program at one point at a time, and keeps each result until the point changes.
 class Program {
  public:
   /// Seconds spent since `clear`.
@@ -76,7 +76,7 @@ class Program {
   const Numbers& jacobian();
   const Numbers& hessian(const double* lam, double lam_f);
 
-  /// Has the two below write entry e at places[e], nowhere where that is negative.
+  /// The two functions below write entry e to places[e], and leave it out where that is negative.
   void place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian);
   void jacobian_to(double* out);
   void hessian_to(const double* lam, double lam_f, double* out);

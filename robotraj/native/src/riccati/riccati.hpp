@@ -17,7 +17,7 @@ struct RiccatiOptions {
 
 /// Memory that a stage works in, as large as the largest stage needs; aligned to kBlock numbers.
 struct RiccatiMemory {
-  double *matrix, *reduced;  ///< M by columns, and what is left of it after an elimination
+  double *matrix, *reduced;  ///< M by columns, and M after the elimination of constraints
   double* cost;              ///< P of the next stage, full
   double* constraints;       ///< C, rows of padded(n)
   double *first, *second;    ///< products in between
@@ -25,7 +25,7 @@ struct RiccatiMemory {
   int length;
 };
 
-/// What is left of a stage's equations.
+/// Residuals of a stage's equations.
 struct StageResidual {
   double *gradient, *dynamics, *equalities, *inequalities;
 };

@@ -120,7 +120,8 @@ void eliminate(int gamma, double tolerance, RiccatiMemory& memory, StageFactor& 
   add_products<true>(memory.reduced, ldy, parts.k_matrix, parts.s_matrix, rank);
 }
 
-/// The elimination of a right-hand side: c of the constraints (changed), m of the gradient (permuted; y from `rank` on).
+/// The elimination of a right-hand side: c of the constraints (changed), m of the gradient (permuted; y from `rank`
+/// on).
 void eliminate_vector(const StageFactor& factor, double* c, double* m) {
   const int rank = factor.rank, ny = factor.nu + factor.nx - rank, ldy = padded(ny), nu = factor.nu;
   const Elimination parts = parts_of(factor);

@@ -151,7 +151,7 @@ Pivots factorise_stage(const StageView& stage, const StageVectors& vectors, cons
   return divide(gamma, options, memory, factor);
 }
 
-/// The first state as what is free: M = P_0, and the constraints that the first stage has left.
+/// Solves for the first state: M = P_0, with the constraints that the first stage could not meet by its controls.
 Pivots factorise_start(const StageFactor& first, const RiccatiOptions& options, RiccatiMemory& memory,
                        StageFactor& factor) {
   const int ld = padded(first.nx), gamma = first.gamma - first.rank;

@@ -1,4 +1,4 @@
-// What a solution leaves of a stage's equations, for one kind of processor.
+// Residuals of a stage's equations, for one kind of processor.
 #pragma once
 
 #include "riccati.hpp"

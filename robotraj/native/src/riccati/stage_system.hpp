@@ -60,7 +60,7 @@ struct StageFactor {
   double* p;            ///< gradient of the cost to go, padded(nx)
   double* cost;         ///< trapezoid of its Hessian P, nx columns
   double* elimination;  ///< see `parts_of`; memory for as many constraints as there can be
-  int nu, nx, most;     ///< controls, states, room for constraints
+  int nu, nx, most;     ///< controls, states, most constraints
   int gamma, rank;
 };
 
@@ -70,12 +70,12 @@ struct Elimination {
   double* upper;           ///< U, by columns of nu
   double* k_matrix;        ///< K, rank rows of padded(nu + nx)
   double* s_matrix;        ///< S = M_ay - M_aa K, rank rows of padded(nu + nx)
-  double* m_aa;            ///< M of what was eliminated, by columns of nu
+  double* m_aa;            ///< M of the eliminated controls, by columns of nu
   double* m_a;             ///< its gradient at y = 0, rank
   double* k;               ///< rank
   double* h_matrix;        ///< H, gamma - rank rows of padded(nx)
   double* h;               ///< gamma - rank
-  double *rows, *columns;  ///< what row or column t was swapped with in step t, rank
+  double *rows, *columns;  ///< the row and the column that step t swapped with row and column t, rank
 };
 
 static constexpr std::size_t numbers(int rows, int columns) {

@@ -95,7 +95,7 @@ ROBOTRAJ_INLINE void add_symmetric(const double* a, int n, const double* x, doub
   }
 }
 
-// --- what the table of kernels holds
+// --- entries of `RiccatiKernels`
 
 /// out += A x for a symmetric trapezoid; `memory` has 2 padded(n) numbers.
 void hessian_times(const double* a, int n, const double* x, double* out, double* memory) {

@@ -12,8 +12,9 @@
 //     a_k       0           0        alpha = S_k
 //     l_k      S_k          0           0
 //
-// (p the parent of k: turning a joint is turning what comes from its parent the other way.) So for k above j or equal,
-// with sums over the bodies that j carries, F of forces, G of I L, P of B(I, V)' L, derivatives are scalar products:
+// with p the parent of k: a rotation of joint k equals the opposite rotation of L, V and A of its parent. So for k = j
+// or an ancestor of it, with sums over the bodies that j carries, F of forces, G of I L, P of B(I, V)' L, derivatives
+// are scalar products:
 //
 //     ds/dq_j = (L_p x S_j)' F + (V_p x S_j)' P + S''_j' G,   ds/dw_j = S_j' P + 2 (V_p x S_j)' G,   ds/da_j = S_j' G
 //     d(ds/dq_j) = dL' for_test + dV' for_velocity + alpha' for_acceleration,   and so on.
@@ -131,7 +132,7 @@ void forward(const Tree& tree, const Given& in, bool derivatives, bool tested) {
   }
 }
 
-/// Adds what a joint carries to its parent.
+/// Adds the sums of a joint's bodies to those of its parent.
 ROBOTRAJ_INLINE void carry(const JointState& from, JointState& to, bool derivatives, bool tested) {
   to.force = to.force + from.force;
   if (!derivatives) return;

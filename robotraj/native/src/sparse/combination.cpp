@@ -10,9 +10,9 @@ namespace robotraj::native {
 
 namespace {
 
-/// Rows of a block at least, of what is looked at for repeats, and of a block at most.
+/// Least rows of a block, least rows in which repeats are searched for, and most rows of a block.
 constexpr std::size_t kLeast = 16, kWorthwhile = 128, kMost = 1u << 13;
-/// Comparisons for each row of what is searched for repeats, at most: rows that do not repeat cost no more.
+/// Most comparisons a row in the search for repeats, which limits the cost where nothing repeats.
 constexpr std::size_t kPatience = 16;
 
 }  // namespace
@@ -136,7 +136,7 @@ void Combination::take(const Rows& matrix, std::size_t repeats, std::ptrdiff_t s
   }
 }
 
-/// Finds what repeats in rows [begin, end), and in what is before and behind it.
+/// Finds repeated blocks in rows [begin, end): one run, then those in the rows before and behind it.
 void Combination::divide(const Rows& matrix, std::size_t begin, std::size_t end) {
   if (end - begin >= kWorthwhile)
     for (const std::size_t quarters : {2, 1, 3}) {
@@ -204,7 +204,7 @@ void Combination::number_reads(Run& run) {
   reads_.insert(reads_.end(), reads.begin(), reads.end());
 }
 
-/// Has the last block's results go to y in the order of their places; its groups stay as they are.
+/// Orders the last block so that its results are written in the order of their places; its groups stay the same.
 void Combination::order_rows(Run& run) {
   const auto rows = rows_.begin() + static_cast<std::ptrdiff_t>(run.first_row);
   const auto places = places_.begin() + static_cast<std::ptrdiff_t>(run.first_row);

@@ -1,4 +1,4 @@
-// A sparse matrix as it is multiplied by, over and over: what repeats from interval to interval is written once.
+// A sparse matrix for many products: blocks that repeat from interval to interval are stored once.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct Kernels;
 /// y = base + A x for one sparse A.
 ///
 /// Equal intervals make equal blocks of rows, each reading x a fixed distance further on. One of them stays in a cache
-/// near the processor; the whole matrix of a long mesh would come from memory each time. It is multiplied by for as
-/// many intervals at once as the processor has lanes. In a block, rows of equally many entries follow each other. Every
+/// near the processor; the whole matrix of a long mesh would come from memory each time. It is applied to as many
+/// intervals at once as a vector register has lanes. In a block, rows of equally many entries follow each other. Every
 /// row is summed as it stands, base first.
 ///
 /// Results may have places of their own: row i goes to y[places[i]], to nowhere where that is negative. A base that
@@ -38,7 +38,7 @@ class Combination {
     return Combination(matrix, places, nullptr, "", true);
   }
 
-  /// y = base + A x, rows shared by the pool; base may be null, for what is kept or zeros, and y, to add to it.
+  /// y = base + A x, rows shared by the pool. Base may be y; null stands for the kept one, or zeros where none is kept.
   void apply(const double* x, const double* base, double* y, ThreadPool& pool) const;
 
   /// How many entries are kept.
@@ -72,7 +72,7 @@ class Combination {
                 double* y) const;
 
   const Kernels* kernels_;
-  // Of the first block of each run. Columns are those of x where it does not repeat, else numbers of what it reads.
+  // Of the first block of each run. Columns are those of x or, where the block repeats, places in `reads_`.
   std::vector<std::int32_t> rows_, places_, columns_, reads_, order_;
   std::vector<double> values_, kept_base_;  // the latter as rows_, or empty
   std::vector<RowGroup> groups_;

@@ -173,8 +173,8 @@ Csr Csr::resolved(const std::vector<std::int64_t>& variable, std::size_t columns
   };
   std::vector<std::int32_t> begins{0}, order;
   std::vector<double> ordered;
-  // Rows that are asked for, each with the entry it looks at next: what those name is found first. Chains of
-  // definitions are as long as the mesh, which a recursion's stack is not.
+  // A stack of rows, each with its next entry: the rows that its entries name are resolved first. Chains of
+  // definitions are as long as the mesh, too long for recursive calls.
   std::vector<std::pair<std::size_t, std::int32_t>> asked;
   const auto ask = [&](std::size_t row) {
     if (state[row] == State::done) return;

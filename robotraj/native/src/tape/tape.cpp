@@ -1,6 +1,6 @@
 #include "tape.hpp"
 
-// calculus.hpp uses macros of what this one includes.
+// calculus.hpp uses macros that headers of function.hpp define.
 #include <casadi/core/function.hpp>
 
 #include <casadi/core/calculus.hpp>

@@ -47,7 +47,7 @@ double mean_complementarity(Iterate& iterate) {
   Problem& problem = iterate.problem();
   const double *below = iterate.below(), *above = iterate.above();
   double sum = 0.0;
-  // Multipliers of bounds that there are not are zero.
+  // Multipliers of infinite bounds are zero.
   for (int i = 0; i < problem.slacks(); ++i) sum += iterate.at->lower[i] * below[i] + iterate.at->upper[i] * above[i];
   return mean(sum, problem.bound_count());
 }

@@ -1,4 +1,4 @@
-// A point of the iteration, and what was evaluated at it.
+// A point of the iteration, and the functions that were evaluated at it.
 #pragma once
 
 #include "problem.hpp"

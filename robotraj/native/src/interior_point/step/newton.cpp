@@ -18,7 +18,7 @@ double tolerance(double b) { return std::max(1e-8, (b < 1.0 ? 1e-7 : 1e-6) * b);
 
 Side side_of(const Vectors& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
 
-/// Hands out parts of a block of memory.
+/// Divides a block of memory.
 class Parts {
  public:
   explicit Parts(Packs& memory) : at_(memory.data()) {}
@@ -59,7 +59,7 @@ Newton::Newton(Problem& problem)
   make_part();
 }
 
-/// Room for as many stages as are looked at together.
+/// Allocates the residuals of as many stages as are processed together.
 void Newton::make_part() {
   const Layout& layout = problem_.layout();
   int columns = 0, dynamics = 0, equalities = 0, inequalities = 0;

@@ -20,11 +20,10 @@ enum class Solved { good, indefinite, dependent, inaccurate, invalid };
 ///     Z_l ds + S_l dz_l                       = -side.lower
 ///     -Z_u ds + S_u dz_u                      = -side.upper
 ///
-/// the paper's equation 9 with slacks. Slacks and their multipliers are eliminated, and the rest is solved by stages. The
-/// solution is refined while its residual falls and is above 1e-8 and above a small part of the right-hand side b: 1e-6
-/// of a large one, 1e-7 below 1.
-/// Newton's method converges as fast with steps that leave a small part of b (Dembo, Eisenstat and Steihaug, SIAM J.
-/// Numer. Anal. 19, 1982). Dynamics take no delta_c: they are of full rank.
+/// the paper's equation 9 with slacks. Slacks and their multipliers are eliminated, and the rest is solved by stages.
+/// The solution is refined while its residual falls and is above 1e-8 and above a small part of the right-hand side b:
+/// 1e-6 of a large one, 1e-7 below 1. Newton's method converges as fast with steps that leave a small part of b (Dembo,
+/// Eisenstat and Steihaug, SIAM J. Numer. Anal. 19, 1982). Dynamics take no delta_c: they are of full rank.
 class Newton : private native::Along {
  public:
   explicit Newton(Problem& problem);
@@ -41,7 +40,7 @@ class Newton : private native::Along {
   Solved solve_again(Iterate& iterate, const Side& side, const Vectors& step);
 
  private:
-  /// What a solution leaves of some stages, one after the other.
+  /// Residuals of some stages, one after the other.
   struct Left {
     native::StageResidual stages;
     native::SlackStep slacks;
@@ -84,7 +83,7 @@ class Newton : private native::Along {
   std::unique_ptr<Room> residual_, correction_, better_;  // made when a solution is first refined
   double delta_w_ = -1.0, delta_c_ = -1.0;
   bool relaxes_ = false;
-  // Of what is solved now.
+  // The system that is solved now.
   const StageValues* jacobian_ = nullptr;
   const double *below_ = nullptr, *above_ = nullptr, *lower_duals_ = nullptr, *upper_duals_ = nullptr;
   Side side_{};
