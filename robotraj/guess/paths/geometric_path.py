@@ -42,8 +42,7 @@ class GeometricPath(InitialGuess):
     path a duration. Phases without ``rt.CollisionFree``, and those whose straight line is free, get that line.
 
     Where obstacles move, the motion waits or goes back on its path until they are gone
-    (``guess.paths.path_in_time``); further paths go around the places where they are meanwhile. Such times count from
-    the start of the phase.
+    (``guess.paths.path_in_time``); further paths go around the places where they are meanwhile.
 
     Parameters
     ----------
@@ -56,16 +55,24 @@ class GeometricPath(InitialGuess):
     rank : int
         Which path is taken: 0 for the quickest, 1 for the next. Further ranks are other starts; where the straight
         line is free, they are variations of it.
+    starts : tuple of float
+        Times at which the phases start [s], which ``prepared`` computes; phases without an entry start at 0.
     """
 
     line: InitialGuess = StraightLine()
     planner: PathPlanner = RRTConnect()
     tries: int = 3
     rank: int = 0
+    starts: tuple[float, ...] = ()
 
     def prepared(self, problem: Problem) -> InitialGuess:
-        """Compute the ends of the phases."""
-        return replace(self, line=self.line.prepared(problem))
+        """Compute the ends of the phases and, where obstacles move in a later phase, when the phases start."""
+        ready, t = replace(self, line=self.line.prepared(problem), starts=()), 0.0
+        last = max((i for i, phase in enumerate(problem.phases) if _moves(phase)), default=0)
+        for index, phase in enumerate(problem.phases[:last]):
+            t += ready.of(phase, index).duration
+            ready = replace(ready, starts=(*(ready.starts or (0.0,)), t))
+        return ready
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Return the path as a motion; a straight line where that is free, or where no path was found."""
@@ -74,7 +81,8 @@ class GeometricPath(InitialGuess):
         if robot is None or scene is None or limits is None:
             return straight
         first, last = straight.states(np.array([0.0, 1.0]))[:, : robot.nq]
-        paths = self._paths(phase, scene, limits, first, last)
+        t0 = self.starts[index] if index < len(self.starts) else 0.0
+        paths = self._paths(phase, scene, limits, first, last, t0)
         if not paths:
             return straight if self.rank == 0 else Perturbed(self.line, self.rank).of(phase, index)
         path = paths[min(self.rank, len(paths) - 1)]
@@ -87,20 +95,20 @@ class GeometricPath(InitialGuess):
         return joint_motion(phase, duration, motion, default_parameters(phase))
 
     def _paths(
-        self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array
+        self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array, t0: float
     ) -> list[TimedMotion]:
         """Return the paths, the quickest first; none where the straight line is free or an end is not."""
         tries = max(self.tries, self.rank + 1)
         known = _KNOWN.setdefault(phase, {})
-        key = (self.planner, tries, first.tobytes(), last.tobytes())
+        key = (self.planner, tries, t0, first.tobytes(), last.tobytes())
         if key not in known:
             known[key] = []
             if scene.clearance(first, last) > 0.0:
-                known[key] = sorted(self._found(phase, scene, limits, first, last, tries), key=_seconds)
+                known[key] = sorted(self._found(phase, scene, limits, first, last, t0, tries), key=_seconds)
         return known[key]
 
     def _found(
-        self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array, tries: int
+        self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array, t0: float, tries: int
     ) -> list[TimedMotion]:
         is_free, moving = scene.is_free(first, last), scene.moving
         if is_free and moving is None:
@@ -111,14 +119,14 @@ class GeometricPath(InitialGuess):
         paths = [path for path in (timed_path(limits, each) for each in corners) if path is not None]
         if moving is None:
             return list(paths)
-        free = partial(moving.are_free, margin=scene.margin + moving.cushion(first, scene.margin))
+        free = partial(moving.are_free, t0=t0, margin=scene.margin + moving.cushion(first, t0, scene.margin))
         bounds = phase.duration_bounds
         found = [path for path in (in_time(path, free, bounds) for path in paths) if path is not None]
         if is_free and found and found[0] is paths[0]:
             return []
         # Ways around the places where the obstacles are during the quickest motion.
         within = min(path.duration for path in paths) if paths else 1.0
-        frozen = replace(scene, tree=moving.frozen(scene.margin, within, first, last))
+        frozen = replace(scene, tree=moving.frozen(scene.margin, t0, t0 + within, first, last))
         around = _planned(self.planner, frozen, first, last, range(tries)) if frozen.clearance(first, last) > 0 else []
         longer = [path for path in (timed_path(limits, each) for each in around) if path is not None]
         return found + [path for path in (in_time(path, free, bounds) for path in longer) if path is not None]
@@ -127,6 +135,11 @@ class GeometricPath(InitialGuess):
 def _planned(planner: PathPlanner, scene: PathScene, first: Array, last: Array, seeds: Iterable[int]) -> list[Array]:
     found = (planner.path(scene, first, last, seed) for seed in seeds)
     return [path for path in found if path is not None]
+
+
+def _moves(phase: Phase) -> bool:
+    scene = scene_of(phase)
+    return scene is not None and scene.moving is not None
 
 
 def _seconds(path: TimedMotion) -> float:

@@ -59,29 +59,29 @@ class MovingScene:
                 found[:, k] = np.minimum(found[:, k], apart.min(axis=1, initial=np.inf))
         return found
 
-    def are_free(self, q: Array, times: Array, margin: float) -> NDArray[np.bool_]:
-        """Whether each configuration keeps a margin [m] at each time, (n, m)."""
-        return np.asarray(self.clearances(q, times) > margin)
+    def are_free(self, q: Array, times: Array, t0: float, margin: float) -> NDArray[np.bool_]:
+        """Whether each configuration keeps a margin [m] at each time after t0 [s], (n, m)."""
+        return np.asarray(self.clearances(q, t0 + times) > margin)
 
-    def cushion(self, start: Array, margin: float) -> float:
-        """Return a distance beyond the margin [m] that the start has."""
-        left = float(self.clearances(start[None], np.zeros(1))[0, 0]) - margin
+    def cushion(self, start: Array, t0: float, margin: float) -> float:
+        """Return a distance beyond the margin [m] that the start has at t0 [s]."""
+        left = float(self.clearances(start[None], np.array([t0]))[0, 0]) - margin
         return min(CUSHION, 0.5 * max(left, 0.0))
 
-    def frozen(self, margin: float, within: float, *ends: Array) -> SphereTree:
+    def frozen(self, margin: float, t0: float, until: float, *ends: Array) -> SphereTree:
         """Compile the robot with copies of what moves, as it is at several times, but for copies that hit an end.
 
         Parameters
         ----------
         margin : float
             Distance that the ends keep [m].
-        within : float
-            Times of the copies lie between 0 and this [s].
+        t0, until : float
+            First and last time of the copies [s].
         *ends : ndarray (nq,)
         """
         copies = []
         for obstacle in self.moving:
-            for t in np.linspace(0.0, within, COPIES):
+            for t in np.linspace(t0, until, COPIES):
                 position, rotation = obstacle.pose(float(t))
                 quaternion = pin.Quaternion(np.array(rotation)).coeffs()
                 pose = {"position": tuple(position), "quaternion": tuple(quaternion)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,7 +60,7 @@ class Clearing:
         self._motions: list[Motion] = []
         if self._every:
             start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
-            self._motions = [_guessed(start, nlp.problem.phases[own.phase], own) for own in self._every]
+            self._motions = [_guessed(start, nlp.problem.phases, own) for own in self._every]
         self._kept: list[dict[tuple[int, int], Raised]] = [{} for _ in self._every]
         self._round = 0
         self._found: list[tuple[Clearances, Shortfalls]] = []
@@ -148,9 +148,11 @@ class Clearing:
                 yield Violation(name, "clearance", label, time, short, "m", margin, "under", 1.0)
 
 
-def _guessed(guess: InitialGuess, phase: Phase, own: Clearances) -> Motion:
-    known, nq = guess.of(phase, own.phase), own.pairs.robot.nq
-    return lambda s: (known.states(s)[:, :nq], known.duration * s)
+def _guessed(guess: InitialGuess, phases: Sequence[Phase], own: Clearances) -> Motion:
+    known, nq = guess.of(phases[own.phase], own.phase), own.pairs.robot.nq
+    moves = any(obstacle.moves for obstacle in own.pairs.obstacles)
+    t0 = sum(guess.of(phases[i], i).duration for i in range(own.phase)) if moves else 0.0
+    return lambda s: (known.states(s)[:, :nq], t0 + known.duration * s)
 
 
 def _solved(solution: Solution, own: Clearances) -> Motion:

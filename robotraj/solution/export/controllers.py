@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 SECOND = 10**9
 """Nanoseconds."""
+WITHOUT_POINT = re.compile(r"(?<![\d.])(\d)e")
+"""Mantissa of a number such as 1e-05."""
 
 
 def to_controller(solution: Planned, path: str | os.PathLike[str], rate: float = 1000.0) -> Path:
@@ -90,7 +93,10 @@ def _write_json(points: SetPoints, path: Path) -> None:
 
 
 def _write_yaml(points: SetPoints, path: Path) -> None:
-    """Write block style with one line a list; JSON's lists and strings are YAML's."""
+    """Write block style with one line a list; JSON's lists and strings are YAML's.
+
+    YAML 1.1 reads a number with an exponent as text where its mantissa has no decimal point, as in 1e-05.
+    """
     message = joint_trajectory(points)
     lines = ["header:", "  stamp: {sec: 0, nanosec: 0}", '  frame_id: ""']
     lines += [f"joint_names: {json.dumps(message['joint_names'])}", "points:"]
@@ -98,7 +104,12 @@ def _write_yaml(points: SetPoints, path: Path) -> None:
     assert isinstance(known, list)
     for point in known:
         stamp = point["time_from_start"]
-        lists = [f"{name}: {json.dumps(values)}" for name, values in point.items() if name != "time_from_start"]
+        values = {
+            name: WITHOUT_POINT.sub(r"\1.0e", json.dumps(each))
+            for name, each in point.items()
+            if name != "time_from_start"
+        }
+        lists = [f"{name}: {text}" for name, text in values.items()]
         lines += [f"  - {lists[0]}", *(f"    {each}" for each in lists[1:])]
         lines.append(f"    time_from_start: {{sec: {stamp['sec']}, nanosec: {stamp['nanosec']}}}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

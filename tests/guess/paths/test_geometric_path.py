@@ -140,6 +140,17 @@ def test_a_fixed_duration_is_met_by_waiting() -> None:
     assert least_distance(phase, GeometricPath()) > 0.0
 
 
+def test_obstacles_of_a_later_phase_are_where_they_are_in_that_phase() -> None:
+    # The gate opens 0.5 s before the reach begins, and closes during it.
+    still = rt.Phase(rt.load("ur5"), 1.0, rt.State(q=START, v=0), rt.State(q=START, v=0), rt.Duration())
+    reaching = reach(GATE)
+    problem = rt.Problem([still, reaching], links=[rt.Continuity(0, 1)])
+    known = default_guess(problem).prepared(problem).of(reaching, 1)
+    (pairs,) = (each.pairs(reaching.robot) for each in reaching.constraints)
+    apart = pairs.distances(known.states(FRACTIONS)[:, :6], 1.0 + known.duration * FRACTIONS)
+    assert apart[:, : pairs.against].min() > 0.0
+
+
 def test_a_way_that_stays_blocked_has_no_motion_in_time() -> None:
     path = timed_path(LineLimits.of(reach()), np.array([START, GOAL]))  # type: ignore[arg-type]
     assert path is not None

@@ -10,8 +10,10 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.planning.proving.clearing import Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.solvers import interior_point
+from robotraj.transcription.transcribe import transcribe
 
 START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
 
@@ -72,3 +74,21 @@ def test_a_box_that_moves_in_time_is_avoided_when_it_is_there() -> None:
     solution = rt.plan(reach(box))
     assert solution.proof.motion_holds
     assert coal_clearance(solution.phases[0].phase.robot, solution, box) > 0.0
+
+
+def first_rows(problem: rt.Problem) -> np.ndarray:
+    """Return the values at the guess of the rows on distances of the first solve."""
+    nlp = transcribe(problem, rt.Mesh(10))
+    longer = Clearing(nlp, None).rows(nlp)
+    return longer.values(longer.guess)[len(nlp.rows) :]
+
+
+def test_rows_of_a_later_phase_meet_obstacles_when_the_phase_runs() -> None:
+    def box(t0: float) -> rt.obstacles.Box:
+        return rt.obstacles.Box((0.1, 0.1, 0.3), lambda t: (0.52, 0.07 + 0.3 * (t - t0 - 0.36), 0.47))
+
+    still = rt.Phase(rt.load("ur5"), 2.0, rt.State(q=START, v=0), rt.State(q=START, v=0), rt.Duration())
+    alone = first_rows(rt.Problem([reach(box(0.0))]))
+    later = first_rows(rt.Problem([still, reach(box(2.0))], links=[rt.Continuity(0, 1)]))
+    assert len(alone) > 0
+    np.testing.assert_allclose(later, alone, atol=1e-9)

@@ -56,6 +56,17 @@ def test_joint_trajectory(plan, tmp_path, suffix, read):
     np.testing.assert_allclose(points[-1]["positions"], [0.4, -0.3], atol=1e-9)
 
 
+def test_yaml_has_numbers_where_a_mantissa_has_no_point(tmp_path):
+    ends = rt.State(q=[1e-5, 0], v=0), rt.State(q=[0.4, -2e-7], v=0)
+    phase = rt.Phase(rt.load("two_link_arm"), DURATION, *ends, rt.Effort(), limits=None)
+    file = rt.plan(phase, mesh=rt.Mesh(10)).to_controller(tmp_path / "arm.yaml", rate=20.0)
+    points = yaml.safe_load(file.read_text())["points"]
+    assert points[0]["positions"] == [1e-5, 0.0]
+    assert points[-1]["positions"] == pytest.approx([0.4, -2e-7], abs=1e-12)
+    lists = (point[name] for point in points for name in ("positions", "velocities", "accelerations", "effort"))
+    assert all(isinstance(value, float) for values in lists for value in values)
+
+
 def test_tables_of_set_points(plan, tmp_path):
     with plan.to_controller(tmp_path / "arm.csv", rate=200.0).open() as file:
         header, *rows = csv.reader(file)
