@@ -51,17 +51,20 @@ def _listed(moments: NDArray[np.float64]) -> str:
 
 
 def check_bodies(name: str, model: pin.Model) -> None:
-    """Refuse moving bodies, links joined by fixed joints together, with an indefinite inertia.
+    """Refuse moving bodies, links joined by fixed joints together, with an infinite or indefinite inertia.
 
     Raises
     ------
     InputError
         Names the joints that move them: the mass matrix could lose its positive definiteness.
     """
-    faults = [
-        f"{model.names[i]!r} ({triangle_fault(moments, body.mass)})"
-        for i, body in enumerate(list(model.inertias)[1:], start=1)
-        if is_indefinite(moments := principal_moments(np.array(body.inertia)), body.mass)
+    bodies = [(model.names[i], np.array(body.inertia), body.mass) for i, body in enumerate(model.inertias) if i]
+    # Finite entries of links far apart overflow where their inertias are summed.
+    faults = [f"{joint!r} (larger than any number)" for joint, inertia, _ in bodies if not np.isfinite(inertia).all()]
+    faults += [
+        f"{joint!r} ({triangle_fault(moments, mass)})"
+        for joint, inertia, mass in bodies
+        if np.isfinite(inertia).all() and is_indefinite(moments := principal_moments(inertia), mass)
     ]
     if faults:
         raise InputError(

@@ -132,6 +132,8 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         if len(phases) != len(problem.phases):
             raise Damaged(f"it holds {len(phases)} motions for {len(problem.phases)} phases")
         facts = unpacker.unpack(data.get("facts"), "facts")
+        if not isinstance(facts, dict):
+            raise Damaged("it holds no facts of the solution")
         return Contents(problem, phases, facts, _unpacked_settings(data.get("settings"), unpacker))
     except OtherProblem:
         raise

@@ -22,6 +22,9 @@ from robotraj.solution.storage.plain_data import MARK, Damaged, NotPlainData
 DEPTH = 60
 """Largest number of values inside each other."""
 
+MOST_VALUES = 100_000
+"""Largest number of marked values in a file; each takes some 20 us."""
+
 T = TypeVar("T")
 
 Arrays = Mapping[str, NDArray[np.generic]]
@@ -37,7 +40,7 @@ class Unpacker:
     """
 
     def __init__(self, arrays: Arrays) -> None:
-        self._stored = arrays
+        self._stored, self._made = arrays, 0
 
     def unpack(self, data: object, place: str = "value", depth: int = 0) -> Any:
         """Make a value.
@@ -71,6 +74,9 @@ class Unpacker:
         read = self._READERS.get(mark)
         if read is None or len(marks) > 1:
             _damaged(place, f"the mark {mark!r}")
+        self._made += 1
+        if self._made > MOST_VALUES:
+            _damaged(place, f"more than {MOST_VALUES} values")
         return read(self, data[mark], data, place, depth + 1)
 
     def _entries(self, content: object, data: Mapping[str, object], place: str, depth: int) -> object:
