@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.many.candidates import has_candidates, with_candidates
-from robotraj.planning.progress import PlanLimits, watching
+from robotraj.planning.progress import LimitReached, PlanLimits, watching
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import solve, solve_on_coarse_mesh
 from robotraj.problem.constraints.base import Where
@@ -228,7 +228,9 @@ def plan(
             if not solution.success:
                 from robotraj.planning.diagnosis.explain import explained
 
-                solution = explained(solution, partial(solve_on_coarse_mesh, settings=settings, progress=show))
+                # Without the time to explain a failure it is returned as it is.
+                with suppress(LimitReached):
+                    solution = explained(solution, partial(solve_on_coarse_mesh, settings=settings, progress=show))
         except KeyboardInterrupt:
             from robotraj.planning.continuation import last_solution
 

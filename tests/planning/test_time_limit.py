@@ -47,6 +47,27 @@ def test_restarts_are_part_of_the_plan() -> None:
     assert time.process_time() - began < 3.0
 
 
+def test_a_failure_that_is_not_explained_in_time_is_returned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limit was reached between the failure and its explanation, and rt.plan raised LimitReached."""
+    before = PlanLimits.before_solve
+    solves = []
+
+    def late(self: PlanLimits, problem: rt.Problem, mesh: object) -> None:
+        """Let the clock run out once the first solve has failed."""
+        if solves:
+            self._end = -np.inf
+        solves.append(problem)
+        before(self, problem, mesh)
+
+    monkeypatch.setattr(PlanLimits, "before_solve", late)
+    weak = rt.load("pendulum")
+    phase = rt.Phase(
+        weak, 1.0, rt.State(q=0, v=0), rt.State(q=np.pi, v=0), rt.Effort(), limits=weak.limits.with_(effort=0.1)
+    )
+    solution = rt.plan(phase, mesh=rt.Mesh(10), restarts=None, time_limit=60.0, check=False)
+    assert len(solves) > 1 and not solution.success
+
+
 def test_a_motion_that_was_proved_in_time_is_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
     goals = rt.solution.Goals(objective=1e-9)
     read = PlanLimits._read

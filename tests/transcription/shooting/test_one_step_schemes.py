@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
+from robotraj.transcription.extract import extract
+from robotraj.transcription.interval_limits.added_rows import with_added_rows
+from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 
 Array = NDArray[np.float64]
 
@@ -90,6 +93,30 @@ def test_derivatives_agree_with_finite_differences(scheme: rt.schemes.MultipleSh
     for ours, theirs in zip(found, expected, strict=True):
         assert np.any(theirs)
         np.testing.assert_allclose(ours, theirs, atol=within * max(1.0, float(np.max(np.abs(theirs)))))
+
+
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+def test_bounds_between_knots_are_the_interpolants_and_share_an_evaluation(scheme: rt.schemes.OneStep) -> None:
+    """Of two bounds in one interval and one in another; each once had a place of its own."""
+    problem = rt.Problem([phase_of()])
+    plain = rt.transcription.transcribe(problem, rt.Mesh(KNOTS, scheme))
+    places = [(0, 0.3), (0, 0.7), (2, 0.4)]
+    bound = next(row.number for row in problem.phases[0].rows.rows if row.name == "state bound")
+    nlp = with_added_rows(plain, [AddedRow(0, k, bound, tau) for k, tau in places], plain.guess)
+    assert all(block.count <= 2 for block in nlp.blocks[len(plain.blocks) :])
+    w, multipliers = somewhere(nlp)
+    (motion,) = extract(plain, w)
+    times = [motion.t0 + motion.duration * (KNOTS[k] + (KNOTS[k + 1] - KNOTS[k]) * tau) for k, tau in places]
+    np.testing.assert_allclose(nlp.values(w)[len(plain.rows) :], motion.x(np.array(times))[:, 1], atol=1e-12)
+
+    def lagrangian_gradient(v: Array) -> Array:
+        return 0.7 * nlp.gradient(v) + nlp.jacobian(v).T @ multipliers
+
+    for ours, theirs in (
+        (nlp.jacobian(w).toarray(), differences(nlp.values, w, nlp.scale, 1e-4)),
+        (nlp.hessian(w, multipliers, 0.7).toarray(), differences(lagrangian_gradient, w, nlp.scale, 1e-4)),
+    ):
+        np.testing.assert_allclose(ours, theirs, atol=1e-8 * max(1.0, float(np.max(np.abs(theirs)))))
 
 
 @pytest.mark.parametrize("scheme", [rt.schemes.MultipleShooting, rt.schemes.SingleShooting])
