@@ -49,23 +49,13 @@ def test_restarts_are_part_of_the_plan() -> None:
 
 def test_a_failure_that_is_not_explained_in_time_is_returned(monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit was reached between the failure and its explanation, and rt.plan raised LimitReached."""
-    before = PlanLimits.before_solve
-    solves = []
 
-    def late(self: PlanLimits, problem: rt.Problem, mesh: object) -> None:
-        """Let the clock run out once the first solve has failed."""
-        if solves:
-            self._end = -np.inf
-        solves.append(problem)
-        before(self, problem, mesh)
+    def late(solution: rt.Solution, solve_coarse: object) -> rt.Solution:
+        raise LimitReached("The time limit of 60 s was reached.")
 
-    monkeypatch.setattr(PlanLimits, "before_solve", late)
-    weak = rt.load("pendulum")
-    phase = rt.Phase(
-        weak, 1.0, rt.State(q=0, v=0), rt.State(q=np.pi, v=0), rt.Effort(), limits=weak.limits.with_(effort=0.1)
-    )
-    solution = rt.plan(phase, mesh=rt.Mesh(10), restarts=None, time_limit=60.0, check=False)
-    assert len(solves) > 1 and not solution.success
+    monkeypatch.setattr("robotraj.planning.diagnosis.explain.explained", late)
+    solution = rt.plan(cartpole(), rt.Mesh(10), solver=rt.InteriorPoint(max_iterations=2), restarts=None, check=False)
+    assert solution.status is rt.solvers.Status.ITERATION_LIMIT and not solution.conflicts
 
 
 def test_a_motion_that_was_proved_in_time_is_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
