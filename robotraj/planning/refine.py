@@ -56,8 +56,8 @@ def adapt(
     If the errors are small enough but ``refinement`` returns no finer mesh, a smaller tolerance is used. Otherwise
     every interval whose knots are fixed is halved.
 
-    Rows are added between the collocation points from the first mesh on that meets the tolerance without them, or that
-    is no better than an earlier one. Rows added on a coarse mesh would have to be found again on the next one. Where
+    Rows are added between the collocation points once a mesh meets the tolerance without them, or is no better than an
+    earlier one. Rows added on a coarse mesh would have to be found again on the next one. Where
     the solver stops too far from the optimum of its mesh, its gap is reduced (``Solver.with_smaller_gap``). The status
     of a solution that misses the tolerance is ``Status.TOLERANCE_NOT_REACHED``.
     """

@@ -58,8 +58,8 @@ def solve(
 ) -> Solution:
     """Solve a problem on a mesh and check the solution outside the solver.
 
-    Rows of the state that the solution violates between its collocation points are added there, by
-    ``settings.interval_limits``, and the problem is solved again from the last solution. Added rows of a guess are
+    Rows of the state that the solution violates between its collocation points are added there by
+    ``settings.interval_limits``. The problem is then solved again from the last solution. Added rows of a guess are
     kept on the intervals that both meshes have. If the problem cannot be solved with further rows, the solution
     without them is returned. Its ``interval_violations`` lists the violated rows.
 

@@ -46,8 +46,8 @@ def replay(
     The file contains meshcat's viewer, meshes, motion and curves, and needs no network. Writing it starts no server,
     process or browser. Phases follow one another on one time line.
 
-    In the browser's console, ``robotraj.seek(t)`` moves to a time [s], ``robotraj.time()`` reads it,
-    ``robotraj.poses()`` returns the world position [m] and quaternion (x, y, z, w) of every joint as drawn, and
+    In the browser's console, ``robotraj.seek(t)`` moves to a time [s], and ``robotraj.time()`` returns it.
+    ``robotraj.poses()`` returns the world position [m] and quaternion (x, y, z, w) of every joint as drawn.
     ``robotraj.viewer`` is meshcat's viewer.
 
     Forces of held contacts are arrows, whose scale the page shows. The page also shows friction cones at the

@@ -123,8 +123,8 @@ class _Phase:
     def _bound_density(self, group: str, size: int) -> Density:
         """Multipliers of the variables' bounds at the places.
 
-        At an end of the phase those of states are mixed with what holds the end; their densities are carried there from
-        beside it, so that an arc may run up to the end.
+        At an end of the phase, those of states contain the multipliers of the end conditions. Their densities are
+        extrapolated from the points beside it, so that an arc may extend to the end.
         """
         values = np.zeros((self.places, size))
         for interval in self.layout.intervals:

@@ -2,8 +2,8 @@
 
     H(t, x, z, u, p, lambda, nu, eta) = l + lambda' f + nu' g + eta' h
 
-with l the integrand of the objective, f the rates, g the algebraic rows and h the path rows, then the integrands of
-integral constraints, whose eta is constant. Its value along a trajectory is evaluated without eta' h of path rows,
+Here l is the integrand of the objective, f are the rates, g the algebraic rows and h the path rows. The integrands of
+integral constraints are the last entries of h; their eta is constant. Its value along a trajectory is evaluated without eta' h of path rows,
 since h measured from the bound vanishes where a row is active.
 """
 

@@ -1,7 +1,7 @@
 """The classes that a file may hold, and which values their fields accept.
 
-Nothing else is made from a file. A class belongs here if making it does nothing but keep and check its fields: no file
-is opened, no command is run, no code is imported.
+Nothing else is made from a file. A class belongs here if making it only stores and checks its fields. It must not open
+a file, run a command or import code.
 """
 
 from __future__ import annotations

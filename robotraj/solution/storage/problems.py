@@ -116,9 +116,8 @@ def _pack_field(phase: Phase, name: str, packer: Packer, path: str) -> Json:
             raise
         raise InputError(
             f"Phase {phase.name!r} cannot be saved: a contact of {', '.join(repr(c.label) for c in phase.contacts)} "
-            "stands on a Python function, which a file does not hold; sample it with "
-            "rt.terrain.HeightMap.from_array, or use "
-            "rt.terrain.Flat, rt.terrain.Slope or rt.terrain.Steps."
+            "stands on a Python function, which a file does not hold. Sample it with rt.terrain.HeightMap.from_array, "
+            "or use rt.terrain.Flat, rt.terrain.Slope or rt.terrain.Steps."
         ) from error
 
 
