@@ -1,4 +1,4 @@
-"""Compiled modules: refusing one that does not fit what is installed, and saying why one could not be loaded."""
+"""Compiled modules: check their versions against the installed libraries, and explain why one could not be loaded."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import pinocchio
 
 from robotraj._util.errors import BuildMismatch
 
-_WHEELS = {"pinocchio": "pin"}  # where the wheel's name is another than the library's
+_WHEELS = {"pinocchio": "pin"}  # libraries whose wheel has another name
 
 
 def check_versions(graphs: ModuleType) -> None:
     """Compare what the compiled module was built against with what is installed.
 
-    The libraries' names carry no usable version: a module built against another version of libpinocchio
-    loads all the same, and then reads its memory wrongly. So the versions must be equal, not just near.
+    The file name of libpinocchio carries no version. A module built against another version loads all the same, and
+    then reads its memory wrongly. The versions must therefore be equal, not just compatible.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def check_versions(graphs: ModuleType) -> None:
     installed = {"pinocchio": pinocchio.__version__, "casadi": casadi.CasadiMeta.version()}
     built = {"pinocchio": graphs.PINOCCHIO_VERSION, "casadi": graphs.CASADI_VERSION}
     library = wheel_version("libpinocchio")
-    if library is not None:  # else pinocchio came from elsewhere than its wheels; its own version was compared
+    if library is not None:  # otherwise pinocchio was not installed from wheels, and its own version decides
         installed["libpinocchio"], built["libpinocchio"] = library, graphs.PINOCCHIO_VERSION
     for name, version in installed.items():
         if version != built[name]:
@@ -78,8 +78,8 @@ def not_loaded(module: str, error: Exception) -> BuildMismatch:
     from_sources = (folder / "pyproject.toml").exists()
     if from_sources and find_spec(module) is None:
         return BuildMismatch(
-            f"Python imports robotraj from its sources in {folder}, where {module} is not compiled: "
-            "run Python in another folder, or run 'pip install -e .' in this one."
+            f"Python imports robotraj from its sources in {folder}, where {module} is not compiled. "
+            "Run Python in another folder, or run 'pip install -e .' in this one."
         )
     remedy = f"'pip install -e .' in {folder}" if from_sources else "'pip install --force-reinstall .' in its sources"
     return BuildMismatch(

@@ -1,7 +1,7 @@
-"""What notebooks show of values that only a room above theirs can draw.
+"""HTML of values in notebooks, by functions of higher rooms.
 
-A solution is drawn by the replay page, which reads solutions and so lies above them. ``robotraj/__init__.py`` lies
-above all rooms: it enters here which function draws which class. The function is imported when it is first called.
+A solution is drawn by the replay page, which imports solutions. ``robotraj/__init__.py`` registers here which function
+draws which class. The function is imported when it is first called.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ drawings: dict[str, str] = {}
 
 
 def drawn(value: object) -> str:
-    """Return the HTML of a value: what ``function(value)`` of the entry of its class returns.
+    """Return the HTML of a value, by the function registered for its class.
 
     Raises
     ------
     KeyError
-        No function is entered for the class.
+        No function is registered for the class.
     """
     module, _, function = drawings[type(value).__name__].partition(":")
     return str(getattr(import_module(module), function)(value))

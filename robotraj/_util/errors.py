@@ -47,7 +47,7 @@ class ValidationFailed(RobotrajError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C ended work on many problems; ``found`` keeps what was done by then.
+    """Ctrl-C stopped work on many problems; ``found`` holds the solutions so far.
 
     Attributes
     ----------
@@ -64,8 +64,15 @@ class Interrupted(KeyboardInterrupt):
         return type(self), (self.found, self.count)
 
 
-def require_solution(value: object, who: str) -> None:
-    """Raise an error if the value's phases show that it is not a solution.
+def require_solution(value: object, what: str) -> None:
+    """Raise an error unless the value has the phases of a solution.
+
+    Parameters
+    ----------
+    value : object
+        What the caller passed.
+    what : str
+        The function or option that takes it, for messages.
 
     Raises
     ------
@@ -75,7 +82,7 @@ def require_solution(value: object, who: str) -> None:
     parts = getattr(value, "phases", None)
     if parts is None or not all(hasattr(part, "phase") for part in parts):
         best = " Its .best is one." if hasattr(type(value), "best") else ""
-        raise InputError(f"{who} takes a solution that rt.plan returned; got {type(value).__name__}.{best}")
+        raise InputError(f"{what} takes a solution that rt.plan returned; got {type(value).__name__}.{best}")
 
 
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:
@@ -141,8 +148,8 @@ def _advice(error: Exception, count: int) -> str:
     """Return the remedy for a failed function."""
     if "truth value" in str(error):
         return (
-            "Symbols are neither true nor false: write casadi.if_else(condition, a, b) for `if`, casadi.fmax and "
-            "casadi.fmin for `max` and `min`, casadi.logic_and and casadi.logic_or for `and` and `or`."
+            "Symbols are neither true nor false. Replace `if` by casadi.if_else(condition, a, b), `max` and `min` by "
+            "casadi.fmax and casadi.fmin, `and` and `or` by casadi.logic_and and casadi.logic_or."
         )
     if isinstance(error, AttributeError) and type(error.obj).__module__.startswith("robotraj."):
         return f"It has {', '.join(name for name in dir(error.obj) if not name.startswith('_'))}."

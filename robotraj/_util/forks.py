@@ -1,7 +1,7 @@
 """Forks wait until no other thread plans.
 
-A fork copies the calling thread alone. Locks that other threads hold, those of CasADi, of MUMPS and of cached
-properties, would never be released in the child: its first plan would hang.
+A fork copies only the calling thread. CasADi, MUMPS and cached properties have locks that another thread may hold.
+The child would inherit them locked, and its first plan would hang.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 PATIENCE = 60.0
-"""Longest wait [s]: a thread that waits for the one that forks would wait for ever."""
+"""Longest wait [s]; without it, a planning thread that waits for the forking one would deadlock."""
 
 _changed = threading.Condition()
 _inside: Counter[int] = Counter()
@@ -22,7 +22,7 @@ _forking = 0
 
 @contextmanager
 def unforked() -> Iterator[None]:
-    """Hold back forks by other threads; a thread may enter several times."""
+    """Delay forks of other threads until the block ends; one thread may nest such blocks."""
     me = threading.get_ident()
     with _changed:
         _changed.wait_for(lambda: not _forking or _inside[me], PATIENCE)

@@ -12,9 +12,9 @@ else:
     class cached_property:
         """A property whose first value is kept in the instance's ``__dict__``, without a lock.
 
-        Until Python 3.11 ``functools.cached_property`` holds one lock for all instances of a class. A process that
-        forks while another thread computes a property leaves this lock behind in the child, which waits for ever.
-        Without a lock two threads may compute a value at once; all keep the first one.
+        Until Python 3.11 ``functools.cached_property`` holds one lock for all instances of a class. If a process forks
+        while another thread computes a property, the child inherits the locked lock and deadlocks. Without a lock two
+        threads may compute a value at once; both return the first result.
         """
 
         def __init__(self, function):
@@ -36,14 +36,14 @@ T = TypeVar("T", covariant=True)
 
 
 class Late(Sequence[T]):
-    """A sequence of values that most callers do not read.
+    """A sequence whose values are computed when one of them is first read.
 
     Parameters
     ----------
     find : callable
         Returns the values; it is called once.
     count : int, optional
-        How many there will be; with it, ``len`` computes nothing.
+        Number of values. With it, ``len`` does not compute them.
     """
 
     def __init__(self, find: Callable[[], Sequence[T]], count: int | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Paths of output files, checked before the work whose result is written."""
+"""Paths of output files, which are checked before a long computation starts."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from threading import get_ident
 from robotraj._util.errors import InputError
 
 
-def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], who: str) -> Path:
+def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str) -> Path:
     """Return the absolute path of a file that can be written.
 
     Parameters
     ----------
     path : path
-        An existing file is replaced.
+        Path of the file; an existing file is replaced.
     suffixes : sequence of str
         Allowed suffixes in lower case; ``()`` allows all.
-    who : str
+    what : str
         The function or option of the path, for messages.
 
     Raises
@@ -30,13 +30,14 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], who: str)
     """
     target = Path(path).expanduser().absolute()
     if suffixes and target.suffix.lower() not in suffixes:
-        raise InputError(f"{who} is {str(path)!r}; let it end in {' or '.join(suffixes)}.")
+        raise InputError(f"{what} is {str(path)!r}; let it end in {' or '.join(suffixes)}.")
     if not target.parent.is_dir():
-        raise InputError(f"{who} is {str(path)!r}, but the directory {str(target.parent)!r} does not exist; create it.")
+        parent = str(target.parent)
+        raise InputError(f"{what} is {str(path)!r}, but the directory {parent!r} does not exist; create it.")
     if target.is_dir():
-        raise InputError(f"{who} is {str(path)!r}, which is a directory; name a file.")
+        raise InputError(f"{what} is {str(path)!r}, which is a directory; name a file.")
     if not os.access(target if target.exists() else target.parent, os.W_OK):
-        raise InputError(f"{who} is {str(path)!r}, which cannot be written; choose another place or its permissions.")
+        raise InputError(f"{what} is {str(path)!r}, which cannot be written; choose another place or its permissions.")
     return target
 
 
@@ -44,7 +45,7 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], who: str)
 def whole_file(target: Path) -> Iterator[Path]:
     """Yield a path to write to; the file takes its place at ``target`` once it is complete.
 
-    An older file at ``target`` stays as it was until then. Nothing is left behind where writing fails.
+    An older file at ``target`` stays unchanged until then. If writing fails, the partial file is deleted.
 
     Raises
     ------

@@ -33,7 +33,7 @@ _FEW = {1: (np.zeros(1), np.array([2.0])), 2: (np.sqrt(1 / 3) * np.array([-1.0, 
 
 @lru_cache(maxsize=256)
 def gauss(count: int) -> tuple[Array, Array]:
-    """Points and weights of Gauss-Legendre quadrature on [-1, 1]: numpy's ``leggauss``, without its package's import.
+    """Points and weights of Gauss-Legendre quadrature on [-1, 1], as NumPy's ``leggauss`` without its import.
 
     The points are eigenvalues of the Jacobi matrix (Golub and Welsch, Mathematics of Computation 23, 1969), improved
     by one Newton step and made symmetric.
@@ -84,7 +84,7 @@ def basis(sites: Array, tau: Array) -> Array:
 
 
 def basis_at(sites: Array, tau: float) -> Array:
-    """Values of the Lagrange polynomials at one place, (len(sites),): ``basis`` in a third of its time."""
+    """Values of the Lagrange polynomials at one tau, (len(sites),); faster than ``basis``."""
     gaps = tau - sites
     hit = gaps == 0.0
     if hit.any():

@@ -1,4 +1,4 @@
-"""Values as text: as the calls that make them, on one short line, and as tables."""
+"""Values as text: as constructor calls, on one short line, and as tables."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TEXT = 32
 
 
 class OneLine:
-    """Values whose ``repr`` is ``one_line``, where neither they nor a class above them define it."""
+    """Base of classes whose ``repr`` is ``one_line``, unless they or a base class define another."""
 
     def __init_subclass__(cls, **arguments: object) -> None:
         super().__init_subclass__(**arguments)

@@ -1,8 +1,7 @@
 """Sparse matrices in compressed rows: the operations that transcriptions need, with NumPy only.
 
 Names and meanings are those of ``scipy.sparse``, whose import takes longer than a whole plan of an arm. The indices of
-a row are sorted and unique; arrays (``data``, ``indices``, ``indptr``) may be shared between matrices and are
-never written to.
+a row are sorted and unique. Matrices may share their arrays (``data``, ``indices``, ``indptr``), which are read-only.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ class csr_array:
     Parameters
     ----------
     given : csr_array, csc_array, shape, (data, (rows, columns)) or (data, indices, indptr)
-        Triplets of one place are added. Entries of the last form must be sorted.
+        Values of triplets with equal indices are added. Entries of the last form must be sorted.
     shape : (int, int), optional
         Required for the last two forms.
     """
@@ -197,7 +196,7 @@ def expand(matrix: csr_array | csc_array, which: Indices) -> tuple[Indices, Arra
 
 
 def _compressed(data: Array, rows: Indices, columns: Indices, shape: Shape) -> tuple[Array, Indices, Indices]:
-    """Compress triplets to data, indices and pointers; those of one place are added in their order."""
+    """Compress triplets to data, indices and pointers; values with equal indices are added in their order."""
     keys = np.asarray(rows, dtype=np.int64) * shape[1] + columns
     data = np.asarray(data, dtype=float)
     if (keys[1:] <= keys[:-1]).any():

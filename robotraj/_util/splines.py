@@ -1,7 +1,7 @@
 """Splines in B-spline form: the interpolating one of odd degree, and the cubic through values and slopes.
 
-Source: de Boor, A Practical Guide to Splines (2001), chapters IX to XIII. SciPy's splines are equal; their import takes
-longer than the guess of a walk.
+Source: de Boor, A Practical Guide to Splines (2001), chapters IX to XIII. SciPy's splines give the same values, but
+importing them takes longer than making the guess of a walk.
 """
 
 from __future__ import annotations

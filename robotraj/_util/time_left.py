@@ -1,4 +1,4 @@
-"""How long the plan that runs may go on, for the parts of it that wait for other processes."""
+"""Remaining time of the running plan, for code that waits for other processes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _known: ContextVar[Callable[[], float] | None] = ContextVar("known", default=Non
 
 @contextmanager
 def limited(left: Callable[[], float] | None) -> Iterator[None]:
-    """Let ``time_left`` return what a function returns, inside; None for no limit."""
+    """Inside the block ``time_left`` reads the remaining time [s] from ``left``; None sets no limit."""
     token = _known.set(left)
     try:
         yield

@@ -1,6 +1,6 @@
-"""Piecewise polynomials: callable values, evaluated anywhere.
+"""Piecewise polynomials as callable values.
 
-Each interval keeps its polynomial by values on its own sites, so that orders may differ from interval to interval.
+Each interval holds values on its own sites, so the degrees of intervals may differ.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class PiecewisePolynomial(OneLine):
     breaks : ndarray (K + 1,)
         Ends of the intervals [s], ascending.
     sites : sequence of K arrays (m_k,)
-        Where the values of an interval are given, in [0, 1].
+        Places of the values of an interval, in [0, 1].
     values : sequence of K arrays (m_k, n)
         Values at the sites; the polynomial of interval k has degree m_k - 1.
     """
@@ -47,7 +47,7 @@ class PiecewisePolynomial(OneLine):
 
     @cached_property
     def _stacks(self) -> tuple[NDArray[np.int_], list[tuple[Array, Array]], NDArray[np.int_]]:
-        """Kind of every interval, each kind's sites and stacked values, and where in its stack an interval is."""
+        """Kind of every interval, sites and stacked values of each kind, and index of every interval in its stack."""
         found: dict[bytes, int] = {}
         # Most intervals share one array of sites.
         distinct = {id(sites): sites for sites in self.sites}
@@ -78,7 +78,7 @@ class PiecewisePolynomial(OneLine):
         t : float or array (m,)
             Times [s].
         interval : int or array (m,), optional
-            Use the polynomial of this interval, or of one for each time: for one-sided values at knots.
+            Interval whose polynomial is used, one or one per time. It selects one-sided values at knots.
 
         Returns
         -------
@@ -101,7 +101,7 @@ class PiecewisePolynomial(OneLine):
         return out
 
     def _at(self, t: float, interval: int | NDArray[np.int_] | None) -> Array:
-        """Evaluate at one time; simulations do so thousands of times."""
+        """Evaluate at one time, fast: simulations do so thousands of times."""
         k = int(self.locate(t) if interval is None else interval)
         length = self._lengths[k]
         sites = self.sites[k]

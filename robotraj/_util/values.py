@@ -44,7 +44,7 @@ else:
 
 
 def own(value: Any) -> Any:
-    """Return a deep copy of arrays, tuples, lists and dicts; the caller may change the originals.
+    """Return a deep copy of arrays, tuples, lists and dicts, so that later changes to the originals have no effect.
 
     Copies of arrays are read-only. Every other value, functions included, is returned unchanged.
     """

@@ -1,4 +1,4 @@
-"""Dynamics as semi-explicit DAEs: rigid bodies with contacts, ground and design parameters, and systems of one's own.
+"""Dynamics as semi-explicit DAEs: rigid bodies with contacts, ground and design parameters, and user-defined systems.
 
 Start with ``dae.py``. The room may import ``robot`` and what lies below.
 """

@@ -1,7 +1,7 @@
 """The terms that contacts add to a robot's equations, as functions shared by all phases that have the contact.
 
-A contact adds its reaction -J' f, its acceleration, place and velocity, and J' c for the corrections c of these. The
-terms of one contact do not depend on another contact. A foot's terms are therefore one function of the root, its own
+A contact adds its reaction -J' f, its acceleration, position and velocity, and J' c for the corrections c of these. The
+terms of one contact do not depend on other contacts. A foot's terms are therefore one function of the root, its own
 leg, its forces and its foothold. This function is differentiated once for all phases of a walk.
 """
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicAddend:
-    """An addend whose values are symbols in the outputs of a stage, each in one row with the factor 1.
+    """An addend whose values appear as symbols in the outputs of a stage, each in one row with the factor 1.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ def extract_addends(y: ca.SX, known: ca.SX, addends: Sequence[SymbolicAddend]) -
     plain, inputs = [], []
     for each in addends:
         places = positions_in(known, each.arguments)
-        # An addend has one row for each entry: an entry that no row reads, or several rows, stays in the graph.
+        # Each entry of an addend must appear in exactly one row; otherwise the addend stays in the graph.
         read = np.bincount(ca.jacobian_sparsity(y, each.symbols).get_triplet()[1], minlength=each.symbols.numel())
         if (places >= 0).all() and (read == 1).all():
             plain.append(each)

@@ -31,21 +31,27 @@ def rows_of(what: str, function: Callable[..., object], *arguments: object) -> l
     FailedExpression
         The function raised an error that is not robotraj's.
     InputError
-        It returned other types than numbers and SX, or NaN for a symbol, as ``math.sin`` does.
+        It returned values that are neither numbers nor SX, or NaN for a symbol, as ``math.sin`` does.
     """
     rows = as_rows(called(what, function, *arguments), what)
     for i in _nan_rows(rows):
         if _holds_nan(rows[i]):
             which = "" if len(rows) == 1 else f" in row {i}"
             raise InputError(
-                f"The {what} has NaN{which} whatever the point is: functions of Python's math make NaN of CasADi "
-                "symbols. Write casadi.sin for math.sin, and so on."
+                f"The {what} is NaN{which} at every point: functions of Python's math return NaN for CasADi symbols. "
+                "Write casadi.sin for math.sin, and so on."
             )
     return rows
 
 
 def as_rows(values: Any, what: str) -> list[ca.SX]:
-    """Flatten a scalar, a list or a CasADi/NumPy column that a user expression returned into a list of SX."""
+    """Flatten a scalar, a list or a CasADi/NumPy column that a user expression returned into a list of SX.
+
+    Raises
+    ------
+    InputError
+        A value is neither a number nor SX.
+    """
     try:
         if isinstance(values, ca.SX | ca.DM | ca.MX):
             column = ca.SX(values)

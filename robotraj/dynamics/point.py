@@ -1,7 +1,7 @@
 """The Point: the variables at one instant, the argument of every user expression.
 
-In the NLP a point holds CasADi symbols (this file), in the witness it holds numbers from plain Pinocchio
-(``robotraj.witness``). An expression written once is evaluated by both.
+In the NLP a point holds CasADi symbols (this file). In the witness it holds numbers from plain Pinocchio. Both evaluate
+the same user expression.
 """
 
 from __future__ import annotations
@@ -113,8 +113,10 @@ class RobotPoint(Point):
         Pinocchio's algorithms, with the phase's design if it has one.
     damping : array or column (nv,)
         Viscous damping, of the design if there is one [N m s/rad, N s/m].
-    q, v, a : column (nv,)
-        Joint positions [rad, m], velocities and accelerations.
+    q : column (nq,)
+        Positions [rad, m]; see ``Robot`` for a moving root.
+    v, a : column (nv,)
+        Velocities [rad/s, m/s] and accelerations [rad/s^2, m/s^2].
     tau : column (nu,)
         Torques of the actuated joints [N m, N].
     forces : Named

@@ -165,7 +165,7 @@ class RigidBody(OneLine):
         return point
 
     def rates(self, point: RobotPoint) -> ca.SX:
-        """State rates (qdot, a), nq + nv: qdot is v, but for a quaternion half its product with (omega, 0)."""
+        """State rates (qdot, a), nq + nv: qdot = v, and half the product of a quaternion with (omega, 0)."""
         moved = self.robot.symbolic.configuration_rate(point.q, point.v) if self._has_quaternion else point.v
         return ca.vertcat(moved, point.a)
 
@@ -177,8 +177,8 @@ class RigidBody(OneLine):
     def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
         """Return W c: along the quaternion, and along the directions of ``holding.correct`` for contacts.
 
-        The quaternion changes by s(c) times itself, s(c) = c / sqrt(1 + (c / L)^2), with L = ``LONGEST_STRETCH``. As
-        |s| < L, no correction carries a quaternion through zero to its negative, which would count as a full turn.
+        The quaternion changes by s(c) times itself, s(c) = c / sqrt(1 + (c / L)^2), with L = ``LONGEST_STRETCH``. Since
+        |s| < L < 1, no correction changes a quaternion's sign, which would count as a full turn.
         """
         first = int(self._has_quaternion)
         if point.contact_terms and not pinned(self.robot, self.contacts):

@@ -19,10 +19,10 @@ class Row(OneLine):
     lower, upper : float
         Bounds, infinite where open.
     joint : str or None
-        The joint, frame, contact or variable it is about.
+        Name of the joint, frame, contact or variable that the row bounds.
     variable : str or None
-        Name of the variable of the DAE, where the value is a single one: it becomes a bound of the NLP. With
-        ``Where.RATE`` the row bounds its time derivative. Ask ``Phase.rows`` which rows bound which variables.
+        Name of the DAE's variable, if the value is a single variable. The row then becomes a bound of the NLP. With
+        ``Where.RATE`` it bounds the variable's time derivative. ``Phase.rows`` lists the rows of a phase.
     """
 
     name: str

@@ -32,16 +32,16 @@ class System(OneLine):
     dynamics : callable
         ``dynamics(point)`` returns the rates of the states, in their order.
     residual : callable, optional
-        ``residual(point)`` returns one row per algebraic variable; the rows are held at zero (index 1: solvable
-        for z).
+        ``residual(point)`` returns one row per algebraic variable, g = 0. The rows must be solvable for z (index 1).
     units : mapping of str to str, optional
         SI units by name, for reports and plots.
     name : str
+        Name for messages and printing.
 
     Raises
     ------
     InputError
-        Names that repeat, a wrong number of rates or rows, an algebraic variable without a residual.
+        A name repeats, an argument is of a wrong type, or algebraic variables come without a residual.
 
     Examples
     --------
@@ -84,11 +84,11 @@ class System(OneLine):
             raise InputError(f"System {name!r} has no states; name at least one in states=.")
         twice = [n for n, count in Counter(every).items() if count > 1]
         if twice:
-            raise InputError(f"System {name!r}: the name {twice[0]!r} is used twice; every variable needs its own.")
+            raise InputError(f"System {name!r}: the name {twice[0]!r} is used twice; give every variable its own name.")
         if bool(algebraic) != (residual is not None):
             raise InputError(
-                f"System {name!r}: algebraic variables and residual= come together "
-                f"({len(algebraic)} variables, residual {'given' if residual else 'missing'})."
+                f"System {name!r} has {len(algebraic)} algebraic variables, and residual= is "
+                f"{'given' if residual else 'missing'}; give both or neither."
             )
         units = dict(units or {})
         for key in units:
@@ -134,7 +134,7 @@ class SystemDynamics(OneLine):
 
     @property
     def invariants(self) -> tuple[Variable, ...]:
-        """No invariants: the rows of a System are its residual."""
+        """No invariants; a System has only its residual."""
         return ()
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:

@@ -75,7 +75,7 @@ class Named(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         if name not in self._index:
             # Points at the ends of a phase, for links and Mayer terms, have neither controls nor algebraic variables.
-            advice = "The ends of a phase have times, states and parameters alone." if self._values is None else ""
+            advice = "The ends of a phase have only times, states and parameters." if self._values is None else ""
             raise unknown_name(self.kind, name, self._index, advice)
         return self._values[self._index[name]]
 

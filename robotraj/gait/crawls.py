@@ -49,7 +49,7 @@ def crawl(
     behind its partner to one before it.
     Source: McGhee and Frank, Mathematical Biosciences 3 (1968), on the stability of creeping gaits.
 
-    Parameters are those of ``walk`` without ``double_support``, and
+    The other parameters are those of ``walk`` without ``double_support``.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def crawl(
     Raises
     ------
     InputError
-        Not a fore and a hind foot on each side; the errors of ``walk``.
+        The robot has no fore and hind foot on each side; further errors are those of ``walk``.
     """
     names = checked_feet(robot, feet, 4, "crawl")
     length, time = step_timing(step_length, duration, speed, "crawl")

@@ -48,11 +48,12 @@ def jump(
     """Return a jump from rest to rest: "push off" on all feet, "flight", "landing" on all feet.
 
     The flight takes sqrt(8 height / g): the centre of mass rises by ``height`` if it lands as high as it took off. The
-    robot starts and ends in the configuration of ``rt.gait.stand``, ``length`` farther on.
+    robot starts in the configuration of ``rt.gait.stand``, and ends in it displaced by ``length``.
 
     Parameters
     ----------
     robot : Robot
+        With ``root="planar"`` or ``"floating"``.
     length, height : float
         Displacement and rise of the centre of mass [m].
     push, land : float or (float, float)

@@ -1,4 +1,4 @@
-"""Problems from schedules of feet: phases and their links."""
+"""Problems of phases and links from the sequence of standing feet."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def sequence(
 ) -> Problem:
     """Return a problem of phases and links.
 
-    ``Liftoff`` links phases where feet leave the ground, and ``Touchdown`` where all feet of the next phase land. If
-    some of them already stand, the others are set down at rest, and the link is ``Continuity``.
+    ``Liftoff`` links two phases if feet leave the ground between them, and ``Touchdown`` if all feet of the next phase
+    land. If some of these feet already stand, the others land without an impact, and the link is ``Continuity``.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def sequence(
             states = terms.upright.states(robot)
             rows += terms.upright.constraints(robot, posture, ground)
         if repeat is not None and "q.root_qw" in repeat.displacement:
-            # A quaternion and its negative are one attitude; the sign excludes a change between them.
+            # A quaternion and its negative represent one attitude; this bound selects one of the two.
             states = {**states, "q.root_qw": between(0.0, None)}
         kind = Phase if support.feet else Flight
         phases.append(
@@ -132,8 +132,8 @@ def _closing(last: int, before: Sequence[str], after: Sequence[str], repeat: Mir
 def _lands(before: Sequence[str], after: Sequence[str]) -> bool:
     """Return whether feet land with an impact: some land and none remains.
 
-    If a foot remains on the ground, an impact of another generally pulls at it (Hurmuzlu and Marghitu, Int. J. Robotics
-    Research 13, 1994). As the ground cannot pull, the impulse is zero: the foot is set down at rest.
+    If a foot remains on the ground, an impact of another foot generally lifts it (Hurmuzlu and Marghitu, Int. J.
+    Robotics Research 13, 1994). The ground cannot pull it down, so the landing foot must arrive at rest.
     """
     return bool(set(after) - set(before)) and not set(after) & set(before)
 

@@ -19,7 +19,7 @@ from robotraj.problem.objectives.tracking import Tracking
 from robotraj.robot.robot import Robot
 
 SHARE = 0.2
-"""Torque, as a share of weight times height of the centre of mass, that costs as much as 1 rad from the posture."""
+"""Torque that costs as much as 1 rad from the posture, as a fraction of weight times height of the centre of mass."""
 CALM = 2e-3
 """Weight of accelerations relative to that of angles, times (h / g)^2."""
 
@@ -31,6 +31,7 @@ class FixedPosture:
     Attributes
     ----------
     q : tuple of float
+        Configuration (nq,).
     """
 
     q: tuple[float, ...]
@@ -61,9 +62,9 @@ def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     """Return effort; in space also the distance of the joints from the posture, and their accelerations.
 
     The integral of  sum tau^2 + (0.2 m g h)^2 [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  h the height
-    of the centre of mass. Without the second term the least torque of redundant legs is that of stretched ones, far
-    apart, where the equations are singular. Without the third, humanoids chatter between the collocation points.
-    Planar robots have the first term alone.
+    of the centre of mass. The second term keeps redundant legs from stretching, where the equations are singular. The
+    third term suppresses oscillations of humanoids between the collocation points. For planar robots the objective is
+    the first term alone.
 
     Parameters
     ----------

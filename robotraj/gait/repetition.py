@@ -37,7 +37,25 @@ def repeating(
 ) -> Problem:
     """Return a gait that repeats: half of it, closed by its mirror image, or both halves, closed by ``Periodic``.
 
-    ``parts`` are the fractions of the phases in the duration of the half.
+    Parameters
+    ----------
+    robot : Robot
+    phases : sequence of Support
+        Phases of one half.
+    parts : sequence of float
+        Fractions of the phases in the duration of the half.
+    sides : mapping of str to str
+        Foot on the other side of each foot.
+    terms : GaitTerms
+    repeat : Mirror, Periodic or None
+        None chooses ``Mirror``, or ``Periodic`` if the inertia is not symmetric.
+    length : float
+        Displacement along x in one half [m].
+
+    Raises
+    ------
+    InputError
+        The mirror pairs other feet than ``sides``, or the ground does not repeat.
     """
     check_options(repeat, terms.upright)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
@@ -124,7 +142,7 @@ def on_ground(kind: FootKind, ground: Ground | GroundFunction) -> FootKind:
     return on
 
 
-def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, who: str) -> tuple[str, ...]:
+def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, what: str) -> tuple[str, ...]:
     """Return the feet.
 
     Raises
@@ -134,34 +152,34 @@ def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, who: str)
     """
     names = feet_of(robot, feet)
     if len(names) != count:
-        raise InputError(f"rt.gait.{who} needs {count} feet; got {', '.join(names)}. Name them with feet=[...].")
+        raise InputError(f"rt.gait.{what} needs {count} feet; got {', '.join(names)}. Name them with feet=[...].")
     return names
 
 
 def step_timing(
-    length: float | None, duration: TimeSpan | None, speed: float | None, who: str
+    length: float | None, duration: TimeSpan | None, speed: float | None, what: str
 ) -> tuple[float, TimeSpan]:
     """Return step length [m] and duration [s] from two of length, duration and speed.
 
     Raises
     ------
     InputError
-        Not two of them are given, or they are no numbers.
+        Not exactly two of them are given, or they are no numbers.
     """
     if sum(value is not None for value in (length, duration, speed)) != 2:
-        raise InputError(f"rt.gait.{who} needs two of step_length=, duration= and speed=; give exactly two.")
+        raise InputError(f"rt.gait.{what} needs two of step_length=, duration= and speed=; give exactly two.")
     if length is not None:
         advice = "A free length is a displacement: repeat=rt.Periodic(displacement={'q.root_x': rt.between(...)})."
-        length = number(length, f"rt.gait.{who}(step_length)", advice=advice)
+        length = number(length, f"rt.gait.{what}(step_length)", advice=advice)
     if speed is None:
         assert length is not None and duration is not None
         return length, duration
-    speed = number(speed, f"rt.gait.{who}(speed)", "m/s")
+    speed = number(speed, f"rt.gait.{what}(speed)", "m/s")
     if length is None:
         if isinstance(duration, Sequence):
-            raise InputError(f"rt.gait.{who}: beside speed= the duration is one number; got {duration!r}.")
-        time = number(duration, f"rt.gait.{who}(duration)", "s")
+            raise InputError(f"rt.gait.{what}: duration= is {duration!r} beside speed=; give one number [s].")
+        time = number(duration, f"rt.gait.{what}(duration)", "s")
         return speed * time, time
     if not speed > 0.0:
-        raise InputError(f"rt.gait.{who}: speed= is {speed!r} beside a step length; give a positive speed [m/s].")
+        raise InputError(f"rt.gait.{what}: speed= is {speed!r} beside a step length; give a positive speed [m/s].")
     return length, length / speed

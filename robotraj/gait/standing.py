@@ -29,18 +29,19 @@ def stand(
     """Return a standing configuration (nq,) [m, rad]: feet on the ground, bent knees, the mass above the feet.
 
     The feet keep their horizontal positions of the neutral configuration. The root is upright, and joints are inside
-    their limits and near the neutral ones. Straight legs are bent at the knees, because they cannot lift the root.
+    their limits and near the neutral ones. Straight legs are bent at the knees, because the equations are singular
+    with straight ones.
 
     Parameters
     ----------
     robot : Robot
     feet : sequence of str, optional
-        Frames; by default those named foot, sole or toe.
+        Frames of the feet; by default those named foot, sole or toe.
     contact : Contact or callable
-        Of every foot, as for ``rt.gait.walk``.
+        Contact of every foot, as for ``rt.gait.walk``.
     height : float, optional
-        Of the centre of mass above the feet [m]; by default that of the neutral configuration, or a twentieth less if
-        its legs are straight.
+        Height of the centre of mass above the feet [m]. By default it is that of the neutral configuration, or a
+        twentieth less if its legs are straight.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which feet stand in each phase of a gait, and the options that all phases share."""
+"""The standing feet of each phase of a gait, and the options that all phases share."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Support:
     feet : tuple of str
         Frames of the standing feet; none in flight.
     duration : float or (float, float)
-        Fixed or bounded [s].
+        Duration, fixed or bounded [s].
     name : str
     """
 
@@ -40,14 +40,14 @@ class GaitTerms:
     Attributes
     ----------
     contact : Contact or callable
-        Of every foot: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
+        Contact of every foot: ``rt.PointContact``, a contact to copy to the other feet, or a function of a frame.
     clearance : float or None
         Height of swinging feet halfway between their footholds [m]; 0 keeps them above the ground, None adds no row.
     objective : Objective or None
-        Of every phase; ``gait_objective(robot, standing)`` by default.
+        Objective of every phase; ``gait_objective(robot, standing)`` by default.
     upright : Upright or None
     ground : Ground or callable
-        For clearance; contacts have their own ground.
+        Ground for the clearance; contacts have their own ground.
     """
 
     contact: FootKind = PointContact

@@ -20,7 +20,7 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.robot.robot import Robot
 
 TOUCH = 1e-4
-"""Depth below the ground [m] that clearance allows, so that it is not redundant at liftoff and touchdown."""
+"""Depth below the ground [m] that clearance permits, so that its rows are not redundant at liftoff and touchdown."""
 
 
 def partners_of(repeat: Mirror | Periodic | None) -> dict[str, str]:
@@ -42,8 +42,8 @@ def swing_clearance(
     """Return the clearance of swinging feet.
 
     In a mirrored gait a foot swings past its standing partner: from one displacement behind the partner's foothold
-    to one before it. The same holds in each half of a complete stride. Other feet are kept above the ground, with a
-    warning if the clearance is positive. All corners of a sole are kept above the ground.
+    to one before it. The same holds in each half of a complete stride. Other feet stay above the ground; the function
+    warns of them if the clearance is positive. All corners of a sole stay above the ground.
     """
     if terms.clearance is None or not swinging:
         return []
@@ -65,8 +65,8 @@ def swing_clearance(
             low.append(foot)
     if low and support.feet and terms.clearance > 0.0:
         warnings.warn(
-            f"clearance={terms.clearance:g} is not held by {', '.join(low)} in {support.name!r}: they are only kept "
-            "above the ground. The height needs a standing partner that the foot passes, and a step of known length. "
+            f"clearance={terms.clearance:g} is not imposed on {', '.join(low)} in {support.name!r}, which only stay "
+            "above the ground. It needs a standing partner that the foot passes, and a step of known length. "
             "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet.",
             stacklevel=3,
         )
@@ -84,14 +84,14 @@ def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float,
 class SwingArc(RequiredHeight):
     """Height [m] of a swing foot, h = 4 (apex + d) s (1 - s) - d with d = 0.1 mm, s its progress between footholds.
 
-    Halfway, h is the apex; the foot never comes below -d. s runs from 0 to 1 between one step behind and one step
-    before the partner's foothold. Without d, the contacts at both ends would make the inequality active at its only
-    feasible value, where multipliers are not unique.
+    Halfway, h is the apex; the foot never comes below -d. s increases from 0 to 1 between one step behind and one step
+    before the partner's foothold. Without d the inequality would be active at both ends, where the contacts already
+    determine the height, and its multipliers would not be unique.
 
     Attributes
     ----------
     apex : float
-        [m].
+        Height halfway [m].
     anchor : str
         Parameter of the phase: world x of the partner's foothold.
     step : float

@@ -21,8 +21,8 @@ from robotraj.robot.robot import Robot
 class Upright:
     """Bounds on height and attitude of the root in every phase of a gait.
 
-    Without them a torque-optimal gait may lean back, turn a somersault or stretch its legs, where the equations are
-    singular. ``upright=None`` of the gait functions omits them.
+    Without them a torque-optimal gait may lean back or turn a somersault. It may also stretch its legs, where the
+    equations are singular. ``upright=None`` of the gait functions omits the bounds.
 
     Parameters
     ----------

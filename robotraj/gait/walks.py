@@ -46,8 +46,8 @@ def walk(
 
     Without double support the step is one phase, "single support", closed by a ``Touchdown`` onto its mirror image.
     With double support, the step begins with the phase "double support", which ends with the ``Liftoff`` of the rear
-    foot.
-    With ``repeat=rt.Periodic(...)``, and for robots whose inertia is not symmetric, both steps of a stride are planned.
+    foot. With ``repeat=rt.Periodic(...)``, and for robots whose inertia is not symmetric, both steps of a stride are
+    planned.
 
     ``rt.plan`` starts from ``rt.guess.InvertedPendulum`` by default. The problem can be edited:
     ``dataclasses.replace(problem, phases=[dataclasses.replace(problem.phases[0], ...)])``.
@@ -62,27 +62,27 @@ def walk(
     feet : sequence of str, optional
         Two frames, the standing foot first; by default those named foot, sole or toe.
     contact : Contact or callable
-        Of every foot: ``rt.PointContact``; a contact to copy to the other foot; or a function of the frame, such as
-        ``functools.partial(rt.FlatFoot, length=0.2, width=0.1)``.
+        Contact of every foot: ``rt.PointContact``, a contact to copy to the other foot, or a function of the frame,
+        such as ``functools.partial(rt.FlatFoot, length=0.2, width=0.1)``.
     double_support : float
         Fraction of the step with both feet on the ground, 0 to less than 1.
     clearance : float or None
-        Height [m] at which the swing foot passes the standing one; 0 keeps it above the ground, None adds no row, as
-        for walkers without knees.
+        Height [m] at which the swing foot passes the standing one. 0 keeps it above the ground. None adds no row, which
+        walkers without knees need.
     objective : Objective, optional
-        Of every phase; ``rt.gait.gait_objective`` by default.
+        Objective of every phase; ``rt.gait.gait_objective`` by default.
     upright : Upright or None
         Bounds on height and attitude of the root; None for none.
     ground : Ground or callable
-        For clearance, and for contacts without a ground of their own.
+        Ground for the clearance, and for contacts on the default level ground.
     repeat : Mirror or Periodic, optional
         ``rt.gait.mirror(robot)`` by default. The displacement along x and the rise of the ground are added to it.
 
     Raises
     ------
     InputError
-        The robot has not two feet, not two of length, duration and speed are given, the robot is not its own mirror
-        image, or the ground does not repeat.
+        The robot does not have two feet, or is not its own mirror image. The ground does not repeat. Not exactly two
+        of length, duration and speed are given.
     """
     names = checked_feet(robot, feet, 2, "walk")
     length, time = step_timing(step_length, duration, speed, "walk")
@@ -114,7 +114,7 @@ def run(
 ) -> Problem:
     """Return one step of a running biped: "stance" on one foot, ``Liftoff``, "flight", ``Touchdown`` of the other.
 
-    Parameters are those of ``walk``, and
+    The other parameters are those of ``walk``.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def run(
     Raises
     ------
     InputError
-        The errors of ``walk``, or a flight of 0.
+        The flight is 0; further errors are those of ``walk``.
     """
     names = checked_feet(robot, feet, 2, "run")
     length, time = step_timing(step_length, duration, speed, "run")
@@ -155,7 +155,7 @@ def trot(
     """Return half a stride of a trotting quadruped: one diagonal pair stands, the other one swings and lands.
 
     The other half is its mirror image. The phase is named after the standing feet. With ``flight`` above 0, all feet
-    leave the ground before the others land. Parameters are those of ``walk`` without ``double_support``, and
+    leave the ground before the others land. The other parameters are those of ``walk`` without ``double_support``.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def trot(
     Raises
     ------
     InputError
-        Not two feet on each side; the errors of ``walk``.
+        There are not two feet on each side; further errors are those of ``walk``.
     """
     names = checked_feet(robot, feet, 4, "trot")
     length, time = step_timing(step_length, duration, speed, "trot")

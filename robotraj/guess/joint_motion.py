@@ -95,7 +95,7 @@ def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Differe
     return cast(Differentiable, scipy.interpolate.make_interp_spline(fractions, keys, k=5, bc_type=ends))
 
 
-def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who: str) -> Array:
+def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, what: str) -> Array:
     """Return the fractions of the keys: those given, or in proportion to the time at full speed.
 
     Raises
@@ -112,7 +112,7 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, who:
     sorted_ends = len(fractions) == len(keys) and fractions[0] == 0.0 and fractions[-1] == 1.0
     if not sorted_ends or not np.all(np.diff(fractions) > 0):
         raise InputError(
-            f"The fractions of {who} must ascend from 0 to 1, one for the start, each waypoint and the end "
+            f"The fractions of {what} must ascend from 0 to 1, one for the start, each waypoint and the end "
             f"({len(keys)}); got {list(given)}."
         )
     return fractions

@@ -88,7 +88,7 @@ def through(
     waypoints: Sequence[Array],
     fractions: Sequence[float] | None,
     duration: float | None,
-    who: str,
+    what: str,
     end: Array | None = None,
 ) -> PhaseGuess:
     """Return a robot's minimum-jerk motion through joint positions; ``end`` replaces the end of the phase."""
@@ -100,7 +100,7 @@ def through(
     pace = time if time > 0 else 1.0
     chart = Chart.around(robot.model, first[:nq])
     keys = chart.coordinates(np.array([first[:nq], *waypoints, last[:nq] if end is None else end]))
-    at = fractions_of(fractions, keys, speeds_of(phase, robot), who)
+    at = fractions_of(fractions, keys, speeds_of(phase, robot), what)
     ends = chart.slopes(keys[0], first[nq:nx]) * pace, chart.slopes(keys[-1], last[nq:nx]) * pace
     y = quintic(at, keys, *ends)
     rate, second = y.derivative(1), y.derivative(2)

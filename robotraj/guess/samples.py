@@ -15,7 +15,7 @@ Samples = ArrayLike | Mapping[str, ArrayLike]
 """Values at m times: (m, n), (m,) for one variable, a number for constant values, or these by name."""
 
 
-def ascending_times(values: ArrayLike, who: str) -> Array:
+def ascending_times(values: ArrayLike, what: str) -> Array:
     """Return times (m,) [s].
 
     Raises
@@ -23,14 +23,14 @@ def ascending_times(values: ArrayLike, who: str) -> Array:
     InputError
         Fewer than two times, a number that is not finite, or times that do not ascend.
     """
-    times = _numbers(values, f"times of {who}")
+    times = _numbers(values, f"times of {what}")
     if times.ndim != 1 or len(times) < 2:
-        raise InputError(f"times of {who} has shape {times.shape}; give a vector of at least two times [s].")
+        raise InputError(f"times of {what} has shape {times.shape}; give a vector of at least two times [s].")
     steps = np.diff(times)
     if not np.all(steps > 0):
         i = int(np.flatnonzero(steps <= 0)[0])
         raise InputError(
-            f"times of {who} must ascend, but entry {i + 1} is {times[i + 1]:g} s after {times[i]:g} s; "
+            f"times of {what} must ascend, but entry {i + 1} is {times[i + 1]:g} s after {times[i]:g} s; "
             "sort the samples and remove repeated times."
         )
     return times

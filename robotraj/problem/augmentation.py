@@ -1,8 +1,8 @@
 """Dynamics with variables that an objective or a constraint adds: rates, slacks, jerks, running integrals, a path.
 
-An objective or a constraint may need further quantities: the time derivative of a torque, a slack for an absolute
-value. It then wraps the dynamics of the phase in a larger DAE of the same physics, which schemes and transcription
-treat as any other:
+An objective or a constraint may need further quantities, such as the time derivative of a torque or a slack for an
+absolute value. It then wraps the dynamics of the phase in a larger DAE with the same solutions. Schemes and
+transcription treat this DAE as any other:
 
     ControlRates        u becomes a state, its rate the control:   udot = r
     Slacks              further controls s, bounded by rows of the objective
@@ -73,7 +73,7 @@ class Augmented(OneLine, ABC):
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """How often each variable is divided by time; None where that is not known."""
+        """Time order of each variable; None where motions cannot be rescaled in time."""
         return None
 
     @property
@@ -114,7 +114,7 @@ class Augmented(OneLine, ABC):
 
 
 def body_of(dynamics: Dynamics) -> Dynamics:
-    """Return the dynamics without anything that objectives added."""
+    """Return the dynamics without the variables that objectives and constraints added."""
     while isinstance(dynamics, Augmented):
         dynamics = dynamics.inner
     return dynamics
@@ -132,14 +132,14 @@ def with_fixed(dynamics: Dynamics, bounds: Bounds, which: str) -> Bounds:
 
 
 def has(dynamics: Dynamics, names: Sequence[str]) -> bool:
-    """Whether variables of these names were added already, by another term or constraint."""
+    """Whether variables of these names exist already, because another term or constraint added them."""
     known = {v.name for v in (*dynamics.states, *dynamics.algebraic, *dynamics.controls)}
     return set(names) <= known
 
 
 @dataclass(frozen=True)
 class Slacks(Augmented):
-    """Further controls, free until rows of the objective bound them."""
+    """Further controls s, which only rows of the objective bound."""
 
     slacks: tuple[Variable, ...]
 
@@ -150,7 +150,7 @@ class Slacks(Augmented):
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """Count no division by time for slacks; their rows define them."""
+        """0 for slacks; their rows define them."""
         known = self._inner_orders
         return known and known._replace(controls=known.controls + (0,) * len(self.slacks))
 

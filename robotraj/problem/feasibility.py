@@ -1,4 +1,4 @@
-"""Checks of the rows of a phase against each other and against its ends, before anything is solved."""
+"""Checks before a solve: rows of a phase that contradict each other or the ends."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.robot import Robot
 
 SLACK = 1e-6
-"""How far a given end may lie outside a bound before it is refused: round-off, not an error [SI]."""
+"""Largest distance of a given end from a bound that counts as round-off [SI]."""
 
 Ends = Mapping[Where, Bounds]
 """Bounds of the state at the start and at the end of a phase."""
 
 
 def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
-    """Refuse limits that no motion of the robot keeps; a joint without a motor may have no effort.
+    """Refuse limits that no motion satisfies; a joint without a motor may have an effort limit of 0.
 
     Raises
     ------
     InputError
-        Naming the joints.
+        A limit locks a joint, is inverted or is no number. The message names the joints.
     """
     complaints = limits.complaints(robot.actuated)
     if complaints:
@@ -41,24 +41,24 @@ def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
 
 
 def check_masses(phase: str, robot: Robot, body: Dynamics) -> None:
-    """Refuse joints that move no mass: their equations determine no acceleration. Kinematics need none.
+    """Refuse joints that move no mass, for which the mass matrix is singular; kinematics need no mass.
 
     Raises
     ------
     InputError
-        Naming the joints.
+        A joint moves no mass. The message names the joints.
     """
     joints = weightless_joints(robot.model) if any(body.residuals) else ()
     if joints:
         raise InputError(
-            f"Phase {phase!r}: no mass moves with {', '.join(map(repr, joints))}, so no torque decides on the "
-            "acceleration. Give the moved links an <inertial>, or lock the joints with "
+            f"Phase {phase!r}: no mass moves with {', '.join(map(repr, joints))}, so the mass matrix is singular. "
+            "Give the moved links an <inertial>, or lock the joints with "
             f"rt.load(..., locked={{{joints[0]!r}: 0.0}})."
         )
 
 
 def check_equations(table: RowTable, system: System) -> None:
-    """Evaluate the equations of a System once; equations that a file could not keep are skipped."""
+    """Evaluate the equations of a System once, to find errors early; ``MissingEquations`` are skipped."""
     if not isinstance(system.dynamics, MissingEquations):
         point = symbols_of(table.dae, table.parameters)
         _ = table.dae.rates(point), table.dae.residual(point)
@@ -70,7 +70,8 @@ def check_rows(table: RowTable, ends: Ends) -> None:
     Raises
     ------
     InputError
-        Naming the first such row, its bounds and the end.
+        Bounds are crossed or contradict each other, or a row is violated at an end. The message names the first such
+        row, its bounds and the end.
     """
     _check_order(table)
     held = {end: table.bounds_by_variable(Where.THROUGHOUT, end) for end in ends}
@@ -81,7 +82,8 @@ def check_rows(table: RowTable, ends: Ends) -> None:
         if crossed.size:
             name = table.dae.states[crossed[0]].label
             raise InputError(
-                f"Phase {table.phase!r}: the {end.value} of {name!r} has its lower bound above its upper one."
+                f"Phase {table.phase!r}: the {end.value} of {name!r} has its lower bound above its upper one; exchange "
+                "them."
             )
         _check_against_limits(table, end, bounds, held[end])
         _check_expressions(table, end, bounds)
@@ -92,7 +94,7 @@ def _check_order(table: RowTable) -> None:
         if row.lower > row.upper:
             raise InputError(
                 f"Phase {table.phase!r}: {row.label} has its lower bound {row.lower:g} above its upper bound "
-                f"{_with(f'{row.upper:g}', row.unit)}."
+                f"{_with(f'{row.upper:g}', row.unit)}; exchange them."
             )
 
 
@@ -131,7 +133,7 @@ def _check_against_limits(table: RowTable, end: Where, bounds: Bounds, rows: Map
 
 
 def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:
-    """Where the whole state is fixed, evaluate the rows that read the state alone."""
+    """Evaluate the rows that depend on the state alone at an end whose whole state is fixed."""
     lower, upper = (side[: len(table.body.states)] for side in bounds)
     rows = [row for row in table if row.kind in (Kind.PATH, Kind.END) and row.where in (Where.THROUGHOUT, end)]
     if not rows or not np.array_equal(lower, upper):

@@ -17,7 +17,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
 
 STANDING = 3
-"""Frames of contacts that leave the root no room for half a turn."""
+"""Number of held frames from which on half a turn of the root is refused."""
 
 
 def check_contacts(
@@ -33,13 +33,14 @@ def check_contacts(
     robot : Robot
     contacts : sequence of BoundContact
     parameters : Bounds
-        Of ``table.parameters``.
+        Bounds of ``table.parameters``.
     ends : mapping of Where to Bounds
 
     Raises
     ------
     InputError
-        Naming the contact, the row, by how much it is off, and the end; or a turn for which the feet leave no room.
+        A contact does not hold at an end, or the root must turn by more than half a turn while several feet are held.
+        The message names the contact, the row with its value, and the end.
     """
     if not any(contact.holds for contact in contacts):
         return
@@ -72,7 +73,7 @@ def check_contacts(
 
 
 def _check_turn(phase: str, robot: Robot, contacts: Sequence[BoundContact], ends: Ends) -> None:
-    """Refuse ends more than half a turn apart where feet are held: by continuity, a motion passes the half turn."""
+    """Refuse ends more than half a turn apart while feet are held, since a motion would pass through the half turn."""
     frames = {contact.frame for contact in contacts if contact.holds}
     if robot.root != "floating" or len(frames) < STANDING:
         return
@@ -81,6 +82,6 @@ def _check_turn(phase: str, robot: Robot, contacts: Sequence[BoundContact], ends
     if fixed and float(start @ end) < 0.0:
         raise InputError(
             f"Phase {phase!r}: the end quaternion of the root is more than half a turn away from the start's, and "
-            f"{len(frames)} feet are held. A quaternion and its negative are one attitude, a full turn apart: negate "
-            "the end quaternion for the attitude nearby, or let the robot turn in a phase without these contacts."
+            f"{len(frames)} feet are held. A quaternion and its negative are one attitude, a full turn apart. Negate "
+            "the end quaternion to select the nearer one, or turn the robot in a phase without these contacts."
         )

@@ -20,14 +20,14 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 
 ROUNDING = 1e-9
-"""Relative excess of a bound that is round-off."""
+"""Relative excess over a bound that counts as round-off."""
 GREATEST = 1e9
-"""Acceleration [rad/s^2, m/s^2] above which none is named as sufficient."""
+"""Largest acceleration [rad/s^2, m/s^2] that a message names as sufficient."""
 
 
 @dataclass(frozen=True)
 class _Travel:
-    """What one joint must do: from a position and speed to others, within its limits [SI]."""
+    """Fixed positions and speeds of one joint at both ends, with its limits [SI]."""
 
     joint: str
     unit: str
@@ -68,7 +68,8 @@ def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, en
     Raises
     ------
     InputError
-        Naming the joint, the way it must travel, and the shortest duration or the acceleration that would do.
+        A joint cannot travel the distance in time, or cannot brake inside its position limits. The message names the
+        joint, the distance, and the duration or acceleration that suffices.
     """
     start, end = ends[Where.START], ends[Where.END]
     positions = robot.position_names

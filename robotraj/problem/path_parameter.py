@@ -1,4 +1,4 @@
-"""Dynamics of a robot on a path q(s), with the path parameter s, its speed s' and its acceleration s'' as variables."""
+"""Dynamics of a robot on a path q(s) with three further variables: the path parameter s, its speed s' and s''."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def values_on(path: PiecewisePolynomial, s: Scalar) -> Sequence[Scalar]:
     """Return the n values of a path at a parameter: numbers for a number, else expressions of a symbol.
 
     With [s >= b_k] = 1 beyond the break b_k, the coefficients of the piece that s lies in are
-    c_0 + sum_k [s >= b_k] (c_k - c_{k-1}). Before the first and beyond the last break the outer pieces go on.
+    c_0 + sum_k [s >= b_k] (c_k - c_{k-1}). The first and the last piece extend beyond the ends.
     """
     if not isinstance(s, ca.SX):
         return [float(value) for value in path(float(s))]

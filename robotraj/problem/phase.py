@@ -1,4 +1,4 @@
-"""Phases: frozen values that check themselves and print every row that they impose."""
+"""Phases: frozen values with checks and with a printed table of all rows."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Phase(OneLine):
-    """One stretch of motion under one set of dynamics and constraints.
+    """A part of a motion with one set of dynamics and constraints.
 
-    Arrays, lists and mappings are copied: later changes of them change no phase.
+    Arrays, lists and mappings are copied, so later changes to them have no effect.
 
     Parameters
     ----------
@@ -64,19 +64,21 @@ class Phase(OneLine):
     parameters : mapping of str to number, Between or None
         Unknown or fixed constants, ``point.p[name]``. Footholds may be fixed or bounded here.
     design : mapping of str to Quantity or sequence of Quantity
-        Parameters that are numbers of the robot: ``{"m": rt.design.BodyMass("forearm")}``.
+        Parameters that set physical quantities of the robot: ``{"m": rt.design.BodyMass("forearm")}``.
     states, controls, algebraic : mapping of str to number, Between or None
         Bounds by variable name, throughout the phase.
     limits : Limits or None
         Joint limits; those of the robot by default, None for none.
     dynamics : InverseDynamics, ForwardDynamics or Kinematics
-        How the equations of a robot enter. Inverse and forward dynamics have the same solutions.
+        Form of a robot's equations of motion. Inverse and forward dynamics have the same solutions.
     name : str
+        Name for messages, reports and plots.
 
     Raises
     ------
     InputError
-        A start outside a limit, crossed bounds, a duration that no velocity limit allows, NaN, or an unknown name.
+        An end violates a limit, bounds are crossed, the duration is too short for a velocity limit, a number is NaN,
+        or a name is unknown.
     """
 
     subject: Robot | System
@@ -119,7 +121,7 @@ class Phase(OneLine):
             raise FailedExpression(f"Phase {self.name!r}: {error}") from error.__cause__
 
     def _check(self) -> None:
-        """Raise an InputError where rows, ends, contacts or duration cannot hold."""
+        """Raise an InputError if rows, ends, contacts and duration contradict each other."""
         if isinstance(self.limits, Limits) and self.robot is not None:
             check_limits(self.name, self.limits, self.robot)
         known, (_, longest) = self.parameter_bounds, self.duration_bounds
@@ -149,7 +151,7 @@ class Phase(OneLine):
         return self.subject if isinstance(self.subject, System) else None
 
     def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only: derived values are computed again."""
+        """Pickle the fields only; derived values are computed again on first use."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @cached_property
@@ -238,7 +240,7 @@ class Phase(OneLine):
         bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in every]
         bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
         terms = self.objective.terms if self.objective is not None else ()
-        # Two terms may need the same slacks.
+        # Two terms may define the same slacks.
         needed = {b.name: b for _, term in terms for b in term.definitions(self.dae)}
         return tuple(b for b in (*bound, *needed.values()) if b.rows)
 
@@ -262,7 +264,7 @@ class Phase(OneLine):
     def with_(self, **changes: Unpack[PhaseChanges]) -> Phase:
         """Return the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
 
-        Where only the ends change, both phases share the equations and the table of rows.
+        If only the ends change, both phases share the equations and the table of rows.
 
         Raises
         ------

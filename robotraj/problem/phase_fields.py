@@ -1,4 +1,4 @@
-"""What a user gives to ``Phase``: its fields by name, and checks of their kinds before anything is bound."""
+"""Arguments of ``Phase``: their types by name, and checks of their kinds."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class PhaseChanges(TypedDict, total=False):
 
 
 def check_kinds(phase: str, subject: object, start: object, end: object, objective: object) -> None:
-    """Check what moves, both ends and the objective.
+    """Check the subject, both ends and the objective of a phase.
 
     Raises
     ------
@@ -57,9 +57,11 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
         raise InputError(f"A phase moves a robot of rt.load(...) or an rt.System; got {type(subject).__name__}.")
     for which, given in (("start", start), ("end", end)):
         if not isinstance(given, State | None):
-            raise InputError(f"The {which} of phase {phase!r} must be an rt.State or None.")
+            raise InputError(f"The {which} of phase {phase!r} must be an rt.State or None; got {given!r}.")
     if objective is not None and not isinstance(objective, Objective):
-        raise InputError(f"The objective of phase {phase!r} must be an objective such as rt.Effort().")
+        raise InputError(
+            f"The objective of phase {phase!r} must be an objective such as rt.Effort(); got {objective!r}."
+        )
 
 
 def as_mapping(phase: str, which: str, given: object) -> object:
@@ -83,12 +85,15 @@ def as_constraints(phase: str, given: object) -> tuple[Constraint, ...]:
     Raises
     ------
     InputError
-        A value that is neither a list nor a constraint, or an entry that is no constraint.
+        The value is neither a list nor a constraint, or an entry is no constraint.
     """
     every = _several(phase, "constraints", given, Constraint)
     for constraint in every:
         if not isinstance(constraint, Constraint):
-            raise InputError(f"{constraint!r} in the constraints of phase {phase!r} is not a constraint.")
+            raise InputError(
+                f"{constraint!r} in the constraints of phase {phase!r} is not a constraint such as "
+                "rt.PathConstraint(...)."
+            )
     return every
 
 
@@ -98,7 +103,7 @@ def as_contacts(phase: str, given: object) -> tuple[Contact, ...]:
     Raises
     ------
     InputError
-        A value that is neither a list nor a contact.
+        The value is neither a list nor a contact.
     """
     return _several(phase, "contacts", given, Contact)
 
@@ -114,7 +119,7 @@ def bind_contacts(phase: str, contacts: Sequence[Contact], robot: Robot | None) 
     if not contacts:
         return ()
     if robot is None:
-        raise InputError(f"Phase {phase!r} has contacts, which are for robots, but moves an rt.System.")
+        raise InputError(f"Phase {phase!r} has contacts, which are for robots, but moves an rt.System; remove them.")
     for contact in contacts:
         if not isinstance(contact, Contact):
             raise InputError(
@@ -127,11 +132,11 @@ def bind_contacts(phase: str, contacts: Sequence[Contact], robot: Robot | None) 
     return bound
 
 
-def _several(phase: str, which: str, given: object, one: type[T]) -> tuple[T, ...]:
-    # Lists first: an abstract class is slow at the first look at a type.
+def _several(phase: str, which: str, given: object, kind: type[T]) -> tuple[T, ...]:
+    # Lists first: the first isinstance check of a type against an abstract class is slow.
     if isinstance(given, tuple | list):
         return tuple(given)
-    if isinstance(given, one):
+    if isinstance(given, kind):
         return (given,)
     if not isinstance(given, Iterable):
         raise InputError(

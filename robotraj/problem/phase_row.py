@@ -1,4 +1,4 @@
-"""One scalar row of a phase: its kind, when it holds, bounds and unit."""
+"""One scalar row of a phase: its kind, when it applies, bounds and unit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robotraj.problem.constraints.base import Where
 
 
 class Kind(Enum):
-    """What a row is to the transcription.
+    """Kind of a row, which determines how the transcription imposes it.
 
     BOUND bounds one variable of the dynamics. PATH bounds an expression at the collocation points. INTEGRAL bounds an
     integral over the phase. END bounds an expression at the start or at the end. RATE bounds the time derivative of one
@@ -34,7 +34,7 @@ class PhaseRow(Row):
     ----------
     kind : Kind
     where : Where
-        When it holds.
+        When it applies.
     constraint : int
         Number of its constraint in ``RowTable.constraints``.
     entry : int
@@ -75,6 +75,6 @@ class PhaseRow(Row):
 
     @property
     def size(self) -> float:
-        """Amount of a relative violation of 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
+        """Violation that counts as 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
         width = self.upper - self.lower
         return 0.5 * width if 0.0 < width < np.inf else max(1.0, self.greatest_bound)

@@ -1,4 +1,4 @@
-"""A phase as text and as HTML: every row, bound and unit that it imposes."""
+"""A phase as text and as HTML, with every row, bound and unit."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class PhaseTable(OneLine):
     title : str
         ``"phase 'swing' of cartpole: 4 states, 2 algebraic, 1 controls"``.
     objective : str
-        What is minimised.
+        The objective as text.
     cells : tuple of Cells
     """
 
@@ -68,9 +68,9 @@ def phase_table(
     ----------
     rows : RowTable
     subject : str
-        Name of what moves.
+        Name of the robot or System.
     objective : str
-        What is minimised.
+        The objective as text.
     duration : (float, float)
         Least and greatest duration [s].
     ends : mapping of Where to Bounds

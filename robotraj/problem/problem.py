@@ -1,4 +1,4 @@
-"""The problem that phases and links make: a frozen value that checks itself and prints every row it will impose."""
+"""Problems: frozen values of phases and links, with checks and with a printed table of all rows."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _MISSING_AS = {
     "constraints": ("constraint ",),
     "objective": ("objective ",),
 }
-"""How ``Problem.missing`` begins to name what was lost of a field."""
+"""Beginnings of the entries of ``Problem.missing`` by field of the phase."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem(OneLine):
-    """Phases and the links between them; one NLP.
+    """Phases and the links between them, which one NLP represents.
 
     Parameters
     ----------
@@ -40,7 +40,8 @@ class Problem(OneLine):
         ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. A phase without such a link
         starts when the one before ends; its states are continuous only where a link imposes it.
     missing : sequence of str
-        What a file could not keep of the problem, as ``load_solution`` found; empty for problems written in Python.
+        Parts of the problem that a file does not hold, as ``load_solution`` lists them; empty for problems written in
+        Python.
     """
 
     phases: Sequence[Phase]
@@ -54,7 +55,7 @@ class Problem(OneLine):
                 raise InputError(f"The {which} of a problem are a list of {several}; got {type(given).__name__}.")
         phases = (self.phases,) if isinstance(self.phases, Phase) else tuple(self.phases)
         if not phases:
-            raise InputError("A problem needs at least one phase.")
+            raise InputError("The problem has no phase; give at least one.")
         for phase in phases:
             if not isinstance(phase, Phase):
                 raise InputError(f"A problem is made of rt.Phase values; got {type(phase).__name__}.")
@@ -63,7 +64,7 @@ class Problem(OneLine):
         _ = self.bound_links
 
     def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only: what is derived from them is derived again."""
+        """Pickle the fields only; derived values are computed again on first use."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @cached_property
@@ -103,7 +104,7 @@ class Problem(OneLine):
                 phases[0] = phases[0].with_(start=changes["start"])
             if "end" in changes:
                 phases[-1] = phases[-1].with_(end=changes["end"])
-        # What a file could not keep of a field is no longer missing where the field is given anew.
+        # A field that is given now is no longer missing.
         given = tuple(start for name in changes for start in _MISSING_AS.get(name, ()))
         return Problem(phases, self.links, tuple(name for name in self.missing if not name.startswith(given)))
 

@@ -19,13 +19,13 @@ from robotraj.robot.robot import Robot
 
 
 def with_control_rates(dynamics: Dynamics) -> Dynamics:
-    """Make states of the controls, unless they are already."""
+    """Make the controls states, unless they are states already."""
     rates = [f"rate.{c.name}" for c in body_of(dynamics).controls]
     return dynamics if has(dynamics, rates) else ControlRates(dynamics)
 
 
 def with_jerks(dynamics: Dynamics) -> Dynamics:
-    """Make states of the torques of a robot and add its jerks, unless they are there already."""
+    """Make the torques of a robot states and add its jerks, unless both exist already."""
     jerks = [f"jerk.{joint}" for joint in _robot(dynamics).velocity_names]
     return dynamics if has(dynamics, jerks) else Jerks(with_control_rates(dynamics))
 
@@ -56,7 +56,7 @@ class ControlRates(Augmented):
 
     @property
     def time_orders(self) -> TimeOrders | None:
-        """Count one division by time more for a rate than for its variable."""
+        """One more for a rate than for its variable."""
         known = self._inner_orders
         if known is None:
             return None

@@ -65,7 +65,7 @@ class RowTable(OneLine):
 
     @cached_property
     def bounds(self) -> tuple[PhaseRow, ...]:
-        """Rows of single variables of the dynamics, whenever they hold."""
+        """Rows of single variables of the dynamics, at any time of the phase."""
         return self._of(Kind.BOUND)
 
     @cached_property
@@ -99,7 +99,7 @@ class RowTable(OneLine):
         bounds = {row.number for row, _ in self.bounds_of(self.dae.states)}
         if all(row.kind is Kind.BOUND for row in self.throughout):
             return tuple(row for row in self.throughout if row.number in bounds)
-        # By forward dynamics a robot's accelerations are expressions, not variables: its algebraic variables are none.
+        # With forward dynamics a robot's accelerations are expressions, and it has no algebraic variables.
         z = (self.point.z[variable.name] for variable in self.body.algebraic)
         inner = ca.vertcat(ca.SX(0, 1), *z, *self.point.u.values())
 
@@ -178,7 +178,7 @@ class RowTable(OneLine):
         return ca.vertcat(ca.SX(0, 1), *self.values(rows, point))
 
     def function(self, rows: Sequence[PhaseRow]) -> ca.Function:
-        """Return the function (t, x, z, u, p) -> values (rows,); it is made once."""
+        """Return the function (t, x, z, u, p) -> values (rows,); it is built once."""
         key = tuple(row.number for row in rows)
         if key not in self._functions:
             column = ca.vertcat(ca.SX(0, 1), *self.expressions(rows))
@@ -192,7 +192,7 @@ class RowTable(OneLine):
         ----------
         rows : sequence of PhaseRow
         t : ndarray (m,)
-            [s].
+            Times [s].
         x, z, u : ndarray (m, n)
             States, algebraic variables and controls of ``dae``.
         p : ndarray (np,)

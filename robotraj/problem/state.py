@@ -17,20 +17,20 @@ from robotraj.robot.root import QUATERNION
 
 @dataclass(frozen=True)
 class State(OneLine):
-    """Where a phase starts or ends.
+    """The state at the start or the end of a phase.
 
     Parameters
     ----------
     values : mapping or sequence, optional
         For a System: values by state name, or one value per state.
     q, v : None, number, Between, sequence or mapping by joint name, optional
-        For a robot: positions (nq) [rad, m] and velocities (nv) [rad/s, m/s], the root's first where it moves: the
-        names are ``robot.position_names`` and ``robot.velocity_names``. The quaternion of a floating root, x, y, z, w,
-        is given whole and of length 1; its negative is the same attitude, a full turn later. The end -q is an odd
-        number of full turns away, and q an even one; the guess decides which way round.
+        For a robot: positions (nq) [rad, m] and velocities (nv) [rad/s, m/s], those of a moving root first. The
+        names are ``robot.position_names`` and ``robot.velocity_names``. The quaternion of a floating root, (x, y, z,
+        w), must have length 1. Its negative is the same attitude, one full turn later. An end quaternion q is an even
+        number of full turns away, and -q an odd number; the guess determines the direction.
 
-    None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it; joints that a mapping does not
-    name stay free. Arrays, lists and mappings are copied: later changes of them change no state.
+    None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it. Joints that a mapping does not
+    name stay free. Arrays, lists and mappings are copied, so later changes to them have no effect.
     """
 
     values: BoundsLike = None
@@ -48,7 +48,8 @@ class State(OneLine):
         Raises
         ------
         InputError
-            Unknown names, wrong lengths, NaN, a quaternion whose length is not 1, or q and v for a System.
+            A name is unknown, a length is wrong, a value is NaN, a quaternion's length is not 1, or q or v is given
+            for a System.
         """
         body = body_of(dynamics)
         given = self._bounds(body, which)
@@ -83,5 +84,6 @@ def _turn(q: Bounds, what: str) -> None:
     farthest = np.maximum(np.abs(lower), np.abs(upper))
     if np.linalg.norm(nearest) > 1 or np.linalg.norm(farthest) < 1:
         raise InputError(
-            f"{what}: no quaternion (x, y, z, w) of the root within {lower.tolist()} and {upper.tolist()} has length 1."
+            f"{what}: no quaternion (x, y, z, w) of the root within {lower.tolist()} and {upper.tolist()} has "
+            "length 1; give other bounds."
         )

@@ -21,12 +21,19 @@ class CarriedBody:
     Parameters
     ----------
     frame : str
+        Frame of the robot.
     mass : float
-        [kg].
+        Mass [kg], above 0.
     center_of_mass : sequence of 3 float
-        In the axes of the frame [m].
+        Centre of mass in the axes of the frame [m].
     inertia : array (3, 3) or (3,), optional
-        About the centre of mass, in the axes of the frame [kg m^2]; a diagonal may be given alone. Zero by default.
+        Rotational inertia about the centre of mass, in the axes of the frame, or its diagonal [kg m^2]. Zero by
+        default.
+
+    Raises
+    ------
+    InputError
+        The mass is not positive, or a value is not finite or has another shape.
     """
 
     frame: str
@@ -46,8 +53,8 @@ class CarriedBody:
             )
         if self.inertia is not None and not _is_finite(self.inertia, (3,), (3, 3)):
             raise InputError(
-                f"The inertia of the body at {self.frame!r} has finite numbers of shape (3,) or (3, 3); "
-                f"got {self.inertia!r}."
+                f"The inertia of the body at {self.frame!r} is {self.inertia!r}; give finite numbers of shape (3,) or "
+                "(3, 3) [kg m^2]."
             )
 
     @property
@@ -65,8 +72,8 @@ class CarriedBody:
         rounding = 1e-9 * max(1.0, high)
         if not np.allclose(matrix, matrix.T) or low < -rounding or high > low + middle + rounding:
             raise InputError(
-                f"No rigid body has the inertia {matrix.tolist()} kg m^2: its principal moments are not negative, and "
-                "none exceeds the sum of the others."
+                f"The body at {self.frame!r} has the impossible inertia {matrix.tolist()} kg m^2. Its principal "
+                "moments must not be negative, and none may exceed the sum of the others."
             )
         return pin.Inertia(float(self.mass), np.array(self.center_of_mass, dtype=float), matrix)
 
@@ -83,18 +90,20 @@ def _is_finite(given: object, *shapes: tuple[int, ...]) -> bool:
 def carrying(robot: Robot, *bodies: CarriedBody) -> Robot:
     """Return a robot that carries bodies; joints, states and limits are the same.
 
-    Phases of the robot with and without a body are linked by ``rt.Continuity``: the body is grasped or released where
-    they meet.
+    To grasp or release a body, link a phase of the robot without it and a phase of the robot with it by
+    ``rt.Continuity``.
 
     Raises
     ------
     InputError
-        No such frame, or a frame that does not move.
+        A frame does not exist or does not move, or an inertia is impossible.
     """
     model = robot.model.copy()
     for body in bodies:
         frame = model.frames[robot.frame(body.frame)]
         if frame.parentJoint == 0:
-            raise InputError(f"Frame {body.frame!r} of {robot.name!r} does not move, so it carries nothing.")
+            raise InputError(
+                f"Frame {body.frame!r} of {robot.name!r} does not move, so it carries nothing; name a moving frame."
+            )
         model.appendBodyToJoint(frame.parentJoint, body.spatial_inertia, frame.placement)
     return replace(robot, model=model)

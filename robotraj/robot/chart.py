@@ -1,9 +1,9 @@
 """Coordinates in which configurations are interpolated, also those of a robot with a floating root.
 
 The quaternion of a floating root cannot be interpolated entry by entry. The chart represents it by the rotation vector
-from a base quaternion, so that y = (position, rotation vector, joints) has nv entries. A straight line in y moves the
-root's origin and the joints on straight lines and rotates the root about one axis at constant rate (slerp). Without a
-floating root y = q.
+from a base quaternion, so that y = (position, rotation vector, joints) has nv entries. Along a straight line in y the
+root's origin and the joints move on straight lines. The root rotates about one axis at constant rate (slerp). Without
+a floating root y = q.
 
 Source: Sola, Deray and Atchuthan, A micro Lie theory for state estimation in robotics (2018), section IV.
 """
@@ -25,7 +25,7 @@ SMALL = 1e-6
 STEP = 1e-5
 """Step of the central difference along the motion, for the rate of a Jacobian."""
 PITCH = np.array([0.0, 1.0, 0.0])
-"""Axis of a full turn between a quaternion and its negative, which do not determine it: a somersault."""
+"""Axis of a full turn from a quaternion to its negative, which do not determine one: that of a somersault."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,10 +124,10 @@ def _right(turn: Array) -> Array:
     angle = np.linalg.norm(turn, axis=1)
     small = angle < 1e-3
     safe = np.where(small, 1.0, angle)
-    one = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
-    two = np.where(small, 1.0 / 6.0 - angle**2 / 120.0, (safe - np.sin(safe)) / safe**3)
+    first = np.where(small, 0.5 - angle**2 / 24.0, (1.0 - np.cos(safe)) / safe**2)
+    second = np.where(small, 1.0 / 6.0 - angle**2 / 120.0, (safe - np.sin(safe)) / safe**3)
     cross = np.zeros((len(turn), 3, 3))
     x, y, z = turn.T
     cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -z, y, -x
     cross -= np.swapaxes(cross, 1, 2)
-    return np.asarray(np.eye(3) - one[:, None, None] * cross + two[:, None, None] * (cross @ cross))
+    return np.asarray(np.eye(3) - first[:, None, None] * cross + second[:, None, None] * (cross @ cross))

@@ -12,7 +12,7 @@ from robotraj._util.errors import InputError, unknown_name
 Array = npt.NDArray[np.float64]
 
 UNIT = 1e-6
-"""Largest distance of a quaternion's length from 1: numbers written with six digits."""
+"""Largest difference between 1 and a quaternion's length; it permits numbers written with six digits."""
 
 
 def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str], what: str, rest: Array) -> Array:
@@ -21,8 +21,7 @@ def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str],
     Parameters
     ----------
     value : number, sequence, array or mapping by joint
-        A number applies to all joints. Arrays of shape (n,), (n, 1) and (1, n) of any real type are accepted. Joints
-        that a mapping does not name have the value of ``rest``.
+        A number applies to all joints. Arrays of shape (n,), (n, 1) and (1, n) of any real type are accepted.
     joints : sequence of str
         The moving joints, in order.
     what : str
@@ -33,7 +32,7 @@ def as_vector(value: npt.ArrayLike | Mapping[str, float], joints: Sequence[str],
     Raises
     ------
     InputError
-        No numbers, NaN or infinity, the wrong size, an unknown joint; names the joint.
+        The value is no numbers, not finite or of another size, or a joint is unknown.
     """
     n = len(joints)
     if isinstance(value, Mapping):
@@ -72,6 +71,6 @@ def unit_quaternion(values: npt.ArrayLike, what: str) -> Array:
     if not abs(size - 1) <= UNIT:
         raise InputError(
             f"{what}: the quaternion (x, y, z, w) = ({', '.join(f'{value:.6g}' for value in quaternion)}) of the root "
-            f"has length {size:.6g}; it must be 1. No rotation is (0, 0, 0, 1); w comes last."
+            f"has length {size:.6g}; it must be 1. The identity is (0, 0, 0, 1), w last."
         )
     return quaternion / size

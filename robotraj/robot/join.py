@@ -20,16 +20,15 @@ Pose: TypeAlias = "Sequence[float] | tuple[Sequence[float], Sequence[float]]"
 def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> Robot:
     """Put several robots into one, so that one problem moves all of them.
 
-    Names of joints and frames get the name of their robot and an underscore before them, ``left_elbow_joint``; q, v and
-    tau are those of the robots in turn. Constraints of two robots, that they do not touch or that they hold one object,
-    read frames of both.
+    Joints and frames get the name of their robot as a prefix, as in ``left_elbow_joint``. q, v and tau are those of the
+    robots, concatenated. A constraint may read frames of several robots, for example to keep them apart.
 
     Parameters
     ----------
     robots : mapping of str to Robot
-        With fixed roots, two at least; a robot may be given under several names.
+        At least two robots with fixed roots; one robot may have several names.
     at : mapping of str to pose, optional
-        Where the root of each stands in the world: (x, y, z) [m], or ((x, y, z), (x, y, z, w)). The origin by default.
+        Pose of each root in the world: (x, y, z) [m], or ((x, y, z), (x, y, z, w)). The origin by default.
 
     Returns
     -------

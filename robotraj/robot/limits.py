@@ -1,4 +1,4 @@
-"""Limits of a robot's joints: read from the model, overridden by the caller, checked joint by joint."""
+"""Limits of a robot's joints, from the model and the caller."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ QUANTITIES = ("position", *MAGNITUDES)
 
 
 class Interval(Protocol):
-    """Bounds with names, such as ``rt.between`` returns."""
+    """An object with lower and upper bounds, such as ``rt.between`` returns."""
 
     @property
     def lower(self) -> float | None:
@@ -77,7 +77,7 @@ class Limits(OneLine):
         for name in ("position_lower", "position_upper", *MAGNITUDES):
             given = np.array(getattr(self, name), dtype=float).reshape(-1)
             if given.size != len(self.joints):
-                raise InputError(f"Limits.{name} has {given.size} values for {len(self.joints)} joints.")
+                raise InputError(f"Limits.{name} has {given.size} values; give one per joint, {len(self.joints)}.")
             given = np.where(np.abs(given) > UNLIMITED, np.copysign(np.inf, given), given)
             given.setflags(write=False)
             object.__setattr__(self, name, given)
@@ -101,7 +101,7 @@ class Limits(OneLine):
 
     @classmethod
     def of(cls, model: pin.Model, root: str = "fixed") -> Limits:
-        """Copy the limits of a model whose joints have one position and one velocity each, but for the root's.
+        """Copy the limits of a model whose joints, except the root, have one position and one velocity each.
 
         If a model's lower velocity or effort limit is tighter than the upper one, it applies in both
         directions. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
@@ -139,7 +139,7 @@ class Limits(OneLine):
         velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
             Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
 
-        A number or a pair applies to all joints, but to the root only by name.
+        A number or a pair applies to all joints except the root, whose limits are set by name.
 
         Raises
         ------
@@ -190,10 +190,8 @@ class Limits(OneLine):
             if faults:
                 cures = ", ".join(f"'{name}': {{{joint!r}: {_EXAMPLE[name]}}}" for name in faults)
                 sentences.append(
-                    f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give "
-                    "others with "
-                    f"rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none "
-                    "with "
+                    f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give others "
+                    f"with rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none with "
                     "Phase(limits=None)."
                 )
         return tuple(sentences)
@@ -258,12 +256,7 @@ class Limits(OneLine):
         return magnitudes
 
 
-_EXAMPLE = {
-    "position": "(lower, upper)",
-    "velocity": "largest",
-    "acceleration": "largest",
-    "effort": "largest",
-}
+_EXAMPLE = {"position": "(lower, upper)", **dict.fromkeys(MAGNITUDES, "largest")}
 
 
 def _magnitude(lower: Array, upper: Array) -> Array:
@@ -271,9 +264,9 @@ def _magnitude(lower: Array, upper: Array) -> Array:
     return np.where((lower < 0) & (-lower < upper), -lower, upper)
 
 
-def _number(what: str, value: Any) -> float:
+def _number(what: str, value: object) -> float:
     try:
-        return float(value)
+        return float(value)  # type: ignore[arg-type]  # a TypeError becomes an InputError
     except (TypeError, ValueError) as error:
         raise InputError(f"The {what} is no number: {value!r}.") from error
 

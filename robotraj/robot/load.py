@@ -1,4 +1,4 @@
-"""``load``: from a name, a file or a model to a robot."""
+"""``load``: make a robot from a name, a file or a model."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ def load(
     locked : mapping, optional
         Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them.
     root : str
-        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y;
-        ``"floating"``: it moves freely, with a quaternion. Neither has motors, limits or damping; see ``Robot``. A
-        model whose first joint is a free-flyer takes ``"floating"``.
+        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y.
+        ``"floating"``: it moves freely, with a quaternion. A moving root has no motors, limits or damping; see
+        ``Robot``. A model whose first joint is a free-flyer needs ``"floating"``.
     limits : mapping or Limits, optional
         Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
         20}}``; see ``Limits.with_``.
@@ -68,13 +68,13 @@ def load(
     InputError
         The name is unknown or the file unreadable. The URDF is not a tree, is too large, or has numbers that are
         missing, NaN or infinite. A moving body has an indefinite inertia, or a joint several degrees of freedom. A
-        joint or link has a name of the root. No joint moves. The limits are impossible.
+        joint or link has a reserved name of the root. No joint moves. The limits are impossible.
 
     Warns
     -----
     UserWarning
-        The URDF has inertias of no rigid body, joints without moving mass, axes that are not unit vectors, or
-        implausible limits. ``robot.notes`` and ``robotraj show`` list them.
+        The URDF has inertias that no rigid body can have, joints without moving mass, axes that are not unit vectors,
+        or implausible limits. ``robot.notes`` and ``robotraj show`` list them.
 
     Notes
     -----

@@ -20,17 +20,17 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
     """Put a robot on a base that moves in the plane z = 0 and turns about the vertical.
 
     The base has three joints before those of the robot: base_x and base_y [m] along the world's axes, base_yaw [rad].
-    Their efforts are the horizontal force [N] and the moment about the vertical [N m] that the ground exerts by the
-    wheels. ``rt.constraints.DifferentialDrive`` makes them those of two wheels that roll without slip.
+    Their efforts are the horizontal force [N] and the moment about the vertical [N m] of the ground on the wheels.
+    ``rt.constraints.DifferentialDrive`` restricts them to two wheels that roll without slip.
 
     Parameters
     ----------
     robot : Robot
-        With a fixed root, which stands on the base's axis of rotation.
+        Robot with a fixed root. The base turns about the vertical through the root link's origin.
     mass : float
-        Of the base and its wheels [kg]; its centre lies on the axis of rotation.
+        Mass of the base and its wheels [kg]; its centre lies on the axis of rotation.
     inertia : float
-        About the vertical [kg m^2].
+        Inertia of the base about the vertical [kg m^2].
 
     Returns
     -------
@@ -40,7 +40,7 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
     Raises
     ------
     InputError
-        A root that moves, joints or frames of these names, a mass or an inertia that is not above 0.
+        The robot has a moving root or a joint or frame of these names, or the mass or inertia is not above 0.
     """
     if robot.root != "fixed":
         raise InputError(f"{robot.name!r} has a {robot.root} root; rt.robot.on_wheels takes a robot with a fixed one.")
@@ -51,7 +51,7 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
         raise InputError(f"{robot.name!r} has a joint or frame {taken[0]!r} already; rename it in the URDF.")
     kinds = (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ())
     model = rebuilt(robot.model, tuple(zip(JOINTS, kinds, strict=True)))
-    # Turning about another axis is impossible: any inertia of a rigid body about them will do.
+    # The base turns about the vertical only, so its moments about the other axes have no effect.
     body = pin.Inertia(float(mass), np.zeros(3), np.diag([inertia, inertia, inertia]))
     model.appendBodyToJoint(len(JOINTS), body, pin.SE3.Identity())
     model.lowerPositionLimit[: len(JOINTS)] = -np.inf

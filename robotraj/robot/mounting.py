@@ -1,4 +1,4 @@
-"""Where and how a robot is mounted: its gravity, the pose of its base, the rotors of its motors."""
+"""Gravity, pose of the base and rotors of a robot."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ def mounted(
     ----------
     robot : Robot
     gravity : array (3,), optional
-        [m/s^2], in the world.
+        Gravity in the world [m/s^2].
     base : pinocchio.SE3 or (position, quaternion), optional
-        Pose of the root link in the world, of a robot with a fixed root.
+        Pose of the root link in the world; only for a fixed root.
     rotors : mapping of str to (float, float), optional
         Inertia of the rotor [kg m^2] and gear ratio n by joint. Armature = inertia n^2 replaces that of the joint.
 
     Raises
     ------
     InputError
-        Numbers that are not finite, a moving root with a base, an unknown joint.
+        A number is not finite, a moving root has a base, or a joint is unknown.
     """
     model = robot.model.copy()
     geometry = robot.geometry
@@ -54,13 +54,13 @@ def mounted(
     if gravity is not None:
         pull = np.array(gravity, dtype=float)
         if pull.shape != (3,) or not np.isfinite(pull).all():
-            raise InputError(f"gravity= has three finite entries [m/s^2]; got {gravity!r}.")
+            raise InputError(f"gravity= is {gravity!r}; give three finite numbers [m/s^2].")
         model.gravity.linear = pull
     for joint, rotor in (rotors or {}).items():
         if joint not in robot.velocity_names:
             raise unknown_name("joint", joint, robot.velocity_names, "Correct the name in rotors=.")
         if np.shape(rotor) != (2,) or not np.isfinite(rotor).all() or rotor[0] < 0:
-            raise InputError(f"The rotor of {joint!r} is (inertia [kg m^2], gear ratio); got {rotor!r}.")
+            raise InputError(f"The rotor of {joint!r} is {rotor!r}; give (inertia [kg m^2], gear ratio).")
         model.armature[robot.velocity_names.index(joint)] = rotor[0] * rotor[1] ** 2
     return replace(robot, model=model, geometry=geometry)
 
@@ -69,7 +69,7 @@ def _pose(base: Base) -> tuple[tuple[float, float, float], tuple[float, float, f
     if isinstance(base, pin.SE3):
         base = base.translation.tolist(), pin.Quaternion(base.rotation).coeffs().tolist()
     if not isinstance(base, Sequence) or len(base) != 2 or np.shape(base[0]) != (3,) or np.shape(base[1]) != (4,):
-        raise InputError(f"base= is a pinocchio.SE3, or a position (3,) and a quaternion (x, y, z, w); got {base!r}.")
+        raise InputError(f"base= is {base!r}; give a pinocchio.SE3, or position (3,) and quaternion (x, y, z, w).")
     x, y, z = (float(value) for value in base[0])
     a, b, c, d = unit_quaternion(np.array(base[1], dtype=float), "quaternion of base=").tolist()
     return (x, y, z), (a, b, c, d)

@@ -1,4 +1,4 @@
-"""The neutral configuration: the SRDF's reference where there is one, else zeros, within the limits."""
+"""The neutral configuration: the SRDF's reference if there is one, otherwise zeros, moved inside the limits."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple
     root : str
         The kind of root. A reference for the free-flyer ``root_joint`` is also used for a planar root.
     """
-    # A model that is only read needs no copy.
+    # A copy is needed only where references or a root are added.
     copy = model if root == "fixed" and srdf is None else with_root(model, "fixed" if root == "fixed" else "floating")
     if srdf is not None:
         pin.loadReferenceConfigurations(copy, str(srdf), False)
@@ -41,7 +41,9 @@ def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple
     name = next((name for name in REFERENCES if name in known), next(iter(known), ""))
     q = known.get(name, pin.neutral(copy))
     if not np.all(np.isfinite(q)):
-        raise InputError(f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers.")
+        raise InputError(
+            f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers; correct it."
+        )
     if root != "fixed":
         q[QUATERNION] = unit_quaternion(q[QUATERNION], f"reference configuration {name!r} of {model.name!r}")
     q = angles(copy, q)

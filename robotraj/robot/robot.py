@@ -33,15 +33,15 @@ Array = npt.NDArray[np.float64]
 class Robot:
     """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
 
-    Made by ``rt.load``. Every moving joint has one position and one velocity; that of a continuous joint is its
-    angle. The root is fixed, or first in q and v:
+    ``rt.load`` makes it. Every moving joint has one position and one velocity; the position of a continuous joint is
+    its angle. The root is fixed, or first in q and v:
 
     - ``"planar"``: q and v start with root_x [m] and root_z [m] along the world's axes and root_pitch [rad] about +y.
     - ``"floating"``: q starts with the position of the root link's origin in the world root_x, root_y, root_z [m].
       The unit quaternion root_qx, root_qy, root_qz, root_qw (x, y, z, w) follows: the rotation from the root link's
-      axes to the world's. v starts with the root link's linear velocity root_vx, root_vy, root_vz [m/s] and angular
-      velocity root_wx, root_wy, root_wz [rad/s], both in the root link's axes. So nq = nv + 1, and q' differs from v:
-      q moved by v for a time is ``pin.integrate(robot.model, q, v * time)``. Source: Pinocchio's free-flyer.
+      axes to the world's. v starts with the root link's linear velocity root_vx, root_vy, root_vz [m/s]. Its angular
+      velocity root_wx, root_wy, root_wz [rad/s] follows; both are in the root link's axes. So nq = nv + 1 and q'
+      differs from v: ``pin.integrate(robot.model, q, v * time)`` moves q. Source: Pinocchio's free-flyer.
 
     Arrays are read-only and independent of the caller's model.
 
@@ -101,11 +101,15 @@ class Robot:
         given = {"damping": (self.damping, nv), "friction": (self.friction, nv), "neutral": (self.neutral, nq)}
         for name, (values, size) in given.items():
             if values.shape != (size,):
-                raise InputError(f"{name} of robot {brief(self.name)} has the shape {values.shape}, not ({size},).")
+                raise InputError(f"{name} of robot {brief(self.name)} has the shape {values.shape}; give ({size},).")
         if len(self.limits.joints) != nv:
-            raise InputError(f"Robot {brief(self.name)} has limits of {len(self.limits.joints)} joints, not of {nv}.")
+            raise InputError(
+                f"Robot {brief(self.name)} has limits of {len(self.limits.joints)} joints; give limits of {nv}."
+            )
         if len(set(self.actuated)) != len(self.actuated) or not set(self.actuated) <= set(self.velocity_names):
-            raise InputError(f"actuated of robot {brief(self.name)} repeats a joint, or names one that it has not.")
+            raise InputError(
+                f"actuated of robot {brief(self.name)} is {self.actuated!r}; name each of its joints at most once."
+            )
 
     def __repr__(self) -> str:
         joints = self.nv - self.limits.free
@@ -135,7 +139,7 @@ class Robot:
     @property
     def _joints(self) -> Joints:
         quaternion, limits = self.nq - self.nv, self.limits
-        # The positions of a floating root belong to no velocity: ``_placed`` prints them.
+        # The positions of a floating root do not correspond to velocities; ``_placed`` prints them.
         neutral = np.where(np.arange(self.nv) < limits.free if quaternion else False, np.nan, self.neutral[quaternion:])
         motors = [joint in self.actuated for joint in self.velocity_names]
         return Joints(self.velocity_names, self.units, limits, motors, self.damping, self.friction, neutral)
@@ -154,7 +158,7 @@ class Robot:
         return (*self.notes, *self.limits.complaints(self.actuated))
 
     def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only; meshes and functions are built again on use."""
+        """Pickle the fields only; meshes are read and functions built again on first use."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @property
@@ -270,8 +274,8 @@ class Robot:
         Raises
         ------
         InputError
-            NaN, infinity, a wrong size, an unknown name, a quaternion of another length; ``what`` names the value in
-            the message.
+            A value is not finite, the size is wrong, a name is unknown, or a quaternion has another length. ``what``
+            is the label of the value in the message.
         """
         q = as_vector(value, self.position_names, what, self.neutral)
         if self.root == "floating":
@@ -284,7 +288,7 @@ class Robot:
         Raises
         ------
         InputError
-            NaN, infinity, a wrong size, an unknown name.
+            A value is not finite, the size is wrong, or a name is unknown.
         """
         return as_vector(value, self.velocity_names, what, np.zeros(self.nv))
 

@@ -67,7 +67,7 @@ def root_of(name: str) -> Root:
     Raises
     ------
     UnknownName
-        There is no such root; lists the names.
+        There is no such root.
     """
     if not isinstance(name, str) or name not in ROOTS:
         raise unknown_name("root", name, ROOTS, "Plan with root='fixed', 'planar' or 'floating'.")
@@ -75,7 +75,7 @@ def root_of(name: str) -> Root:
 
 
 def with_root(model: pin.Model, root: str) -> pin.Model:
-    """Return a copy with the joints of the root before its root link; they move the bodies that were fixed.
+    """Return a copy in which the joints of the root move the root link and the bodies fixed to it.
 
     Reference configurations of the model are kept, with the root at the origin. A model that starts with a free-flyer
     keeps it under the name ``root_joint``. The model's position limits of the root are 1 m and half a turn in both
@@ -84,7 +84,7 @@ def with_root(model: pin.Model, root: str) -> pin.Model:
     Raises
     ------
     InputError
-        The model starts with a free-flyer, and ``root`` is another; or joints or frames have names of the root.
+        The model starts with a free-flyer and ``root`` is another, or joints or frames have reserved names.
     """
     about = root_of(root)
     if has_free_flyer(model):
@@ -111,7 +111,7 @@ def in_plane(q: Array) -> Array:
 
 
 def carried(shapes: pin.GeometryModel, before: int) -> pin.GeometryModel:
-    """Return a copy of shapes for their model with ``before`` more joints before its root link."""
+    """Return a copy of shapes for a model with ``before`` more joints before its root link."""
     copy = shapes.copy()
     for shape in copy.geometryObjects:
         shape.parentJoint += before
@@ -120,7 +120,7 @@ def carried(shapes: pin.GeometryModel, before: int) -> pin.GeometryModel:
 
 
 def _near(model: pin.Model, about: Root) -> pin.Model:
-    """Bound the positions of the root, in place; Pinocchio draws random configurations within such bounds."""
+    """Bound the positions of the root, in place; Pinocchio samples random configurations within these bounds."""
     reach = np.array([np.pi if unit == "rad" else 1.0 for unit in about.position_units])
     model.lowerPositionLimit[: len(reach)] = -reach
     model.upperPositionLimit[: len(reach)] = reach
@@ -138,8 +138,8 @@ def _named(model: pin.Model, root: str) -> pin.Model:
     own = model.names[1]
     if root != "floating":
         raise InputError(
-            f"The model starts with the free-flyer {own!r}: load it with root='floating', or give a model with a "
-            f"fixed root (pin.buildModelFromUrdf without a root joint) for root={root!r}."
+            f"The model starts with the free-flyer {own!r}, but root={root!r}. Load it with root='floating', or give a "
+            "model with a fixed root, which pin.buildModelFromUrdf builds without a root joint."
         )
     about = ROOTS[root]
     _check_names(model, about, root, own)

@@ -39,7 +39,7 @@ class Joints(NamedTuple):
 
 
 def number(value: float, unit: str = "") -> str:
-    """Write a number with its unit; ``-`` where there is none."""
+    """Write a number with its unit, or ``-`` if it is not finite."""
     return f"{value:.4g} {unit}".strip() if np.isfinite(value) else "-"
 
 
@@ -50,7 +50,8 @@ def _interval(low: float, high: float) -> str:
 def joint_rows(joints: Joints) -> list[tuple[str, ...]]:
     """Return the cells of the table, headings first; a missing limit is ``-``.
 
-    Rates have the joint's unit per second. Acceleration limits, damping and friction have a column if a joint has one.
+    Rates have the joint's unit per second. Acceleration limits, damping and friction have a column only if a joint has
+    one.
     """
     limits = joints.limits
     columns: list[tuple[str, Sequence[str]]] = [

@@ -1,8 +1,8 @@
-"""Numeric positions and velocities of a robot whose root may float; q' differs from v if q contains a quaternion.
+"""Numeric positions and velocities of a robot with a fixed or floating root.
 
 The root is first, as in Pinocchio's free-flyer. q starts with the origin of the root link in the world and the
 quaternion (x, y, z, w) of its axes. v starts with its linear and angular velocity in these axes. Every other joint has
-one position and one velocity. Without a floating root the functions are those of vectors: q' = v.
+one position and one velocity. With a floating root q' differs from v, since q contains a quaternion; otherwise q' = v.
 """
 
 from __future__ import annotations

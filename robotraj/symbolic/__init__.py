@@ -1,6 +1,6 @@
 """The algorithms of rigid bodies as CasADi functions, for any ``pinocchio.Model``.
 
-It replaces ``pinocchio.casadi``, which the wheels of Pinocchio lack, and can be used without the rest of robotraj.
+The room replaces ``pinocchio.casadi``, which Pinocchio's wheels lack. It can be used without the rest of robotraj.
 Start with ``model.py``. The room may import ``_util``.
 
 >>> import pinocchio, robotraj.symbolic

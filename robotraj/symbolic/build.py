@@ -25,8 +25,8 @@ def load_graphs() -> ModuleType:
 
     Notes
     -----
-    casadi and pinocchio are imported above, so their libraries are in the process already and the module
-    binds to those, wherever they are installed.
+    ``compiled_modules`` imports casadi and pinocchio first. The compiled module binds to the libraries that they
+    loaded, wherever they are installed.
     """
     try:
         graphs = import_module("robotraj.symbolic._graphs")

@@ -22,7 +22,7 @@ _Numbers = npt.NDArray[np.float64]
 
 
 class _Part(NamedTuple):
-    """A joint of a kind that the compiled module has.
+    """A joint of a kind that the compiled module supports.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ def graphs_of(model: pin.Model, parametric: bool) -> Graphs:
     Raises
     ------
     InputError
-        When a joint is of a type that no function is known for.
+        A joint is of an unsupported type.
     """
     tree = Tree(np.array(model.gravity.linear), np.array(model.armature))
     neutral = pin.neutral(model)
@@ -92,7 +92,7 @@ def _parts(name: str, joint: pin.JointModel, neutral: _Numbers) -> list[_Part]:
         universal = joint.extract()
         return [_Part(JointKind.SCREW, np.append(np.zeros(3), axis)) for axis in (universal.axis1, universal.axis2)]
     if joint.nv != 1:
-        raise InputError(f"Joint {name!r} is a {kind}, for which no dynamics are known; build it from simpler joints.")
+        raise InputError(f"Joint {name!r} is a {kind}, whose dynamics are not supported; build it from simpler joints.")
     data = joint.createData()
     joint.calc(data, neutral)
     return [_Part(JointKind.CIRCLE if joint.nq == 2 else JointKind.SCREW, np.array(data.S).reshape(6))]

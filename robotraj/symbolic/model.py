@@ -29,7 +29,7 @@ def _compiled_model(text: str, parametric: bool) -> Graphs:
 
 @lru_cache(maxsize=512)
 def _function(text: str, parametric: bool, algorithm: str, *arguments: int) -> ca.Function:
-    """Build one function; kept per process, since a Function is immutable and equal models share it."""
+    """Build one function. It is cached per process: a Function is immutable, and equal models share it."""
     serialized = getattr(_compiled_model(text, parametric), algorithm)(*arguments)
     return ca.Function.deserialize(serialized.decode("latin-1"))
 
@@ -46,25 +46,24 @@ class SymbolicModel:
     model : pinocchio.Model
         Any model without active mimic joints. It is copied; later changes to it have no effect.
     parametric : bool
-        When true, every function takes two more inputs at the end, for planning together with design:
-        ``inertias`` (10 x njoints; per joint ``model.inertias[i].toDynamicParameters()``: mass [kg], mass
-        times centre [kg m], inertia about the joint's origin Ixx, Ixy, Iyy, Ixz, Iyz, Izz [kg m^2]) and
-        ``translations`` (3 x njoints; per joint ``model.jointPlacements[i].translation`` [m]). Column 0, the
+        When true, every function takes two more inputs at the end, for planning together with design.
+        ``inertias`` is 10 x njoints, per joint ``model.inertias[i].toDynamicParameters()``: mass [kg], mass
+        times centre [kg m], inertia about the joint's origin Ixx, Ixy, Iyy, Ixz, Iyz, Izz [kg m^2].
+        ``translations`` is 3 x njoints, per joint ``model.jointPlacements[i].translation`` [m]. Column 0, the
         universe, is not used. The model's own values are ``model_inertias`` and ``model_translations``.
 
     Raises
     ------
     InputError
-        The model is no ``pinocchio.Model``, or has active mimic joints, whose forward dynamics Pinocchio lacks. A
-        function of a model with a joint of another type than Pinocchio's usual ones (``JointModelEllipsoid``) is
-        refused when it is first needed.
+        The model is no ``pinocchio.Model``, or has active mimic joints, whose forward dynamics Pinocchio lacks. If a
+        joint is of an unsupported type, such as ``JointModelEllipsoid``, the first access to a function raises.
 
     Notes
     -----
     Shapes and units: ``q`` nq [rad, m, or cos, sin and quaternions as the joint has them], ``v`` nv [rad/s,
-    m/s], ``a`` nv [rad/s^2, m/s^2], ``tau`` nv [N m, N], ``fext`` 6 x njoints: wrenches on the joints' bodies
-    in the joints' frames, force first [N, N m]; its column 0, the universe, is not used. Spatial vectors have
-    the linear part first. Armature enters as Pinocchio does it; damping, friction and rotor inertia do not.
+    m/s], ``a`` nv [rad/s^2, m/s^2], ``tau`` nv [N m, N]. ``fext`` is 6 x njoints: wrenches on the joints' bodies
+    in the joints' frames, force first [N, N m]. Its column 0, the universe, is not used. Spatial vectors have
+    the linear part first. As in Pinocchio, the dynamics include armature, but not damping, friction and rotor inertia.
     A quaternion in ``q`` is (x, y, z, w) and must have length 1.
 
     Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, on ``casadi::SX``; models are Pinocchio's.
@@ -93,7 +92,7 @@ class SymbolicModel:
         return f"SymbolicModel({self._model.name!r}, nq={self._model.nq}, nv={self._model.nv}{kind})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle as the model alone; functions are built again where they are wanted."""
+        """Pickle the model alone; functions are built again on first access."""
         return _restore, (self._model, self._parametric)
 
     @property

@@ -75,7 +75,7 @@ def test_what_is_no_number_is_refused(values: Any) -> None:
     ],
 )
 def test_nan_among_an_expressions_numbers_is_refused(function: Callable[[ca.SX], Any], row: str) -> None:
-    with pytest.raises(InputError, match=f"^The expression has NaN{row} whatever the point is: .* casadi.sin"):
+    with pytest.raises(InputError, match=f"^The expression is NaN{row} at every point: .* casadi.sin"):
         rows_of("expression", function, ca.SX.sym("x"))
 
 

@@ -157,9 +157,9 @@ def test_both_steps_of_a_stride_clear_the_ground(biped: rt.Robot) -> None:
 
 def test_a_clearance_without_effect_warns(biped: rt.Robot) -> None:
     free = replace(rt.gait.mirror(biped), displacement={"q.root_x": rt.between(0.3, 0.5)})
-    with pytest.warns(UserWarning, match="clearance=0.1 is not held by right_foot in 'single support'"):
+    with pytest.warns(UserWarning, match="clearance=0.1 is not imposed on right_foot in 'single support'"):
         step(biped, clearance=0.1, repeat=free)
-    with pytest.warns(UserWarning, match="clearance=0.1 is not held"):
+    with pytest.warns(UserWarning, match="clearance=0.1 is not imposed"):
         step(biped, clearance=0.1, step_length=0.0)
 
 

@@ -74,7 +74,7 @@ WRONG: dict[str, tuple[Callable[[rt.Robot], rt.Problem], str]] = {
     ),
     "own ground": (
         lambda r: rt.gait.gap(r, start=0.2, width=0.1, step_length=0.3, ground=rt.terrain.Flat()),
-        "makes its own ground",
+        "sets its own ground",
     ),
 }
 

@@ -148,7 +148,7 @@ def test_a_standing_robot_cannot_end_a_full_turn_away() -> None:
     end[3:7] *= -1.0
     contacts = [rt.PointContact(foot, friction=0.7) for foot in feet]
     ends = rt.State(q=stand, v=0), rt.State(q=end, v=0)
-    with pytest.raises(rt.InputError, match="negate the end quaternion"):
+    with pytest.raises(rt.InputError, match="Negate the end quaternion"):
         rt.Phase(robot, 0.5, *ends, rt.Effort(), contacts=contacts)
     # A jump has room for it: no foot is held.
     rt.Phase(robot, 0.5, *ends, rt.Effort())

@@ -44,7 +44,7 @@ def test_a_rotor_adds_its_inertia_times_the_squared_ratio():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"gravity": (0, 0)}, "three finite entries"),
+        ({"gravity": (0, 0)}, "three finite numbers"),
         ({"base": (0, 0, 1)}, "base="),
         ({"rotors": {"elbow": (1e-5, 100)}}, "elbow_joint"),
         ({"rotors": {"elbow_joint": 3}}, "gear ratio"),

@@ -1,4 +1,4 @@
-"""Contacts: frames of the robot held by the ground or by each other. They are values, bound to a robot by ``bind``."""
+"""Contacts: frames of the robot held on the ground or to each other. They are values, bound to a robot by ``bind``."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""The base classes of contacts: a contact names a frame; its bound form has the held rows and the forces."""
+"""The base classes of contacts: ``Contact`` is a value, ``BoundContact`` has the held rows and forces for one robot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Wrench = tuple[str, list[Scalar]]
 
 
 def of_impulses(row: Row) -> Row | None:
-    """Return a row on forces for impulses: signs are kept, bounds in newtons are dropped. None if no bound is left."""
+    """Return a row on forces as one on impulses: only bounds of zero apply to both. None if no bound is left."""
     lower, upper = 0.0 if row.lower >= 0.0 else -inf, 0.0 if row.upper <= 0.0 else inf
     if lower == -inf and upper == inf:
         return None
@@ -133,7 +133,7 @@ class BoundContact(OneLine, ABC):
         return []
 
     def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
-        """Values of ``footing_rows``: once a phase, since anchors are constant."""
+        """Values of ``footing_rows``, evaluated once per phase, since anchors are constant."""
         return []
 
     def locate(self, robot: Robot, q: Array) -> dict[str, float]:
@@ -175,10 +175,10 @@ def label_of(name: str | None, frame: str) -> str:
     return frame if name is None else name
 
 
-def checked_name(name: object, who: str) -> None:
+def checked_name(name: object, what: str) -> None:
     """Check that a name is a nonempty string or None."""
     if name is not None and (not isinstance(name, str) or not name):
-        raise InputError(f"The name of {who} is {name!r}; give some text, or None for the frame's name.")
+        raise InputError(f"The name of {what} is {name!r}; give some text, or None for the frame's name.")
 
 
 def positive(value: object, what: str, unit: str) -> float:
@@ -189,20 +189,20 @@ def positive(value: object, what: str, unit: str) -> float:
     return number
 
 
-def force_range(value: ArrayLike, who: str) -> tuple[float, float]:
+def force_range(value: ArrayLike, what: str) -> tuple[float, float]:
     """Read (least, greatest) normal force [N], 0 <= least < greatest; the greatest may be infinite."""
     pair = np.asarray(value, dtype=object)
     least, greatest = (_number(entry) for entry in (pair.tolist() if pair.shape == (2,) else (None, None)))
     if not 0.0 <= least < greatest or np.isinf(least):
         raise InputError(
-            f"The normal_force of {who} is {value!r}; give (least, greatest) [N] with 0 <= least < greatest: the "
-            "ground only pushes."
+            f"The normal_force of {what} is {value!r}; give (least, greatest) [N] with 0 <= least < greatest, since "
+            "the ground cannot pull."
         )
     return least, greatest
 
 
 def keep(contact: Contact, **values: object) -> None:
-    """Replace fields by their checked values, tuples of floats, so that contacts compare and are stored by value."""
+    """Replace fields by their checked values; as tuples of floats contacts can be compared, hashed and stored."""
     for name, value in values.items():
         object.__setattr__(contact, name, value)
 
@@ -214,10 +214,10 @@ def _number(value: Any) -> float:
         return np.nan
 
 
-def refuse_contacts(contacts: Sequence[BoundContact], who: str) -> None:
+def refuse_contacts(contacts: Sequence[BoundContact], what: str) -> None:
     """Raise InputError where dynamics without contact forces are given contacts."""
     if contacts:
         names = ", ".join(repr(contact.name) for contact in contacts)
         raise InputError(
-            f"{who} has no contact forces, but the phase has contacts {names}; use rt.dynamics.InverseDynamics()."
+            f"{what} has no contact forces, but the phase has contacts {names}; use rt.dynamics.InverseDynamics()."
         )

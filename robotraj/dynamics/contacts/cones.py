@@ -1,4 +1,4 @@
-"""Friction cones as values: which tangential forces a normal force allows."""
+"""Friction cones as values: bounds on the tangential force for a given normal force."""
 
 from __future__ import annotations
 

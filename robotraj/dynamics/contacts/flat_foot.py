@@ -48,7 +48,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FlatFoot(Contact):
-    """A rectangular sole held on the ground: six rows and a wrench, three (x, z, pitch) in a plane.
+    """A rectangular sole held on the ground: six rows and a wrench; in a plane three, for x, z and pitch.
 
     The point at ``offset`` is held at (x, y, h(x, y)). The foot's up axis e is along the ground's normal n there.
     Its forward axis f is along t_1 cos(yaw) + t_2 sin(yaw). x, y and yaw are unknown and constant. The rows of
@@ -85,7 +85,7 @@ class FlatFoot(Contact):
     Raises
     ------
     InputError
-        A sole without size, friction that is not positive, parallel axes, crossed bounds.
+        The sole's size or the friction is not positive, the axes are parallel, or the bounds are crossed.
     """
 
     frame: str
@@ -101,24 +101,24 @@ class FlatFoot(Contact):
     forward: Triple | None = None
 
     def __post_init__(self) -> None:
-        who = f"FlatFoot {self.label!r}"
-        checked_name(self.name, who)
-        positive(self.friction, f"friction of {who}", "")
+        what = f"FlatFoot {self.label!r}"
+        checked_name(self.name, what)
+        positive(self.friction, f"friction of {what}", "")
         if not isinstance(self.sole, Sole):
             raise InputError(
-                f"The sole of {who} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or "
+                f"The sole of {what} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or "
                 f"rt.contacts.FourCorners()."
             )
-        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
-        keep(self, length=_length(self.length, f"length of {who}"))
+        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
+        keep(self, length=_length(self.length, f"length of {what}"))
         if self.width is not None:
-            keep(self, width=positive(self.width, f"width of {who}", "m"))
+            keep(self, width=positive(self.width, f"width of {what}", "m"))
         if self.normal is not None:
-            keep(self, normal=unit(self.normal, f"normal of {who}"))
+            keep(self, normal=unit(self.normal, f"normal of {what}"))
         if self.forward is not None:
-            keep(self, forward=unit(self.forward, f"forward axis of {who}"))
+            keep(self, forward=unit(self.forward, f"forward axis of {what}"))
         if self.normal is not None and self.forward is not None:
-            foot_axes(np.eye(3), self.normal, self.normal, self.forward, who)
+            foot_axes(np.eye(3), self.normal, self.normal, self.forward, what)
         keep(self, ground=as_ground(self.ground))
 
     @property
@@ -128,14 +128,14 @@ class FlatFoot(Contact):
 
     def bind(self, robot: Robot) -> BoundFlatFoot:
         """Find the foot's axes and whether it moves in a plane, and return its rows and forces."""
-        who = f"FlatFoot {self.label!r}"
+        what = f"FlatFoot {self.label!r}"
         robot.frame(self.frame)
         spot = Spot(self.frame, self.offset)
         axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
         require_plane(robot, self.frame, axes, about)
         require_vertical(robot, self.frame, axes)
         require_rank(
-            robot, lambda q: spot.jacobian(robot, q)[[*axes, *(3 + i for i in about)]], len(axes) + len(about), who
+            robot, lambda q: spot.jacobian(robot, q)[[*axes, *(3 + i for i in about)]], len(axes) + len(about), what
         )
         spatial = (axes, about) == ((0, 1, 2), (0, 1, 2))
         if not spatial and not (len(axes) == 2 and about == (1 - axes[0],)):
@@ -144,11 +144,11 @@ class FlatFoot(Contact):
                 f"{self.frame!r} of {robot.name!r} does neither. Use PointContact."
             )
         if spatial and self.width is None:
-            raise InputError(f"{who} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
+            raise InputError(f"{what} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
         place, rotation = spot.placed(robot, robot.neutral)
         ground = as_ground(self.ground)
         normal = ground.normal(float(place[0]), float(place[1]))
-        feet = foot_axes(rotation, normal, self.normal, self.forward, who, np.eye(3)[axes[0]])
+        feet = foot_axes(rotation, normal, self.normal, self.forward, what, np.eye(3)[axes[0]])
         where = Footing(self.label, ground, axes, (float(place[0]), float(place[1]), float(place[2])))
         yaw = (Variable(f"{self.label}.yaw", "rad", "foothold", self.label),) if spatial else ()
         return BoundFlatFoot(

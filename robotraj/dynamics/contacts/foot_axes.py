@@ -34,7 +34,7 @@ def foot_axes(
     normal: Sequence[Scalar],
     up: Sequence[float] | None,
     forward: Sequence[float] | None,
-    who: str,
+    what: str,
     ahead: Sequence[float] = (1.0, 0.0, 0.0),
 ) -> FootAxes:
     """Return the axes of a foot.
@@ -50,7 +50,7 @@ def foot_axes(
         The ground's normal there, in world axes.
     up, forward : sequence of 3 float or None
         In the frame's axes, of any length. The component of ``forward`` along ``up`` is removed.
-    who : str
+    what : str
         The contact, for errors.
     ahead : sequence of 3 float
         World axis that the foot points along by default.
@@ -63,17 +63,17 @@ def foot_axes(
     upward = (
         _nearest(rotation, np.asarray(normal, dtype=float), _signed_axes())
         if up is None
-        else np.array(unit(up, f"normal of {who}"))
+        else np.array(unit(up, f"normal of {what}"))
     )
     if forward is None:
         level = [axis for axis in _signed_axes() if abs(axis @ upward) < 0.8]
         along = _nearest(rotation, np.asarray(ahead, dtype=float), level)
     else:
-        along = np.array(unit(forward, f"forward axis of {who}"))
+        along = np.array(unit(forward, f"forward axis of {what}"))
     along = along - (along @ upward) * upward
     size = float(np.linalg.norm(along))
     if size < 1e-6:
-        raise InputError(f"The forward axis of {who} is along its normal; give one that lies in the sole.")
+        raise InputError(f"The forward axis of {what} is along its normal; give one that lies in the sole.")
     along = along / size
     return FootAxes(_triple(along), _triple(np.cross(upward, along)), _triple(upward))
 

@@ -63,7 +63,7 @@ class ImplicitContact(Contact):
     Raises
     ------
     InputError
-        Friction or relaxation that is not positive, a ground that is not a plane.
+        The friction or relaxation is not positive, or the ground is not a plane.
     """
 
     frame: str
@@ -74,14 +74,14 @@ class ImplicitContact(Contact):
     offset: Triple = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        who = f"ImplicitContact {self.label!r}"
-        checked_name(self.name, who)
-        positive(self.friction, f"friction of {who}", "")
-        positive(self.relaxation, f"relaxation of {who}", "N m")
-        object.__setattr__(self, "offset", offset_of(self.offset, who))
+        what = f"ImplicitContact {self.label!r}"
+        checked_name(self.name, what)
+        positive(self.friction, f"friction of {what}", "")
+        positive(self.relaxation, f"relaxation of {what}", "N m")
+        object.__setattr__(self, "offset", offset_of(self.offset, what))
         if not isinstance(as_ground(self.ground), Flat | Slope):
             raise InputError(
-                f"{who} needs a plane as its ground; the ground is {self.ground!r}. "
+                f"{what} needs a plane as its ground; the ground is {self.ground!r}. "
                 f"Give rt.terrain.Flat() or rt.terrain.Slope(...), "
                 "or write the contact sequence as phases with rt.PointContact."
             )

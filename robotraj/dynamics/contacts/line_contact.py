@@ -87,18 +87,18 @@ class LineContact(FrictionContact):
     direction: Triple | None = None
 
     def __post_init__(self) -> None:
-        who = f"LineContact {self.label!r}"
-        checked_name(self.name, who)
-        positive(self.friction, f"friction of {who}", "")
+        what = f"LineContact {self.label!r}"
+        checked_name(self.name, what)
+        positive(self.friction, f"friction of {what}", "")
         if self.width is not None:
-            positive(self.width, f"width of {who}", "m")
+            positive(self.width, f"width of {what}", "m")
         if not isinstance(self.cone, FrictionCone):
             raise InputError(
-                f"The cone of {who} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
+                f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
             )
-        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         if self.direction is not None:
-            keep(self, direction=unit(self.direction, f"direction of {who}"))
+            keep(self, direction=unit(self.direction, f"direction of {what}"))
         keep(self, ground=as_ground(self.ground))
 
     @property
@@ -108,7 +108,7 @@ class LineContact(FrictionContact):
 
     def bind(self, robot: Robot) -> BoundContact:
         """Bind an edge in space; in a plane, bind the point where the plane cuts the edge."""
-        who = f"LineContact {self.label!r}"
+        what = f"LineContact {self.label!r}"
         robot.frame(self.frame)
         spot = Spot(self.frame, self.offset)
         axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
@@ -116,7 +116,7 @@ class LineContact(FrictionContact):
         if len(axes) < 3:
             return bind_point(self, robot, spot)
         if self.width is None:
-            raise InputError(f"{who} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
+            raise InputError(f"{what} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
         place, rotation = spot.placed(robot, robot.neutral)
         ground = as_ground(self.ground)
         along = self._along(rotation, ground.normal(float(place[0]), float(place[1])))
@@ -126,7 +126,7 @@ class LineContact(FrictionContact):
             left = spot.placed(robot, q)[1] @ np.array(along)
             return np.vstack([jacobian[:3], np.array(_across(left)) @ jacobian[3:]])
 
-        require_rank(robot, held, 5, who)
+        require_rank(robot, held, 5, what)
         where = Footing(self.label, ground, axes, (float(place[0]), float(place[1]), float(place[2])))
         least, greatest = self.normal_force
         rows = [("friction cone", unit) for unit in self.cone.units]

@@ -36,9 +36,9 @@ Array = NDArray[np.float64]
 class LoopClosure(Contact):
     """Two points fixed in frames coincide (three rows); optionally the frames' axes coincide too (six rows).
 
-    World axes along or about which the frames cannot move relative to each other have no rows and no forces: a
-    linkage in a plane has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the rotation
-    from b to a to first order. Where they are zero, their time derivative is the difference of the angular
+    World axes along or about which the frames cannot move relative to each other have no rows and no forces. A
+    linkage in a plane therefore has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the
+    rotation from b to a to first order. Where they are zero, their time derivative is the difference of the angular
     velocities. The force and moment act at the point on a's body, and their opposites on b's.
 
     Parameters
@@ -66,9 +66,9 @@ class LoopClosure(Contact):
     offset_b: Triple = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        who = f"LoopClosure {self.label!r}"
-        checked_name(self.name, who)
-        keep(self, offset_a=offset_of(self.offset_a, who), offset_b=offset_of(self.offset_b, who))
+        what = f"LoopClosure {self.label!r}"
+        checked_name(self.name, what)
+        keep(self, offset_a=offset_of(self.offset_a, what), offset_b=offset_of(self.offset_b, what))
         if self.frame_a == self.frame_b:
             raise InputError(f"LoopClosure joins frame {self.frame_a!r} to itself; give two frames.")
 
@@ -89,14 +89,14 @@ class LoopClosure(Contact):
         if len({robot.model.frames[robot.frame(end.frame)].parentJoint for end in ends}) == 1:
             raise InputError(
                 f"Frames {self.frame_a!r} and {self.frame_b!r} of {robot.name!r} are fixed to one body: there is no "
-                "loop to close."
+                "loop to close. Name frames of two bodies."
             )
         axes, about = mobility(robot, relative)
         about = about if self.rigid else ()
         if not axes and not about:
             raise InputError(
                 f"Frames {self.frame_a!r} and {self.frame_b!r} of {robot.name!r} do not move relative to each other: "
-                "there is no loop to close."
+                "there is no loop to close. Remove the contact."
             )
         rows = [*axes, *(3 + i for i in about)]
         require_rank(robot, lambda q: relative(q)[rows], len(rows), f"LoopClosure {self.label!r}")

@@ -1,4 +1,4 @@
-"""World axes in which a contact's frame can move: a contact has rows and forces in these axes only.
+"""World axes in which a contact's frame can move; a contact has rows and forces in these axes only.
 
 A foot of a robot in the x-z plane cannot move along y. A row for y would be 0 = 0, the force along y would have no
 effect, and the acceleration rows would be singular. Axes without motion are found from the Jacobian at several
@@ -60,12 +60,12 @@ def require_plane(robot: Robot, frame: str, axes: tuple[int, ...], about: tuple[
         )
 
 
-def require_rank(robot: Robot, rows: Callable[[Array], Array], count: int, who: str) -> None:
+def require_rank(robot: Robot, rows: Callable[[Array], Array], count: int, what: str) -> None:
     """Raise an error if rows are linearly dependent in every configuration, where forces are not unique."""
     rank = max(int(np.linalg.matrix_rank(rows(q), tol=NEGLIGIBLE)) for q in configurations(robot))
     if rank < count:
         raise InputError(
-            f"{who} holds {count} rows, but {robot.name!r} can move in {rank} of them only: the forces would not be "
+            f"{what} holds {count} rows, but {robot.name!r} can move in {rank} of them only: the forces would not be "
             "determined. Use a contact with fewer rows, or a robot with more joints before the frame."
         )
 

@@ -88,7 +88,8 @@ class PointContact(FrictionContact):
     Raises
     ------
     InputError
-        Friction that is not positive, crossed bounds of the normal force, a ground or cone of the wrong type.
+        The friction is not positive, the bounds of the normal force are crossed, or the ground or cone is of a wrong
+        type.
     """
 
     frame: str
@@ -100,14 +101,14 @@ class PointContact(FrictionContact):
     offset: Triple = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        who = f"PointContact {self.label!r}"
-        checked_name(self.name, who)
-        positive(self.friction, f"friction of {who}", "")
+        what = f"PointContact {self.label!r}"
+        checked_name(self.name, what)
+        positive(self.friction, f"friction of {what}", "")
         if not isinstance(self.cone, FrictionCone):
             raise InputError(
-                f"The cone of {who} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
+                f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
             )
-        keep(self, normal_force=force_range(self.normal_force, who), offset=offset_of(self.offset, who))
+        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         keep(self, ground=as_ground(self.ground))
 
     @property
@@ -128,12 +129,12 @@ def bind_point(contact: FrictionContact, robot: Robot, spot: Spot) -> BoundPoint
     InputError
         The frame does not exist, leaves a planar robot's plane, cannot move up and down, or moves in a tilted plane.
     """
-    who = f"{type(contact).__name__} {contact.label!r}"
+    what = f"{type(contact).__name__} {contact.label!r}"
     robot.frame(spot.frame)
     axes, _ = mobility(robot, lambda q: spot.jacobian(robot, q))
     require_plane(robot, spot.frame, axes)
     require_vertical(robot, spot.frame, axes)
-    require_rank(robot, lambda q: spot.jacobian(robot, q)[list(axes)], len(axes), who)
+    require_rank(robot, lambda q: spot.jacobian(robot, q)[list(axes)], len(axes), what)
     still, _ = spot.placed(robot, robot.neutral)
     footing = Footing(
         contact.label, as_ground(contact.ground), axes, (float(still[0]), float(still[1]), float(still[2]))

@@ -106,8 +106,8 @@ class PressureAndTorsion(Sole):
 class FourCorners(Sole):
     """A sole that touches at its four corners, each with a force in a pyramid inside the friction cone.
 
-    Linear rows of the wrench describe the sums of four such forces exactly, so the forces (twelve unknowns for six
-    rows) are not needed. With X, Y half the length and width, m about the middle and mu' = mu / sqrt(2),
+    Linear rows of the wrench are equivalent to the existence of four such forces, which therefore are no unknowns.
+    With X, Y half the length and width, m about the middle and mu' = mu / sqrt(2),
 
         |f_x| <= mu' f_n,  |f_y| <= mu' f_n,  |m_x| <= Y f_n,  |m_y| <= X f_n,
         |m_n| <= mu' (X + Y) f_n - |Y f_x -+ mu' m_x| - |X f_y -+ mu' m_y|   (upper signs for m_n < 0).
@@ -136,10 +136,10 @@ class FourCorners(Sole):
             mu * (half_length + shape.half) * force[2]
             + sign * about[2]
             - (
-                one * (shape.half * force[0] - sign * mu * about[0])
-                + two * (half_length * force[1] - sign * mu * about[1])
+                side * (shape.half * force[0] - sign * mu * about[0])
+                + end * (half_length * force[1] - sign * mu * about[1])
             )
-            for sign, one, two in product((1.0, -1.0), (1.0, -1.0), (1.0, -1.0))
+            for sign, side, end in product((1.0, -1.0), (1.0, -1.0), (1.0, -1.0))
         ]
         friction_rows = [reach - force[0], reach + force[0], reach - force[1], reach + force[1]]
         return [*friction_rows, *pressure_rows(shape, force[2], moment), *torsion]

@@ -97,9 +97,9 @@ class Spot:
         return self.axis(point, self.offset) if any(self.offset) else None
 
 
-def offset_of(value: object, who: str) -> Triple:
-    """Read an offset [m]; ``who`` names the contact in errors."""
-    return vector_of(value, f"offset of {who}", "metres in the frame's axes")
+def offset_of(value: object, what: str) -> Triple:
+    """Read an offset [m]; ``what`` names the contact in errors."""
+    return vector_of(value, f"offset of {what}", "metres in the frame's axes")
 
 
 def vector_of(value: object, what: str, advice: str) -> Triple:

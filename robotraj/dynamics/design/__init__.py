@@ -1,4 +1,4 @@
-"""Design: numbers of the robot itself (masses, lengths, loads, damping) as parameters of the plan."""
+"""Design: masses, lengths, payloads and damping of the robot as parameters of the plan."""
 
 import lazy_loader
 

@@ -60,9 +60,9 @@ class Design:
     def entries(self) -> tuple[tuple[str, Quantity], ...]:
         """Pairs of a parameter's name and a quantity."""
         return tuple(
-            (name, one)
+            (name, quantity)
             for name, given in self.quantities.items()
-            for one in (given if isinstance(given, list | tuple) else (given,))
+            for quantity in (given if isinstance(given, list | tuple) else (given,))
         )
 
     def check(self, names: Sequence[str], lower: Iterable[float]) -> None:
@@ -71,6 +71,7 @@ class Design:
         Raises
         ------
         InputError
+            A parameter is missing, or its lower bound permits an impossible value.
         """
         bounds = dict(zip(names, lower, strict=True))
         for name, quantity in self.entries:

@@ -41,7 +41,7 @@ class Body:
 
 
 class Bodies:
-    """The bodies of a robot, which quantities change one after another; other numbers are the model's.
+    """The bodies of a robot. Quantities replace some of their parameters; the others are those of the model.
 
     A body consists of all links that move rigidly with one joint. Indices are Pinocchio's: joint 0 is the world.
 

@@ -44,8 +44,8 @@ class LinkLength(Quantity):
         End of the length: a child joint, or a frame on the body. Default: the only child joint; for the last body of
         a chain, the frame farthest from the joint.
     along : (float, float, float), optional
-        e, in the joint's frame. Default: from the joint to the tip. Set it where the tip is offset sideways from the
-        link's own direction.
+        e, in the joint's frame. Default: from the joint to the tip. Set it if the tip is offset sideways from the
+        direction of the link.
     """
 
     joint: str

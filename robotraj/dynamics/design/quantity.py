@@ -44,12 +44,14 @@ class Quantity(OneLine, ABC):
 
     @abstractmethod
     def check(self, robot: Robot) -> tuple[object, ...]:
-        """Check names against the robot and return a key; two quantities of one phase must not have equal keys, but ().
+        """Check names against the robot and return a key.
+
+        Two quantities of a phase must not have equal keys, except the empty key ().
 
         Raises
         ------
         InputError
-            The robot has no such body, frame or joint, or the quantity of this one cannot change.
+            The robot has no such body, frame or joint, or its quantity cannot change.
         """
 
     @abstractmethod
@@ -71,7 +73,7 @@ class Quantity(OneLine, ABC):
             )
 
 
-def body_of_name(robot: Robot, name: str, who: str) -> int:
+def body_of_name(robot: Robot, name: str, what: str) -> int:
     """Return Pinocchio's index of the joint that moves a body, from the name of the joint, a link or another frame.
 
     Raises
@@ -84,11 +86,12 @@ def body_of_name(robot: Robot, name: str, who: str) -> int:
         return 1 + robot.joint_names.index(name)
     if name not in robot.frame_names:
         links = [frame.name for frame in model.frames if frame.parentJoint > 0]
-        raise unknown_name("body", name, dict.fromkeys([*robot.joint_names, *links]), f"{who} names a link or a joint.")
+        advice = f"{what} needs a link or a joint."
+        raise unknown_name("body", name, dict.fromkeys([*robot.joint_names, *links]), advice)
     joint = int(model.frames[robot.frame(name)].parentJoint)
     if joint == 0:
         raise InputError(
-            f"{who}: {name!r} does not move; name a link or frame behind one of the joints "
+            f"{what}: {name!r} does not move; name a link or frame behind one of the joints "
             f"{', '.join(robot.joint_names)}."
         )
     return joint

@@ -38,13 +38,13 @@ class Obstacle(OneLine, ABC):
     Attributes
     ----------
     position : (3,) or callable
-        Of the shape's centre [m], or a function of the time t [s].
+        Position of the shape's centre [m], or a function of the time t [s].
     quaternion : (4,) or callable
         Rotation from the shape's axes, (x, y, z, w), or a function of the time t [s].
     frame : str or None
         Frame of the robot that carries the shape; None for the world.
     name : str
-        For reports; the kind of the shape by default.
+        Name for reports; by default the kind of the shape.
     """
 
     position: Place
@@ -59,7 +59,7 @@ class Obstacle(OneLine, ABC):
         own_fields(self)
         for what in (self.name, self.frame):
             if not (what is None or isinstance(what, str)):
-                raise InputError(f"{type(self).__name__}: name and frame are strings, got {what!r}.")
+                raise InputError(f"{type(self).__name__} has the name or frame {what!r}; give strings.")
         for name, size in (("position", 3), ("quaternion", 4)):
             value = getattr(self, name)
             if not callable(value):
@@ -71,10 +71,8 @@ class Obstacle(OneLine, ABC):
                     f"{self.label}: the quaternion has length {length:.4g}; give (x, y, z, w) of length 1."
                 )
             object.__setattr__(self, "quaternion", tuple(value / length for value in self.quaternion))
-        if self.frame is not None and not isinstance(self.frame, str):
-            raise InputError(f"{self.label}: frame is {self.frame!r}; give the name of a frame, or None for the world.")
         if self.moves:
-            _ = self._motion  # a function that fails is refused here
+            _ = self._motion  # raises an InputError if the user's function fails
 
     @property
     @abstractmethod
@@ -127,7 +125,7 @@ class Obstacle(OneLine, ABC):
         Raises
         ------
         InputError
-            The pose is written with other operations than ``speed_bounds.ranges_of`` knows.
+            The pose uses an operation that ``speed_bounds.ranges_of`` does not support.
         """
         lower, upper = ranges_of(self._rates, breaks[:-1], breaks[1:], f"the pose of {self.label!r}")
         largest = np.maximum(np.abs(lower), np.abs(upper))
@@ -136,7 +134,7 @@ class Obstacle(OneLine, ABC):
 
     @cached_property
     def _rates(self) -> ca.Function:
-        """T -> rates of position and unit quaternion, (7,)."""
+        """Map t to the rates of position and unit quaternion, (7,)."""
         t = ca.SX.sym("t")
         parts = ca.vertcat(*self._symbols("position", self.position, 3, t), *self._quaternion(t))
         return ca.Function("rates", [t], [ca.densify(ca.jacobian(parts, t))])
@@ -151,7 +149,7 @@ class Obstacle(OneLine, ABC):
 
     @cached_property
     def _motion(self) -> ca.Function:
-        """T -> position, rotation; a quaternion that depends on time is normalised."""
+        """Map t to position and rotation; a quaternion that depends on time is normalised."""
         t = ca.SX.sym("t")
         position = self._symbols("position", self.position, 3, t)
         rotation = ca.vertcat(*(ca.horzcat(*row) for row in rotation_of(self._quaternion(t))))

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.late import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
+from robotraj.robot.collision.tessellation import hull_triangles
 
 MOST_VERTICES = 200
 """Vertices of a hull above which its distance takes too long to evaluate."""
@@ -21,7 +21,7 @@ MOST_VERTICES = 200
 
 @dataclass(frozen=True)
 class ConvexMesh(Obstacle):
-    """The convex hull of points. A body that is not convex is several of them.
+    """The convex hull of points. Compose a body that is not convex of several hulls.
 
     Parameters
     ----------
@@ -88,20 +88,13 @@ class ConvexMesh(Obstacle):
 
     @property
     def dimensions(self) -> tuple[float, ...]:
-        """None: the vertices are constants of the expression."""
+        """Empty; the vertices define the shape."""
         return ()
 
     @cached_property
     def triangles(self) -> Array:
         """Corners of the faces, counter-clockwise from outside, (f, 3, 3) [m]."""
-        from scipy.spatial import ConvexHull
-
-        hull = ConvexHull(self.vertices)
-        corners = self.vertices[hull.simplices].copy()
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        wrong = np.einsum("fi,fi->f", normals, hull.equations[:, :3]) < 0.0
-        corners[wrong] = corners[wrong][:, ::-1]
-        return np.asarray(corners)
+        return hull_triangles(self.vertices)
 
     @cached_property
     def planes(self) -> Array:
@@ -153,24 +146,3 @@ def _square_from_segment(points: Array, start: Array, end: Array) -> Array:
     along = end - start
     share = np.clip((points - start) @ along / (along @ along), 0.0, 1.0)
     return np.asarray(((points - start - share[:, None] * along) ** 2).sum(axis=1))
-
-
-def _symbolic_square(point: Sequence[ca.SX], triangle: Array) -> ca.SX:
-    """Squared distance of a point of symbols from a triangle."""
-    a, b, c = triangle
-    normal = np.cross(b - a, c - a)
-    normal /= np.linalg.norm(normal)
-    over: ca.SX | float = 1.0
-    squares = []
-    for start, end in ((a, b), (b, c), (c, a)):
-        along = end - start
-        off = [x - s for x, s in zip(point, start, strict=True)]
-        over = over * (_along(np.cross(normal, along), off) >= 0)
-        share = ca.fmin(ca.fmax(_along(along / (along @ along), off), 0), 1)
-        squares.append(sum((o - share * d) ** 2 for o, d in zip(off, along, strict=True)))
-    height = _along(normal, [x - s for x, s in zip(point, a, strict=True)])
-    return over * height**2 + (1 - over) * ca.mmin(ca.vertcat(*squares))
-
-
-def _along(direction: Array, point: Sequence[ca.SX]) -> ca.SX:
-    return sum(float(n) * x for n, x in zip(direction, point, strict=True))

@@ -32,7 +32,7 @@ class Box(Obstacle):
     Raises
     ------
     InputError
-        A side that is not positive, a pose that is none.
+        A side is not positive, or the position or quaternion is invalid.
     """
 
     sides: Sequence[float]
@@ -110,7 +110,7 @@ class Cylinder(Obstacle):
     Parameters
     ----------
     radius, length : float
-        [m].
+        Radius and length [m].
     position, quaternion, frame, name
         See ``Obstacle``.
     """
@@ -152,9 +152,9 @@ class Capsule(Obstacle):
     Parameters
     ----------
     radius : float
-        [m].
+        Radius [m].
     length : float
-        Of the segment, without the caps [m].
+        Length of the segment, without the caps [m].
     position, quaternion, frame, name
         See ``Obstacle``.
     """

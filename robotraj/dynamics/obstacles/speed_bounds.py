@@ -55,15 +55,15 @@ def ranges_of(function: ca.Function, lower: Array, upper: Array, what: str) -> R
             found = _BINARY[operation](work[read[0]], work[read[1]])
             inputs = tuple(kinds.get(place, "") for place in read)
             if operation == ca.OP_DIV and inputs == ("comparison", "sum of comparisons"):
-                # Slopes of fmin and fmax are (a <= b) / ((a <= b) + (b <= a)): which side they take.
+                # CasADi's slopes of fmin and fmax are (a <= b) / ((a <= b) + (b <= a)), which lie in [0, 1].
                 found = np.clip(found[0], 0.0, 1.0), np.clip(found[1], 0.0, 1.0)
             work[written[0]] = found
             is_sum = operation == ca.OP_ADD and inputs == ("comparison", "comparison")
             kind = "comparison" if operation in (ca.OP_LT, ca.OP_LE) else "sum of comparisons" if is_sum else ""
         else:
             raise InputError(
-                f"{what}: its speed cannot be bounded, since the function uses an operation other than + - * /, sin, "
-                "cos, tan, exp, log, sqrt, tanh, fabs, fmin and fmax; write it with these."
+                f"{what}: its speed cannot be bounded, since the function uses an unsupported operation. Write it with "
+                "+ - * /, sin, cos, tan, exp, log, sqrt, tanh, fabs, fmin and fmax."
             )
         if operation != ca.OP_OUTPUT:
             kinds[written[0]] = kind
@@ -75,7 +75,7 @@ def _of_corners(*corners: Array) -> Range:
 
 
 def _multiplied(a: Range, b: Range) -> Range:
-    """Zero times a bound that is infinite is zero: all values themselves are finite."""
+    """Multiply two ranges; zero times an infinite bound is zero, since all values are finite."""
     with np.errstate(invalid="ignore"):
         corners = (a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1])
     return _of_corners(*(np.nan_to_num(corner, nan=0.0, posinf=np.inf, neginf=-np.inf) for corner in corners))

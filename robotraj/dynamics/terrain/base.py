@@ -81,9 +81,9 @@ class Ground(OneLine, ABC):
         return (), ()
 
     def noses(self) -> tuple[Sequence[float], Sequence[float]]:
-        """World x and y [m] of straight ridges, on which a sole may rest between its corners; none by default.
+        """World x and y [m] of straight ridges, which a sole may touch between its corners; none by default.
 
-        Clearances of soles and shapes are held there, and at even places of their edges where a ground has none.
+        Clearances of soles and shapes apply at these ridges. On ground without any they apply at evenly spaced places.
         """
         return (), ()
 

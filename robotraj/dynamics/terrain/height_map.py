@@ -88,7 +88,8 @@ class HeightMap(Ground):
             steps = np.diff(places)
             if len(places) != count or count < 2:
                 raise InputError(
-                    f"rt.terrain.HeightMap: {len(places)} values of {name} for heights of {np.shape(heights)}."
+                    f"rt.terrain.HeightMap: {len(places)} values of {name} for heights of {np.shape(heights)}; "
+                    f"give {count}."
                 )
             if not (steps.min() > 0 and np.ptp(steps) < 1e-6 * steps.mean()):
                 raise InputError(

@@ -13,16 +13,16 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar
 
 NOSE = (0.0, 0.15, 0.3)
-"""Places of a ramp at which soles keep clear of it, in parts of its width behind the edge."""
+"""Places of a ramp at which clearances of soles apply, as fractions of its width behind the edge."""
 
 
 @dataclass(frozen=True)
 class Steps(Ground):
     """Level treads along world x: heights[i] between edges[i - 1] and edges[i].
 
-    A riser is replaced by the twice differentiable ramp r(s) = 6 s^5 - 15 s^4 + 10 s^3 of length ``width`` on the lower
-    tread's side of its edge. The upper tread is exact up to its edge, and the ground is nowhere below the stair:
-    a motion that clears the ground clears the stair. Footholds on a ramp violate the rows of ``footing``.
+    The twice differentiable ramp r(s) = 6 s^5 - 15 s^4 + 10 s^3 replaces a riser. It has the length ``width`` and lies
+    on the lower tread's side of the edge. The upper tread is exact up to its edge. The ground is nowhere below the
+    stair, so a motion that clears the ground clears the stair. Footholds on a ramp violate the rows of ``footing``.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Reflections of a robot: pairs of names, the mirror link of a gait, and how far the masses are from symmetric."""
+"""Reflections of a robot: pairs of names, the mirror link of a gait, and a measure of the asymmetry of the inertia."""

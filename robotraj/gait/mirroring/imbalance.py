@@ -22,13 +22,13 @@ SLOW = 0.3
 
 
 def imbalance(robot: Robot, repeat: Mirror) -> float:
-    """Return how far mirrored torques and forces are from driving the mirror image of a motion.
+    """Return the relative error of accelerations that mirrored torques cause in the mirror image of a motion.
 
     For seeded random motions (q, v, a) and their images, marked ', the inverse dynamics r' = RNEA(q', v', a') are
-    compared with the image P r. The accelerations that follow from the difference, |M(q')^-1 (r' - P r)|, are given
-    relative to g / h [rad/s^2]; those of the root's translation relative to g. The size h is the height of the centre
-    of mass above the lowest joint, where the robot is neutral. v and a are random, up to ``SLOW`` times sqrt(g / h)
-    and g / h. A robot with a fixed or planar root is not compared: 0.
+    compared with the image P r. The error is the largest entry of |M(q')^-1 (r' - P r)| relative to g / h [rad/s^2],
+    and relative to g for the root's translation. The size h is the height of the centre of mass above the lowest joint
+    in the neutral configuration. v and a are random, up to ``SLOW`` times sqrt(g / h) and g / h. The result is 0 for a
+    robot with a fixed or planar root.
     """
     if robot.root != "floating":
         return 0.0
@@ -39,7 +39,7 @@ def imbalance(robot: Robot, repeat: Mirror) -> float:
     pin.forwardKinematics(model, data, robot.neutral)
     size = max(float(com[2]) - min(float(place.translation[2]) for place in list(data.oMi)[1:]), 1e-3)
     gravity = float(np.linalg.norm(model.gravity.linear))
-    # Lengths are counted in h and times in sqrt(h / g).
+    # The unit of length is h, and that of time sqrt(h / g).
     lengths = np.where(np.equal(robot.units, "m"), size, 1.0)
     speeds, accelerations = SLOW * lengths * np.sqrt(gravity / size), SLOW * lengths * gravity / size
     rng, worst = np.random.default_rng(0), 0.0

@@ -41,10 +41,10 @@ def mirror(
     """Return the ``rt.Mirror`` that swaps left and right, for a robot that is its own image about the plane y = 0.
 
     Joints and frames are paired by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...). Those without
-    another side are their own partners. The sign of a joint is that of its axis: where all joints are zero, an axis a =
-    (a_x, a_y, a_z) of rotation has the image (-a_x, a_y, -a_z), and one of translation (a_x, -a_y, a_z). The partner's
-    axis is the image or its opposite. A floating root keeps x, z and pitch and negates y, roll and yaw: the states
-    q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
+    another side are their own partners. The axes with all joints at zero determine the signs. A rotation axis (a_x,
+    a_y, a_z) has the image (-a_x, a_y, -a_z), and one of translation (a_x, -a_y, a_z). The sign of a joint is negative
+    if the partner's axis is opposite to the image. A floating root keeps x, z and pitch and negates y, roll and yaw:
+    the states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
 
     Geometry and inertia are then compared in seeded random configurations. In the mirrored configuration the partner of
     every joint must be at (x, -y, z), and the moment of gravity about the root must be the mirrored one. Pairs of
@@ -60,14 +60,14 @@ def mirror(
     tolerance : float
         Largest distance [m] of a partner from the image; symmetric robots have a fraction of a millimetre.
     imbalance : float
-        Largest difference of accelerations, relative to g over the robot's size, by which a mirrored half of a gait
-        may violate the equations of motion.
+        Largest violation of the equations of motion by a mirrored half of a gait, as the difference of accelerations
+        relative to g over the robot's size.
 
     Raises
     ------
     InputError
-        The robot is not its own mirror image. The message names the joint, or the frame of ``partners``, and its
-        distance from the image; or the difference of the accelerations.
+        The robot is not its own mirror image. The message names the joint or frame with its distance from the image,
+        or the difference of the accelerations.
     """
     found = mirror_by_geometry(robot, displacement, partners, tolerance)
     off = imbalance_of(robot, found)
@@ -99,10 +99,10 @@ def mirror_by_geometry(
     signs = _signs(robot, partner)
     sides = {name: given.get(name, other_side(name, frames)) for name in frames}
     off = _gaps(robot, partner, signs, sides)
-    for who, gap in off.items():
-        if gap > tolerance and (who in partner or who in given):
+    for item, gap in off.items():
+        if gap > tolerance and (item in partner or item in given):
             raise InputError(
-                f"{'Joint' if who in partner else 'Frame'} {who!r} of {robot.name!r} is {gap:.2g} m from its "
+                f"{'Joint' if item in partner else 'Frame'} {item!r} of {robot.name!r} is {gap:.2g} m from its "
                 "mirror image: left and right of the robot differ. Name partners= where the names mislead, raise "
                 "tolerance=, or plan both halves with rt.Periodic."
             )

@@ -11,25 +11,20 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.point_contact import PointContact
-from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
-from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import check_options, number, positive
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
+from robotraj.gait.standing import FOOT_TOLERANCE
+from robotraj.gait.stepping.foothold_arcs import step_clearances
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.swing_clearance import TOUCH
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, mean_ground, pendulum_time, standing
-from robotraj.problem.constraints.clearance import GroundClearance
-from robotraj.problem.constraints.heights import RequiredHeight
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
@@ -39,8 +34,7 @@ from robotraj.robot.root import QUATERNION
 Array = NDArray[np.float64]
 
 LEVEL = Flat()
-FOOT_TOLERANCE = 1e-6
-"""Largest distance of a foot from its foothold in the last configuration [m, rad]."""
+
 SWING, SUPPORT, SHIFT = 1.8, 0.4, 1.4
 """Default durations of a step, and of the supports by all feet between steps and at both ends, in sqrt(h / g)."""
 TILT = 0.6
@@ -51,7 +45,7 @@ Step = Mapping[str, Sequence[float]]
 
 
 class StepOptions(TypedDict, total=False):
-    """Keyword arguments of ``steps`` that motions on regular footholds hand on."""
+    """Keyword arguments that motions on regular footholds pass to ``steps``."""
 
     swing: float
     support: float
@@ -80,9 +74,9 @@ def steps(
 ) -> Problem:
     """Return a motion from rest to rest in which feet step onto given footholds, in the given order.
 
-    The robot starts in the configuration of ``rt.gait.stand``, with its feet where the neutral configuration has them.
-    It ends at rest above the last footholds, headed along the mean of the feet's turns. Phases with all feet on the
-    ground lie before, between and after the steps.
+    The robot starts in the configuration of ``rt.gait.stand``, with the feet at their places of the neutral
+    configuration. It ends at rest above the last footholds, with the mean heading of the feet. Phases with all feet on
+    the ground precede, separate and follow the steps.
 
     Parameters
     ----------
@@ -104,8 +98,8 @@ def steps(
     Raises
     ------
     InputError
-        No steps, unknown feet, a foothold that is no pair of numbers, no foot on the ground during a step, durations
-        that are not positive, or last footholds that the robot cannot stand on.
+        There are no steps, a foot is unknown, a foothold is no pair of numbers, or all feet swing at once. A duration
+        is not positive. The robot cannot stand on the last footholds.
     """
     names = feet_of(robot, feet)
     check_options(None, upright)
@@ -137,7 +131,7 @@ def steps(
     supports.append(Support(names, shift, "stop"))
     terms = GaitTerms(kind, None, objective, None, ground)
     problem = sequence(robot, supports, terms, None, State(q=first, v=0.0), State(q=last, v=0.0))
-    # Over an edge the height above the ground would jump: the root's is bounded above the feet of each phase.
+    # The root's height above an edge of the ground would be discontinuous, so it is measured from the feet's level.
     levels = [mean_ground(stance, place) for place in places]
     begun = [sum(i < at for i, _ in swings) for at in range(len(supports))]
     phases = [
@@ -152,7 +146,7 @@ def steps(
         if clearance is not None:
             begin = sum(float(cast(float, support.duration)) for support in supports[:i])
             ends, air = (places[k], places[k + 1]), (begin, begin + swing)
-            rows = [row for f in footholds[k] for row in _clearances(contacts[f], *ends, air, clearance, ground)]
+            rows = [row for f in footholds[k] for row in step_clearances(contacts[f], *ends, air, clearance, ground)]
             phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
         # The end of the motion fixes the last foothold of every foot; those before it are fixed where the feet land.
         later = {foot for step in footholds[k + 1 :] for foot in step}
@@ -160,78 +154,6 @@ def steps(
         fixed = {**phases[i + 1].parameters} | {name: places[k + 1][name] for name in landed}
         phases[i + 1] = replace(phases[i + 1], parameters=fixed)
     return replace(problem, phases=phases)
-
-
-@dataclass(frozen=True)
-class FootholdArc(RequiredHeight):
-    """Height [m] of a swing foot on the line between two footholds: h = 4 (apex + d) s (1 - s) - d, d = 0.1 mm.
-
-    Attributes
-    ----------
-    apex : float
-        [m].
-    start, end : tuple of float
-        Horizontal coordinates of the footholds [m].
-    """
-
-    apex: float
-    start: tuple[float, ...]
-    end: tuple[float, ...]
-
-    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
-        """Return the least heights at ``position``."""
-        line = [b - a for a, b in zip(self.start, self.end, strict=True)]
-        length = sum(entry**2 for entry in line)
-        s = sum((position[i] - a) * d for i, (a, d) in enumerate(zip(self.start, line, strict=True))) / length
-        return {"ground clearance": -TOUCH, "swing apex": 4.0 * (self.apex + TOUCH) * s * (1.0 - s) - TOUCH}
-
-
-@dataclass(frozen=True)
-class TimedArc(RequiredHeight):
-    """Height [m] of a swing foot over time: h = 16 (apex + d) s^2 (1 - s)^2 - d.
-
-    s is the fraction of the swing, and d = 0.1 mm. It serves steps that are shorter than their apex is high: over
-    their line, ``FootholdArc`` would be a wall.
-
-    Attributes
-    ----------
-    apex : float
-        [m].
-    start, end : float
-        Times of liftoff and touchdown [s].
-    """
-
-    apex: float
-    start: float
-    end: float
-
-    def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
-        """Return the least height at the time of the point."""
-        s = (point.t - self.start) / (self.end - self.start)
-        return {"swing apex": 16.0 * (self.apex + TOUCH) * s**2 * (1.0 - s) ** 2 - TOUCH}
-
-
-def _clearances(
-    contact: BoundContact,
-    before: Mapping[str, float],
-    after: Mapping[str, float],
-    air: tuple[float, float],
-    apex: float,
-    ground: Ground | GroundFunction,
-) -> list[GroundClearance]:
-    """Return the clearance of a foot that swings between footholds; a foot on a short way rises in time.
-
-    The corners of a sole stay above the ground too.
-    """
-    names = [f"{contact.name}.{axis}" for axis in "xy" if f"{contact.name}.{axis}" in before]
-    start, end = (tuple(side[name] for name in names) for side in (before, after))
-    offset = getattr(contact.contact, "offset", None)
-    spot = contact.frame if offset is None or not np.any(offset) else (contact.frame, tuple(offset))
-    short = np.linalg.norm(np.subtract(end, start)) < apex
-    arc = TimedArc(apex, *air) if short else FootholdArc(apex, start, end)
-    rows = [GroundClearance(spot, arc if apex > 0.0 else -TOUCH, ground)]
-    corners = contact.outline()
-    return [*rows, GroundClearance(corners, -TOUCH, ground)] if len(corners) > 1 else rows
 
 
 def _span(levels: Sequence[float], k: int) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""From rest into a planned gait, and from it to rest."""
+"""Motions from rest into a planned gait, and from a planned gait to rest."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class PlannedGait(Protocol):
 
     @property
     def duration(self) -> float:
-        """Of one period [s]."""
+        """Duration of one period [s]."""
 
     def at(self, t: float) -> PlannedState:
         """Evaluate at a time [s]."""
@@ -94,17 +94,17 @@ def start(
 ) -> Problem:
     """Return a motion from rest into a planned gait: ``count`` of its periods, the first one shorter.
 
-    The robot starts in the configuration of ``rt.gait.stand``, level with the feet that bear the first period, and ends
-    in the state from which the gait begins, before the impact if its feet land there. A single period leaves the feet
-    that bear it where they are, so the robot then starts with these in their footholds of the gait. Standing feet and
-    durations are those of the gait.
+    The robot starts in the configuration of ``rt.gait.stand``, placed above the standing feet of the first period. It
+    ends in the first state of the gait, or in the state before the impact if the gait begins with one. In a single
+    period the standing feet do not move, so the robot starts with these feet on their footholds of the gait. The
+    sequence of standing feet and the durations are those of the gait.
 
     Parameters
     ----------
     gait : Solution
-        Of ``rt.gait.walk``, ``run``, ``trot`` or ``crawl`` on level ground.
+        Solution of ``rt.gait.walk``, ``run``, ``trot`` or ``crawl`` on level ground.
     count : int
-        Number of periods; of a mirrored gait, of steps.
+        Number of periods; a period of a mirrored gait is one step.
     shift : float
         Duration on all feet at rest [s]; by default 1.4 sqrt(h / g), h the height of the centre of mass at rest.
     clearance, objective, upright
@@ -113,8 +113,8 @@ def start(
     Raises
     ------
     InputError
-        The motion does not repeat, its ground is not level, a count or duration that is not positive, or a single
-        period whose footholds the robot cannot stand on.
+        The motion does not repeat, its ground is not level, or a count or duration is not positive. Or the robot
+        cannot stand on the footholds of a single period.
     """
     cycle = _cycle(gait, count, "start")
     supports = [Support(cycle.feet, cycle.rest(shift, "start"), "stand")]
@@ -136,15 +136,15 @@ def stop(
 ) -> Problem:
     """Return a motion from a planned gait to rest: ``count`` of its periods, the last one shorter.
 
-    The robot starts in the first state of the gait and ends at rest in the configuration of ``rt.gait.stand``, level
-    with the feet that bear the last period; with a single period, these stay in their footholds of the gait.
+    The robot starts in the first state of the gait. It ends at rest in the configuration of ``rt.gait.stand``, placed
+    above the standing feet of the last period. In a single period these feet stay on their footholds of the gait.
     Parameters and errors are those of ``start``.
     """
     cycle = _cycle(gait, count, "stop")
     supports = [support for k in range(count) for support in cycle.period(k)]
     supports.append(Support(cycle.feet, cycle.rest(shift, "stop"), "stop"))
     first = gait.at(0.0)
-    # The first state stands on the first footholds; where they are follows from it.
+    # The first state determines the first footholds.
     begin = State(q=first.q, v=first.v)
     home = State(q=cycle.resting(count - 1, last=True, held=count == 1), v=0.0)
     return sequence(cycle.robot, supports, cycle.terms(clearance, objective, upright), None, begin, home)
@@ -152,7 +152,7 @@ def stop(
 
 @dataclass(frozen=True, eq=False)
 class _Cycle:
-    """A gait's phases, and how they repeat."""
+    """A planned gait with its repetition."""
 
     gait: PlannedGait
     repeat: Mirror | Periodic
@@ -197,7 +197,7 @@ class _Cycle:
 
     @property
     def entry(self) -> tuple[Array, Array]:
-        """State (nq,), (nv,) from which the closing link leads to the first state: the image of the last one."""
+        """Configuration (nq,) and velocity (nv,) at the end of the previous period: the image of the last state."""
         robot, phase = self.robot, self.gait.phases[-1].phase
         first, last = self.gait.at(0.0), self.gait.at(self.gait.duration)
         names = [state.name for state in phase.body.states][: robot.nq + robot.nv]
@@ -211,16 +211,16 @@ class _Cycle:
         """Inverse kinematics of all feet."""
         return BalancedStance(self.robot, tuple(foot_contact(self.contact, n).bound_to(self.robot) for n in self.feet))
 
-    def rest(self, shift: float | None, who: str) -> float:
+    def rest(self, shift: float | None, what: str) -> float:
         """Return the duration on all feet at rest [s]."""
         home = stand(self.robot, self.feet, self.contact)
-        return positive(shift, SHIFT * pendulum_time(self.stance, home), f"rt.gait.{who}(shift)")
+        return positive(shift, SHIFT * pendulum_time(self.stance, home), f"rt.gait.{what}(shift)")
 
     def resting(self, period: int, last: bool, held: bool) -> dict[str, float]:
-        """Return the standing configuration beside a period, by name; a root's y is left free.
+        """Return the standing configuration before or after a period, by name, without the root's y.
 
-        It is level with the feet that bear the first step of the period, or its last one; if they are ``held``, these
-        stand in their footholds.
+        It is placed above the standing feet of the period's first or ``last`` step. If ``held``, these feet are on
+        their footholds.
         """
         home = stand(self.robot, self.feet, self.contact)
         feet, bearing = self.stance.locate(home), self._bearing(period, last)
@@ -237,8 +237,8 @@ class _Cycle:
             near = self.stance.reach(near, feet | bearing, com, {}, near)
             if np.max(np.abs(self.stance.places(near, feet | bearing)[0]), initial=0.0) > FOOT_TOLERANCE:
                 raise InputError(
-                    f"{self.robot.name!r} cannot stand with the other feet beside {', '.join(sorted(bearing))} of the "
-                    "gait; give count= of at least 2."
+                    f"{self.robot.name!r} cannot stand on the footholds {', '.join(sorted(bearing))} of the gait with "
+                    "the other feet beside them; give count= of at least 2."
                 )
         return {n: float(v) for n, v in zip(self.robot.position_names, near, strict=True) if n != "root_y"}
 
@@ -272,19 +272,19 @@ class _Cycle:
         return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact))
 
 
-def _cycle(gait: PlannedGait, count: object, who: str) -> _Cycle:
+def _cycle(gait: PlannedGait, count: object, what: str) -> _Cycle:
     if not isinstance(count, int) or count < 1:
-        raise InputError(f"rt.gait.{who}(count) is {count!r}; give at least 1 period.")
+        raise InputError(f"rt.gait.{what}(count) is {count!r}; give at least 1 period.")
     problem = getattr(gait, "problem", None)
     if not isinstance(problem, Problem):
-        raise InputError(f"rt.gait.{who} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")
+        raise InputError(f"rt.gait.{what} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")
     links = [link.repeat if isinstance(link, Touchdown) else link for link in problem.links]
     repeats = [link for link in links if isinstance(link, Mirror | Periodic)]
     if not repeats or problem.phases[0].robot is None:
-        raise InputError(f"The motion given to rt.gait.{who} does not repeat; plan it with rt.gait.walk or the like.")
+        raise InputError(f"The motion given to rt.gait.{what} does not repeat; plan one of rt.gait.walk, run or trot.")
     cycle = _Cycle(gait, repeats[0])
     if not isinstance(_ground(cycle.contact), Flat):
-        raise InputError(f"rt.gait.{who} needs a gait on level ground.")
+        raise InputError(f"The gait given to rt.gait.{what} is not on level ground; plan it on rt.terrain.Flat().")
     return cycle
 
 

@@ -38,7 +38,7 @@ def stairs(
     margin: float = SAFE,
     **options: Unpack[StepOptions],
 ) -> Problem:
-    """Return a climb of equal stairs along x, from rest at the bottom to rest at the top; down with a negative rise.
+    """Return a walk over equal stairs along x from rest to rest, downwards if the rise is negative.
 
     Bipeds move one foot a step, quadrupeds the diagonal pairs of feet in turn. Footholds lie ``step_length`` apart, and
     those near an edge are moved onto the nearest tread. The ground of the motion is ``rt.terrain.Steps.stairs``.
@@ -62,8 +62,8 @@ def stairs(
     Raises
     ------
     InputError
-        No stairs, treads that are too short for a foot, a foot that stands near an edge at the beginning, neither two
-        nor four feet; the errors of ``steps``.
+        There are no stairs, a tread is too short for a foot, or a foot starts near an edge. The robot has neither two
+        nor four feet. Further errors are those of ``steps``.
     """
     if not isinstance(count, int) or count < 1:
         raise InputError(f"rt.gait.stairs(count) is {count!r}; give at least 1 stair.")
@@ -97,8 +97,8 @@ def gap(
     Raises
     ------
     InputError
-        A width or a step that is not positive, a foot that stands near an edge at the beginning, neither two nor four
-        feet; the errors of ``steps``.
+        The width or the step length is not positive, a foot starts near an edge, or the robot has neither two nor four
+        feet. Further errors are those of ``steps``.
     """
     if not number(width, "rt.gait.gap(width)") > 0.0:
         raise InputError(f"rt.gait.gap(width) is {width!r}; give a positive length [m].")
@@ -113,15 +113,15 @@ def _over(
     treads: Sequence[tuple[float, float]],
     step_length: float,
     margin: float,
-    who: str,
+    what: str,
     options: StepOptions,
 ) -> Problem:
     """Return steps from rest until all feet stand on the last tread; treads are intervals of world x [m]."""
-    length = number(step_length, f"rt.gait.{who}(step_length)")
+    length = number(step_length, f"rt.gait.{what}(step_length)")
     if not length > 0.0:
-        raise InputError(f"rt.gait.{who}(step_length) is {step_length!r}; give a positive length [m].")
+        raise InputError(f"rt.gait.{what}(step_length) is {step_length!r}; give a positive length [m].")
     if "ground" in options:
-        raise InputError(f"rt.gait.{who} makes its own ground; leave ground= out, or use rt.gait.steps.")
+        raise InputError(f"rt.gait.{what} sets its own ground; omit ground=, or use rt.gait.steps.")
     options = {**options, "ground": ground}
     groups, home = alternating(robot, options)
     kind = on_ground(options.get("contact", PointContact), ground)
@@ -129,7 +129,7 @@ def _over(
     shortest = min(high - low for low, high in treads)
     if shortest < max(sum(each) for each in reach.values()) + 2.0 * margin:
         raise InputError(
-            f"rt.gait.{who}: the shortest level tread is {shortest:.3g} m, too short for a foot and its margin of "
+            f"rt.gait.{what}: the shortest level tread is {shortest:.3g} m, too short for a foot and its margin of "
             f"{margin:g} m. Decrease margin= or the size of the foot."
         )
 
@@ -142,8 +142,8 @@ def _over(
     for foot, place in home.items():
         if abs(landing(foot, float(place[0])) - place[0]) > 1e-9:
             raise InputError(
-                f"rt.gait.{who}: {foot!r} stands at x = {place[0]:.3g} m at the beginning, less than {margin:g} m from "
-                "an edge. Increase start= or decrease margin=."
+                f"rt.gait.{what}: {foot!r} stands at x = {place[0]:.3g} m at the beginning, less than {margin:g} m "
+                "from an edge. Increase start= or decrease margin=."
             )
     rear = min(home[foot][0] - margin - reach[foot][0] for foot in home)
     count = max(int(np.ceil((treads[-1][0] - rear) / length - 1e-9)), 1)
@@ -159,7 +159,7 @@ def _over(
 
 
 def _reach(contact: BoundContact) -> tuple[float, float]:
-    """Return how far a foot reaches behind and before its foothold along x [m]."""
+    """Return the extent of a foot behind and before its foothold along x [m]."""
     along = np.array([offset for _, offset in contact.outline()])
     sole = along - along.mean(axis=0)
     return (0.0, 0.0) if len(sole) < 2 else (float(-sole[:, 0].min()), float(sole[:, 0].max()))

@@ -32,6 +32,7 @@ def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: U
     Parameters
     ----------
     robot : Robot
+        With ``root="planar"`` or ``"floating"``.
     step_length : float
         Displacement of the root in a full step [m]; negative backwards.
     count : int
@@ -42,7 +43,8 @@ def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: U
     Raises
     ------
     InputError
-        Less than two steps, a length that is no number, or neither two nor four feet; the errors of ``steps``.
+        There are fewer than two steps, the length is no number, or the robot has neither two nor four feet. Further
+        errors are those of ``steps``.
     """
     length = number(step_length, "rt.gait.start_stop(step_length)")
     if not isinstance(count, int) or count < 2:
@@ -73,7 +75,8 @@ def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Unpack
     Raises
     ------
     InputError
-        An odd number of steps, a planar robot, neither two nor four feet; the errors of ``steps``.
+        The number of steps is odd, the robot is planar, or it has neither two nor four feet. Further errors are those
+        of ``steps``.
     """
     way = number(distance, "rt.gait.sidestep(distance)")
     _check_space(robot, count, "sidestep")
@@ -92,7 +95,7 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOp
     robot : Robot
         With a floating root.
     angle : float
-        About the vertical axis [rad]; positive to the left.
+        Angle about the vertical axis [rad]; positive to the left.
     count : int
         Number of steps, even.
     **options
@@ -101,8 +104,8 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOp
     Raises
     ------
     InputError
-        An odd number of steps, an angle of half a turn or more, a planar robot, neither two nor four feet; the errors
-        of ``steps``.
+        The number of steps is odd, the angle is half a turn or more, the robot is planar, or it has neither two nor
+        four feet. Further errors are those of ``steps``.
     """
     whole = number(angle, "rt.gait.turn(angle)", "rad")
     if not abs(whole) < np.pi:
@@ -147,8 +150,10 @@ def _moved(place: Array, x: float, y: float) -> tuple[float, float]:
     return float(place[0] + x), float(place[1] + y)
 
 
-def _check_space(robot: Robot, count: object, who: str) -> None:
+def _check_space(robot: Robot, count: object, what: str) -> None:
     if robot.root != "floating":
-        raise InputError(f"rt.gait.{who} moves sideways, but {robot.name!r} has a {robot.root} root; load it floating.")
+        raise InputError(
+            f"rt.gait.{what} moves sideways, but {robot.name!r} has a {robot.root} root; load it with root='floating'."
+        )
     if not isinstance(count, int) or count < 2 or count % 2:
-        raise InputError(f"rt.gait.{who}(count) is {count!r}; give an even number of steps.")
+        raise InputError(f"rt.gait.{what}(count) is {count!r}; give an even number of steps.")

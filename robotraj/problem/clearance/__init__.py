@@ -1,1 +1,1 @@
-"""Pairs of spheres and obstacles that a phase keeps apart. Start with ``pairs.py``."""
+"""Pairs of spheres and obstacles whose distance a phase bounds. Start with ``pairs.py``."""

@@ -1,4 +1,4 @@
-"""A check before planning: what a phase's fixed ends already touch."""
+"""Checks before planning: collisions at the fixed ends of a phase."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends
     Raises
     ------
     InputError
-        Names the worst pair, its link, its obstacle and the distance.
+        A pair is nearer than the margin. The message names the worst pair and its distance.
     """
     try:
         avoided = clearances_of(constraints, robot)
@@ -63,12 +63,12 @@ def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends
 def check_moving_obstacles(
     phase: str, constraints: Sequence[Constraint], robot: Robot | None, ends: Ends, durations: tuple[float, float]
 ) -> None:
-    """Refuse fixed ends of a motion that begins at t = 0 s where an obstacle that moves is then.
+    """Refuse fixed ends at which a moving obstacle is nearer than the margin; the motion begins at t = 0 s.
 
     Raises
     ------
     InputError
-        Names the worst pair, its link, its obstacle, the time and the distance.
+        A pair is nearer than the margin. The message names the worst pair, the time and its distance.
     """
     shortest, longest = durations
     if robot is None:
@@ -90,7 +90,7 @@ def _check(phase: str, pairs: ClearancePairs, distances: Array, end: str, time: 
         when = "" if time is None else f", t = {time:.4g} s,"
         raise InputError(
             f"Phase {phase!r}: at the {end}{when} {pairs.label(worst)} {is_overlap}, below the margin of "
-            f"{pairs.margin:g} m, by the spheres around the robot's shapes; move the {end} or the obstacle, or "
+            f"{pairs.margin:g} m, by the spheres around the robot's shapes. Move the {end} or the obstacle, or "
             "name the pair in srdf= if it may touch."
         )
 

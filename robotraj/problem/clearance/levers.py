@@ -1,4 +1,4 @@
-"""Bounds on how far a joint moves a point of the robot, in any configuration."""
+"""Bounds on the speed of a point of the robot per joint velocity, in any configuration."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 UNLIMITED = 10.0
-"""Way of a joint that slides without limits [m], beyond which its bound does not hold."""
+"""Assumed range of a prismatic joint without limits [m]; the bounds hold inside it."""
 
 
 def levers(robot: Robot, joints: Indices, points: Array) -> Array:
     """Return bounds (n, nv): a point moves by at most ``levers @ abs(v)`` a second [m].
 
-    A joint that turns moves a point at most at the distance of the point from its origin; that is at most the sum of
-    the lengths of the links between them. A joint that slides moves every point alike.
+    A revolute joint at unit velocity moves a point at most at the distance of the point from the joint's origin. This
+    distance is at most the sum of the lengths of the links between them. A prismatic joint moves all points alike.
 
     Parameters
     ----------
@@ -28,12 +28,12 @@ def levers(robot: Robot, joints: Indices, points: Array) -> Array:
     joints : ndarray of int (n,)
         Joint that carries each point.
     points : ndarray (n, 3)
-        In the frame of the joint [m].
+        Coordinates in the frame of the joint [m].
 
     Raises
     ------
     InputError
-        A joint is of a kind that turns about no axis and slides along none.
+        A joint is neither revolute, prismatic nor a free-flyer.
     """
     tree, model = joint_tree(robot), robot.model
     lengths = np.linalg.norm(tree.translations, axis=1)
@@ -44,7 +44,9 @@ def levers(robot: Robot, joints: Indices, points: Array) -> Array:
             limits = (robot.limits.position_lower[joint.idx_v], robot.limits.position_upper[joint.idx_v])
             ways[j] = max(abs(limit) if np.isfinite(limit) else UNLIMITED for limit in limits)
         elif joint.nv not in (1, 6):
-            raise InputError(f"CollisionFree: the joint {model.names[j]!r} neither turns about an axis nor slides.")
+            raise InputError(
+                f"CollisionFree: the joint {model.names[j]!r} is neither revolute nor prismatic; lock it with locked=."
+            )
     found = np.zeros((len(joints), robot.nv))
     for row, joint, point in zip(found, joints.tolist(), points, strict=True):
         reach, at = float(np.linalg.norm(point)), joint

@@ -1,7 +1,7 @@
-"""Pairs of shapes that a phase keeps apart: spheres of the robot and obstacles, and spheres of two links.
+"""Pairs of shapes between which a phase keeps a margin: spheres of the robot and obstacles, and spheres of two links.
 
 Shapes that no joint moves relative to each other form no pair. Obstacles on a frame of the robot are enclosed by
-spheres, as the robot's own shapes are, and belong to the link that carries them.
+spheres (``carried_obstacles``), and form pairs as links do.
 """
 
 from __future__ import annotations
@@ -18,16 +18,12 @@ from robotraj._util.late import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
-from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
 from robotraj.dynamics.obstacles.primitives import labels_of
-from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, Sphere
+from robotraj.problem.clearance.carried_obstacles import with_carried_obstacles
 from robotraj.problem.clearance.levers import levers
 from robotraj.problem.clearance.sphere_tree import sphere_tree
-from robotraj.robot.collision.fit_cache import fitted
-from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
 from robotraj.robot.collision.placements import joint_tree
-from robotraj.robot.collision.robot_spheres import RobotSpheres, capsule_spheres, robot_spheres
-from robotraj.robot.collision.tessellation import box_triangles, cylinder_triangles, hull_triangles
+from robotraj.robot.collision.robot_spheres import RobotSpheres, robot_spheres
 from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -39,15 +35,15 @@ Indices = NDArray[np.int_]
 
 @dataclass(frozen=True, eq=False)
 class ClearancePairs(OneLine):
-    """What a ``CollisionFree`` keeps apart, as plain arrays.
+    """The pairs of a ``CollisionFree`` as plain arrays.
 
     Attributes
     ----------
     robot : Robot
     spheres : RobotSpheres
-        Of the robot, and of the obstacles that it carries.
+        Spheres of the robot and of the obstacles that it carries.
     obstacles : tuple of Obstacle
-        Those in the world.
+        Obstacles in the world.
     labels : tuple of str
         Names of ``obstacles``.
     margin : float
@@ -125,7 +121,7 @@ class ClearancePairs(OneLine):
         return np.asarray(self.spheres.centres(self.robot, q)[np.arange(len(q)), spheres])
 
     def with_obstacles(self, obstacles: Sequence[Obstacle]) -> ClearancePairs:
-        """Return the pairs with as many other obstacles, in the same order; what is compiled of the robot is shared."""
+        """Return the pairs with other obstacles, as many and in the same order; they share the compiled robot."""
         other = replace(self, obstacles=tuple(obstacles))
         for name in ("own_tree", "_ranks", "_in_tree"):
             vars(other)[name] = getattr(self, name)
@@ -133,7 +129,7 @@ class ClearancePairs(OneLine):
 
     @cached_property
     def tree(self) -> SphereTree | None:
-        """The shapes, compiled; None where an obstacle moves in time, or the robot's base does."""
+        """The compiled shapes; None if an obstacle moves in time or the robot's base moves."""
         if not self.obstacles:
             return self.own_tree
         if not self._compiles or any(o.moves for o in self.obstacles):
@@ -143,7 +139,7 @@ class ClearancePairs(OneLine):
 
     @cached_property
     def own_tree(self) -> SphereTree | None:
-        """The robot's spheres without obstacles, compiled; None where its base moves."""
+        """The compiled spheres of the robot without obstacles; None if its base moves."""
         if not self._compiles:
             return None
         apart = self.spheres.link_pairs if len(self) > self.against else self.spheres.link_pairs[:0]
@@ -151,18 +147,18 @@ class ClearancePairs(OneLine):
 
     @property
     def _compiles(self) -> bool:
-        """Whether every joint has one position and the base stands still."""
+        """Whether every joint has one position and the base does not move."""
         return self.robot.root == "fixed" and self.robot.nq == self.robot.nv
 
     @cached_property
     def numbers(self) -> Mapping[tuple[int, int, bool], int]:
-        """Number of each pair by its sphere and obstacle, or sphere, in ``tree``, and whether it is two spheres."""
+        """Number of each pair by its two indices in ``tree`` and whether it consists of two spheres."""
         first, second = (part.tolist() for part in self._in_tree)
         return {(a, b, k >= self.against): k for k, (a, b) in enumerate(zip(first, second, strict=True))}
 
     @cached_property
     def _ranks(self) -> NDArray[np.int64]:
-        """Place of every sphere in ``tree``, link after link."""
+        """Index of every sphere in ``tree``, which sorts spheres by link."""
         ranks = np.empty(len(self.spheres.link), dtype=np.int64)
         ranks[np.argsort(self.spheres.link, kind="stable")] = np.arange(len(ranks))
         return ranks
@@ -215,7 +211,7 @@ def clearance_pairs(
     Raises
     ------
     InputError
-        The robot has no collision shapes, an obstacle names an unknown frame, or one on a frame moves or is endless.
+        The robot has no collision shapes, an obstacle names an unknown frame, or one on a frame moves or is unbounded.
     """
     spheres = robot_spheres(robot, disabled)
     if not len(spheres.radius):
@@ -223,12 +219,12 @@ def clearance_pairs(
     labels = labels_of(obstacles)
     carried = [(o, label) for o, label in zip(obstacles, labels, strict=True) if o.frame is not None]
     if carried:
-        spheres = _with_carried(robot, spheres, carried, disabled)
+        spheres = with_carried_obstacles(robot, spheres, carried, disabled)
     still = [(o, label) for o, label in zip(obstacles, labels, strict=True) if o.frame is None]
     moving = np.flatnonzero(spheres.joint > 0)
     first, second = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
     for number, (obstacle, _) in enumerate(still):
-        # A base that does not move is beside obstacles at rest by construction.
+        # The distance between a fixed base and an obstacle at rest cannot change.
         own = np.arange(len(spheres.radius)) if obstacle.moves else moving
         first.append(own)
         second.append(np.full(len(own), number))
@@ -246,63 +242,3 @@ def clearance_pairs(
         np.concatenate(second),
         against,
     )
-
-
-def _with_carried(
-    robot: Robot,
-    spheres: RobotSpheres,
-    carried: Sequence[tuple[Obstacle, str]],
-    disabled: Sequence[tuple[str, str]],
-) -> RobotSpheres:
-    """Add obstacles on frames of the robot as links of their own."""
-    links, pairs = list(spheres.links), list(map(tuple, spheres.link_pairs.tolist()))
-    for obstacle, label in carried:
-        frame = robot.model.frames[robot.frame(str(obstacle.frame))]
-        centres, radii = _enclosed(obstacle, label)
-        position, rotation = obstacle.pose()
-        local = centres @ rotation.T + position
-        placed = local @ frame.placement.rotation.T + frame.placement.translation
-        name = label if label not in links else f"{label} on {obstacle.frame}"
-        joint = int(frame.parentJoint)
-        # What a link carries may touch it, and the links that it may touch by construction.
-        beside = {links[i] for i in set(spheres.link[spheres.joint == joint].tolist())}
-        near = candidate_pairs(robot, spheres.links, disabled)
-        allowed = [link for link in spheres.links if link not in beside and _is_apart(link, beside, near)]
-        pairs += [(links.index(link), len(links)) for link in allowed]
-        links.append(name)
-        spheres = replace(
-            spheres,
-            links=tuple(links),
-            link=np.append(spheres.link, np.full(len(radii), len(links) - 1)),
-            joint=np.append(spheres.joint, np.full(len(radii), joint)),
-            centre=np.concatenate([spheres.centre, placed]),
-            radius=np.append(spheres.radius, radii),
-        )
-    numbers = np.array(pairs, dtype=int).reshape(-1, 2)
-    every = replace(spheres, link_pairs=numbers)
-    return replace(every, link_pairs=numbers[~always_touching(robot, every)])
-
-
-def _is_apart(link: str, beside: set[str], near: Sequence[tuple[str, str]]) -> bool:
-    """Whether a link is checked against all links of the body that carries an obstacle."""
-    return all((link, other) in near or (other, link) in near for other in beside)
-
-
-def _enclosed(obstacle: Obstacle, label: str) -> tuple[Array, Array]:
-    """Spheres of an obstacle that the robot carries."""
-    if obstacle.moves:
-        raise InputError(f"{label}: an obstacle on a frame moves with it; give its pose in the frame as numbers.")
-    match obstacle:
-        case Sphere():
-            return np.zeros((1, 3)), np.array([obstacle.radius])
-        case Capsule():
-            return capsule_spheres(obstacle.radius, 0.5 * obstacle.length)[:2]
-        case Box():
-            fit = fitted(box_triangles(np.array(obstacle.dimensions)))
-        case Cylinder():
-            fit = fitted(cylinder_triangles(obstacle.radius, 0.5 * obstacle.length))
-        case ConvexMesh():
-            fit = fitted(hull_triangles(obstacle.vertices))
-        case _:
-            raise InputError(f"{label}: a {obstacle.kind} is endless and cannot be on a frame; give a box.")
-    return fit.centres, fit.radii

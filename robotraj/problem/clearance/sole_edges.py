@@ -1,7 +1,7 @@
-"""Places on the edges of rigid soles and shapes, where uneven ground may enter between two corners.
+"""Places on the edges of rigid soles and shapes, which uneven ground may penetrate between two corners.
 
-Over a plane the corners are enough. The straight nose of a step enters a flat sole through its rim: the gap is then
-least where an edge of the sole crosses the nose. Over other uneven ground an edge is cut into even parts.
+Over a plane the corners are enough. The straight nose of a step penetrates a flat sole through its rim. The gap is then
+least where an edge of the sole crosses the nose. Over other uneven ground the places divide an edge into equal parts.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 SPACING, MOST_PLACES = 0.025, 9
 """Largest distance [m] of places on an edge over ground without noses, and their greatest number."""
 ALONG = 0.05
-"""Part of an edge's length that is added to its extent across a nose, so that an edge along the nose is no pole."""
+"""Fraction of an edge's length that is added to its extent across a nose, to avoid a pole for an edge along it."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class EdgePlace(OneLine):
     axis : int or None
         0 where the edge crosses the nose x = ``at``, 1 where it crosses y = ``at``; None for a fixed place.
     at : float
-        Of the nose [m]; or the fixed place, from 0 at the first point to 1 at the second.
+        Coordinate of the nose [m], or the fixed place, from 0 at the first point to 1 at the second.
     """
 
     first: ClearancePoint
@@ -64,7 +64,7 @@ class EdgePlace(OneLine):
         return z - height - radius * (1.0 + slope_x * slope_x + slope_y * slope_y) ** 0.5
 
     def _share(self, a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-        """Return the place on the edge: at the nose, and at the nearest end where the edge does not reach it."""
+        """Return the place on the edge nearest to the nose, from 0 to 1."""
         if self.axis is None:
             return self.at
         across = b[self.axis] - a[self.axis]
@@ -80,7 +80,7 @@ def edge_places(spots: Sequence[ClearancePoint], ground: Ground) -> list[EdgePla
         return []
     bodies: dict[tuple[str, str], list[ClearancePoint]] = {}
     for spot in spots:
-        # The lowest point of a disc is none of an edge's.
+        # The lowest point of a disc is no end of an edge.
         if spot.axis is None:
             bodies.setdefault((spot.frame, spot.shape), []).append(spot)
     noses = [(axis, float(at)) for axis, values in enumerate(ground.noses()) for at in values]
@@ -96,7 +96,10 @@ def _places(first: ClearancePoint, second: ClearancePoint, noses: Sequence[tuple
 
 
 def _edges(body: Sequence[ClearancePoint]) -> list[tuple[ClearancePoint, ClearancePoint]]:
-    """Return the pairs of points whose ball, with the pair as diameter, holds no third point: no diagonals of boxes."""
+    """Return the pairs of points for which the ball with the pair as diameter contains no third point.
+
+    This excludes the diagonals of boxes.
+    """
     places = np.array([spot.offset for spot in body])
     squares = np.sum((places[:, None] - places[None]) ** 2, axis=-1)
     pairs = list(combinations(range(len(body)), 2))

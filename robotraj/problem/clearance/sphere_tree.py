@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 def sphere_tree(
     robot: Robot, spheres: RobotSpheres, pairs: NDArray[np.int_], obstacles: Sequence[Obstacle]
 ) -> SphereTree:
-    """Compile a robot's spheres, link after link, and obstacles in the world.
+    """Compile a robot's spheres, sorted by link, and obstacles in the world.
 
     Parameters
     ----------
     robot : Robot
-        On a fixed base, q of one number for each joint.
+        Robot with a fixed base, whose joints have one position each.
     spheres : RobotSpheres
     pairs : ndarray (m, 2)
         Links that may not touch, as indices in ``spheres.links``.
     obstacles : sequence of Obstacle
-        In the world, at rest.
+        Obstacles at rest in the world.
     """
     shapes = primitives_of(obstacles)
     joints = joint_tree(robot)

@@ -1,4 +1,4 @@
-"""Constraints: small frozen values, each written once and read by transcription, witness and printing."""
+"""Constraints: frozen values with one definition for transcription, witness and printing."""
 
 import lazy_loader
 

@@ -1,7 +1,6 @@
-"""What a constraint is: named rows with units and bounds, and one expression of a Point.
+"""The base class of constraints: named rows with units and bounds, and one expression of a Point.
 
-A constraint is written once. Transcription evaluates its expression on symbols, the witness on numbers, and printing
-reads its rows.
+Transcription evaluates the expression on symbols and the witness on numbers. Printing uses the rows.
 """
 
 from __future__ import annotations
@@ -28,11 +27,11 @@ if TYPE_CHECKING:
 
 
 class Where(Enum):
-    """When a constraint holds.
+    """When a constraint applies.
 
-    AT_NODES marks rows that define variables added by an objective. They do not restrict the motion, and only the
-    transcription imposes them. RATE marks rows that bound the time derivative of the variable they name, at every time;
-    their expression reads it from ``point.extra["rate.<variable>"]``, which only points of the witness have.
+    AT_NODES is for rows that define variables added by an objective. They do not restrict the motion, and only the
+    transcription imposes them. RATE is for rows that bound the time derivative of their variable at every time. Their
+    expression reads it from ``point.extra["rate.<variable>"]``, which only points of the witness have.
     """
 
     THROUGHOUT = "throughout"
@@ -45,7 +44,7 @@ class Where(Enum):
 
 @dataclass(frozen=True)
 class BoundConstraint(OneLine):
-    """A constraint bound to the dynamics of a phase: names checked, rows counted.
+    """A constraint bound to the dynamics of a phase, with checked names and a known number of rows.
 
     Attributes
     ----------
@@ -71,7 +70,7 @@ class Constraint(OneLine, ABC):
     Attributes
     ----------
     avoids_collisions : bool
-        Whether it keeps shapes apart, as ``rt.CollisionFree`` does: a process imports the modules for that when needed.
+        Whether it bounds distances of shapes, as ``rt.CollisionFree`` does, whose modules are imported only then.
     """
 
     avoids_collisions: ClassVar[bool] = False
@@ -82,23 +81,23 @@ class Constraint(OneLine, ABC):
 
     @abstractmethod
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Check names against the dynamics of a phase and write out the rows.
+        """Check names against the dynamics of a phase and return the rows.
 
         Raises
         ------
         InputError
-            What the constraint names does not exist, or its bounds cannot hold.
+            A name does not exist, or the bounds are invalid.
         """
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Wrap the dynamics of the phase in the variables that the rows read; most constraints need none.
+        """Add the variables that the rows need to the dynamics of the phase; most constraints need none.
 
-        The rows find these in ``point.extra`` (``robotraj.problem.augmentation``).
+        These are in ``point.extra`` (``robotraj.problem.augmentation``).
         """
         return dynamics
 
     def as_data(self, robot: Robot | None) -> Constraint:
-        """Return the constraint with what it reads from other files, for a file that is read alone."""
+        """Return a copy for storage that contains the data the constraint reads from other files."""
         return self
 
 
@@ -146,16 +145,16 @@ class AtEnd(Constraint):
         return AtEnd(self.constraint.as_data(robot))
 
 
-def _require_constraint(value: object, who: str) -> None:
+def _require_constraint(value: object, what: str) -> None:
     if not isinstance(value, Constraint):
-        raise InputError(f"{who} imposes a constraint such as rt.FramePosition(...) at one end; got {value!r}.")
+        raise InputError(f"{what} imposes a constraint such as rt.FramePosition(...) at one end; got {value!r}.")
 
 
-def robot_of(dynamics: Dynamics, who: str) -> Robot:
-    """Return the robot of the dynamics; raise an InputError that names ``who`` for a System."""
+def robot_of(dynamics: Dynamics, what: str) -> Robot:
+    """Return the robot of the dynamics; raise an InputError that names ``what`` for a System."""
     if not isinstance(dynamics, RigidBody):
         raise InputError(
-            f"{who} needs a robot, but the phase moves a System; use PathConstraint or the phase's states=."
+            f"{what} needs a robot, but the phase moves a System; use PathConstraint or the phase's states=."
         )
     return dynamics.robot
 

@@ -1,4 +1,4 @@
-"""Bounds as users write them: a number fixes, ``rt.between`` bounds, None leaves free, a dict names joints."""
+"""Bounds in the forms that users may give: numbers, ``rt.between``, None for a free value, and mappings by name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own
 
 UNBOUNDED = 1e20
-"""Numbers above this mean infinity, as URDF readers write 1.8e308 for a joint without limits."""
+"""Numbers above this count as infinite: URDF readers write 1.8e308 for a joint without limits."""
 
 SideLike: TypeAlias = float | Sequence[float] | NDArray[np.float64] | None
 """Lower or upper bounds of one value or several; None leaves the side open."""
@@ -29,10 +29,10 @@ class Between(OneLine):
 
 
 Interval = float | Between | None
-"""How a user bounds one scalar: a number fixes it, ``rt.between`` bounds it, None leaves it free."""
+"""Bounds of one scalar: a number fixes it, ``rt.between`` bounds it, None leaves it free."""
 
 BoundsLike: TypeAlias = Interval | Sequence[Interval] | NDArray[np.float64] | Mapping[str, Interval]
-"""How a user bounds n scalars: one value for all, one for each, or some by name."""
+"""Bounds of n scalars: one value for all, one for each, or some by name."""
 
 
 def between(lower: SideLike, upper: SideLike) -> Between:
@@ -71,7 +71,7 @@ class Bounds(NamedTuple):
 
 
 def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint") -> Bounds:
-    """Read what a user wrote for n named scalars into bounds.
+    """Return the bounds of n named scalars.
 
     Parameters
     ----------
@@ -80,14 +80,14 @@ def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint
     names : sequence of str
         The n names, in order.
     what : str
-        What the value is for, for messages: ``"start position"``.
+        Label of the value for messages: ``"start position"``.
     kind : str
-        What the names are: ``"joint"``, ``"state"`` ...
+        Kind of the names for messages: ``"joint"``, ``"state"`` ...
 
     Raises
     ------
     InputError
-        NaN, a wrong length, or an unknown name; the message names the entry.
+        A value is NaN, the length is wrong, or a name is unknown. The message names the entry.
     """
     n = len(names)
     if _is_mapping(value):
@@ -166,18 +166,18 @@ def as_duration(value: float | Sequence[float] | Between, phase: str) -> tuple[f
 
 
 def _is_mapping(value: object) -> TypeGuard[Mapping[str, object]]:
-    """Whether entries go by name; the abstract class takes its time with every type that it has not seen."""
+    """Whether a value is a mapping; usual types are tested first, since the abstract class is slow for new types."""
     plain = isinstance(value, int | float | tuple | list | np.ndarray | Between | None)
     return not plain and isinstance(value, Mapping)
 
 
 def _is_number(value: object) -> bool:
-    """Whether the value is a scalar of any kind, a string among them."""
+    """Whether the value is a scalar of any kind, including a string."""
     return isinstance(value, int | float) or (not isinstance(value, tuple | list) and np.isscalar(value))
 
 
 def _is_plain_array(value: object) -> bool:
-    """Whether the value is an array or list of numbers alone."""
+    """Whether the value is an array or list that contains only numbers."""
     if isinstance(value, str) or _is_mapping(value):
         return False
     try:
@@ -206,7 +206,7 @@ def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
 
 
 def _numbers(value: object) -> NDArray[np.float64]:
-    """Read numbers; NumPy would also take text that looks like some."""
+    """Convert to an array of numbers; NumPy would also convert text such as "1"."""
     if np.asarray(value).dtype.kind in "SU":
         raise TypeError(f"{value!r} is text")
     return np.asarray(value, dtype=float)

@@ -30,21 +30,21 @@ if TYPE_CHECKING:
 class GroundClearance(Constraint):
     """Vertical clearance of places on the robot: z_p(q) - h(x_p, y_p) >= height.
 
-    Held at every collocation point, and looked for between them. Over uneven ground a constant height is held along the
-    edges between points of one frame or shape too: at the ``noses`` of the ground, else at even places.
+    The rows apply at every collocation point; violations between these are searched for. Over uneven ground a constant
+    height also applies along the edges between points of one frame or shape. It applies there at the ``noses`` of the
+    ground, or at evenly spaced places if it has none.
 
     Parameters
     ----------
     frames : str, (str, offset), CollisionShapes, or sequence of these
-        Frames whose origins are kept clear; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m];
-        ``rt.constraints.CollisionShapes("foot")``, the shapes that the URDF gives a link.
+        Frames, whose origins keep the clearance; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m]; or
+        ``rt.constraints.CollisionShapes("foot")``, the shapes of a link in the URDF.
     height : float, RequiredHeight or callable
         Clearance [m]; ``rt.constraints.SwingApex(0.05, start, end)`` over the way of a swing foot; or a
         function of the point.
     ground : Ground or callable
         ``rt.terrain.Flat()`` (the default), ``rt.terrain.Slope``, ``rt.terrain.Steps``,
-        ``rt.terrain.HeightMap`` or any function of (x, y) written
-        with CasADi.
+        ``rt.terrain.HeightMap`` or any function of (x, y) written with CasADi.
     """
 
     frames: PlacesLike
@@ -57,11 +57,11 @@ class GroundClearance(Constraint):
         Raises
         ------
         InputError
-            Nothing is named, an unknown frame or parameter, a height or ground that is none.
+            No place is named, a frame or parameter is unknown, or the height or ground is invalid.
         """
         spots = spots_of(self.frames, robot_of(dynamics, "GroundClearance"))
         if not spots:
-            raise InputError("GroundClearance names no frame.")
+            raise InputError("GroundClearance names no frame; name at least one in frames=.")
         ground = as_ground(self.ground)
         labels = [spot.label for spot in spots]
         height = required_height(self.height, f"GroundClearance of {', '.join(labels[:3])}")

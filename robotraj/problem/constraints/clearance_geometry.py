@@ -1,4 +1,4 @@
-"""Places on a robot whose height above the ground is measured: points of frames, ends of shapes."""
+"""Places on a robot for ground clearance: points of frames, and points, balls or discs of shapes."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 Vector = tuple[float, float, float]
 Triple: TypeAlias = Sequence[float] | NDArray[np.float64]
 ROUNDING = 1e-2
-"""A disc that lies along the ground would have a corner in its lowest point's height: it is rounded by so much of
-its radius, on the safe side."""
+"""Rounding of a disc relative to its radius. The height of its lowest point is not smooth where the disc lies along the
+ground; the rounded height is smaller."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class ClearancePoint(OneLine):
     ----------
     frame : str
     label : str
-        For reports.
+        Name for reports.
     offset : (3,)
-        Its centre in the frame [m].
+        Centre in the frame's axes [m].
     radius : float
-        0 for a point [m].
+        Radius [m], 0 for a point.
     axis : (3,) or None
         Unit axis of a disc in the frame; None for a ball.
     shape : str
@@ -78,7 +78,7 @@ class ClearancePoint(OneLine):
 
 
 def _turned(view: FrameMotion, vector: Vector) -> Sequence[Scalar]:
-    """Turn a frame's vector into world axes; a vector of zeros adds no operations to the graph."""
+    """Rotate a frame's vector into world axes; a vector of zeros adds no operations to the graph."""
     return view.rotation @ np.array(vector) if any(vector) else (0.0, 0.0, 0.0)
 
 
@@ -93,9 +93,9 @@ class CollisionShapes(OneLine):
     Parameters
     ----------
     links : str or sequence of str
-        Links (frames) whose shapes are meant; none means every link that moves.
+        Links (frames); by default every link that moves.
     known : tuple of ClearancePoint
-        Their points, where a saved file holds them; the URDF is not read then.
+        Points of the shapes from a saved file, which replace those of the URDF.
     """
 
     links: str | Sequence[str] = ()
@@ -131,7 +131,7 @@ PlacesLike: TypeAlias = "str | tuple[str, Triple] | CollisionShapes | Sequence[P
 
 
 def _spots(robot: Robot, link: str, shape: pin.GeometryObject) -> list[ClearancePoint]:
-    """Points, balls or discs that hold the lowest point of one shape."""
+    """Points, balls or discs that contain the lowest point of one shape."""
     geometry, kind = shape.geometry, type(shape.geometry).__name__
     placement = robot.model.frames[shape.parentFrame].placement.actInv(shape.placement)
     axis = placement.rotation[:, 2]
@@ -154,7 +154,7 @@ def _spots(robot: Robot, link: str, shape: pin.GeometryObject) -> list[Clearance
         low, high = vertices.min(axis=0), vertices.max(axis=0)
     else:
         raise InputError(
-            f"The collision shape {shape.name!r} of {robot.name} is a {kind}; GroundClearance knows boxes, spheres, "
+            f"The collision shape {shape.name!r} of {robot.name} is a {kind}; GroundClearance supports boxes, spheres, "
             "capsules, cylinders and meshes. Name points of the frame instead."
         )
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1).T
@@ -162,7 +162,7 @@ def _spots(robot: Robot, link: str, shape: pin.GeometryObject) -> list[Clearance
 
 
 def _vector(values: Triple) -> Vector:
-    """Round to what a URDF can mean, so that zeros are zeros."""
+    """Round off errors of placements, so that zeros are exact."""
     x, y, z = (float(v) for v in np.round(values, 12) + 0.0)
     return x, y, z
 
@@ -173,7 +173,7 @@ def spots_of(what: PlacesLike, robot: Robot) -> list[ClearancePoint]:
     Raises
     ------
     InputError
-        Nothing is named, or something that is none of these; an unknown frame.
+        An entry is none of these, or a frame is unknown.
     """
     if isinstance(what, CollisionShapes):
         return what.spots(robot)
@@ -195,7 +195,7 @@ def spots_of(what: PlacesLike, robot: Robot) -> list[ClearancePoint]:
 
 
 def with_known_points(what: PlacesLike, robot: Robot) -> PlacesLike:
-    """Return places whose CollisionShapes hold their points."""
+    """Return the places with the points of every CollisionShapes stored in it."""
     if isinstance(what, CollisionShapes):
         return replace(what, known=tuple(what.spots(robot)))
     if isinstance(what, str) or _is_point(what) or not isinstance(what, Sequence):
@@ -204,7 +204,7 @@ def with_known_points(what: PlacesLike, robot: Robot) -> PlacesLike:
 
 
 def _is_point(what: object) -> TypeGuard[tuple[str, Vector]]:
-    """Whether it is a frame's name and three numbers."""
+    """Whether a value is a frame's name and three numbers."""
     if not isinstance(what, Sequence) or len(what) != 2 or not isinstance(what[0], str) or isinstance(what[1], str):
         return False
     try:

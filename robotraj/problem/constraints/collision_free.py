@@ -29,7 +29,7 @@ class CollisionFree(Constraint):
     The robot's collision shapes are spheres of its URDF, or spheres that enclose its other shapes
     (``rt.robot.collision.robot_spheres``); distances from obstacles are exact. Rows are imposed on pairs that come
     near each other. Between the collocation points a bound on the speed of each pair proves the distances, and
-    ``solution.proof`` reports what could not be proved. ``rt.validate`` checks the exact shapes with coal.
+    ``solution.proof`` lists unproved pairs. ``rt.validate`` checks the exact shapes with coal.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class CollisionFree(Constraint):
     margin : float
         Least distance [m].
     self_collision : bool
-        Keep the robot's links apart, too.
+        Whether the distances between the robot's links are bounded too.
     srdf : path or sequence of (str, str), optional
         Pairs of links that are not checked: an SRDF with ``<disable_collisions>``, or names. Links that a joint joins
         or that touch in every sampled configuration are never checked.
@@ -46,7 +46,8 @@ class CollisionFree(Constraint):
     Raises
     ------
     InputError
-        An obstacle is none, a margin that is negative; on binding: a robot without collision shapes, a System.
+        An entry is no obstacle, or the margin is negative. On binding: the robot has no collision shapes, or the phase
+        moves a System.
     """
 
     avoids_collisions = True
@@ -76,16 +77,18 @@ class CollisionFree(Constraint):
         listed = tuple(named) if isinstance(named, Iterable) else (None,)
         pairs = tuple(tuple(pair) if isinstance(pair, Sequence) else () for pair in listed)
         if not all(len(pair) == 2 and all(isinstance(name, str) for name in pair) for pair in pairs):
-            raise InputError("CollisionFree: srdf= is the path of an SRDF, or pairs of names of links.")
+            raise InputError(
+                f"CollisionFree: srdf= is {self.srdf!r}; give the path of an SRDF, or pairs of names of links."
+            )
         object.__setattr__(self, "srdf", pairs)
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Check the robot; the pairs are no rows of the phase's table, see ``pairs``.
+        """Check the robot, and return a constraint without rows; ``pairs`` describes what is bounded.
 
         Raises
         ------
         InputError
-            The phase moves a System, or has a design, which would move the shapes.
+            The phase moves a System, or has a design, which may move the shapes.
         """
         robot = robot_of(dynamics, "CollisionFree")
         if getattr(dynamics, "design", None) is not None:
@@ -98,7 +101,7 @@ class CollisionFree(Constraint):
         return BoundConstraint("clearance", (), _nothing)
 
     def pairs(self, robot: Robot) -> ClearancePairs:
-        """Return the pairs of shapes that the constraint keeps apart; they are made once for each robot."""
+        """Return the pairs of shapes whose distances are bounded; they are computed once per robot."""
         if robot not in self._known:
             self._known[robot] = self._pairs(robot)
         return self._known[robot]

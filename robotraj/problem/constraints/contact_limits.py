@@ -1,4 +1,4 @@
-"""What the force of a contact must keep, as a constraint: unilateral force, friction cone, centre of pressure."""
+"""Limits of a contact as constraints: unilateral force, friction cone, centre of pressure, foothold."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstraint]:
-    """Rows of a contact: of its force, held at every collocation point, and of its foothold, which stands still."""
+    """Rows of a contact: on its force, at every collocation point, and on its foothold, which is constant."""
 
     def expression(point: RobotPoint) -> Sequence[Scalar]:
         forces = [point.z[force.name] for force in contact.forces]

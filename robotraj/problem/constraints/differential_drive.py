@@ -24,7 +24,7 @@ SIDES = ("left wheel", "right wheel")
 
 @dataclass(frozen=True)
 class DifferentialDrive(Constraint):
-    """A base of ``rt.robot.on_wheels`` moves as two wheels on one axle let it, which roll without slip.
+    """Two wheels on one axle that roll without slip, for a base of ``rt.robot.on_wheels``.
 
     With the heading c = (cos yaw, sin yaw), s = (-sin yaw, cos yaw), the velocity v of the base and its turning rate w,
 
@@ -33,13 +33,13 @@ class DifferentialDrive(Constraint):
         wheel torques (c . f / 2 -+ m / track) radius      within +-torque [N m],
         s . f                                              within +-lateral_force [N],
 
-    for the force f and the moment m on the base, which the ground exerts. The wheels' own inertia about their axle is
-    neglected: add it to the base's mass.
+    for the force f and the moment m of the ground on the base. The wheels' inertia about their axle is neglected; add
+    it to the base's mass.
 
     Parameters
     ----------
     radius : float
-        Of the wheels [m].
+        Radius of the wheels [m].
     track : float
         Distance of the wheels [m].
     speed, torque, lateral_force : float
@@ -48,7 +48,7 @@ class DifferentialDrive(Constraint):
     Raises
     ------
     InputError
-        A length or limit that is not above 0. On binding: a robot without such a base.
+        A length or limit is not above 0. On binding: the robot has no such base.
     """
 
     radius: float

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 class FollowPath(Constraint):
     """The joints stay on a path, q(t) = path(s(t)), along which s never decreases.
 
-    s and s' become states of the phase, from the start of the path to its end, and s'' a control. The equations hold at
-    every knot with their rates; inside intervals to the scheme's order. ``rt.retime`` plans the least time of it.
+    s and s' become states of the phase and s'' a control; s moves from the start of the path to its end. The equations
+    hold with their rates at every knot, and to the scheme's order inside intervals. ``rt.retime`` plans the motion of
+    least time.
 
     Parameters
     ----------
@@ -51,9 +52,14 @@ class FollowPath(Constraint):
         """
         robot = robot_of(dynamics, "FollowPath")
         if robot.root != "fixed":
-            raise InputError(f"FollowPath needs a robot with a fixed root; the root of {robot.name!r} moves.")
+            raise InputError(
+                f"FollowPath needs a robot with a fixed root; that of {robot.name!r} moves. Load it with root='fixed'."
+            )
         if self.path.size != robot.nq:
-            raise InputError(f"The path has {self.path.size} joints, but {robot.name!r} has {robot.nq}.")
+            raise InputError(
+                f"FollowPath: the path has {self.path.size} joints, but {robot.name!r} has {robot.nq}; give a path of "
+                "all joints."
+            )
         first, last = float(self.path.breaks[0]), float(self.path.breaks[-1])
         joints = zip(robot.position_names, robot.position_units, strict=True)
         rows = [Row("path", unit, 0.0, 0.0, joint) for joint, unit in joints]
@@ -73,7 +79,7 @@ class FollowPath(Constraint):
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add the path parameter, its speed and its acceleration."""
         if has(dynamics, [PARAMETER]):
-            raise InputError("A phase follows one path; give one FollowPath.")
+            raise InputError("The phase has several FollowPath constraints; keep one.")
         speeds = (self.start_speed, self.end_speed)
         ends = (float(self.path.breaks[0]), float(self.path.breaks[-1]))
         fixed = [

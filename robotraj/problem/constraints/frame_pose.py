@@ -32,7 +32,7 @@ AXES = ("x", "y", "z")
 class FramePosition(Constraint):
     """Bounds on the origin of a frame in the world: lower <= p_f(q) <= upper, each (3,) [m].
 
-    Numbers are equations, which are held at every knot with their rates; see ``PathConstraint``.
+    Numbers are equations, which are imposed with their rates at every knot; see ``PathConstraint``.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class FramePosition(Constraint):
         lower, upper = as_bounds(self.position, AXES, f"position of frame {self.frame!r}", "axis")
         kept = [i for i in range(3) if np.isfinite(lower[i]) or np.isfinite(upper[i])]
         if not kept:
-            raise InputError(f"FramePosition of {self.frame!r} leaves all of x, y and z free.")
+            raise InputError(f"FramePosition of {self.frame!r} leaves all of x, y and z free; bound at least one.")
         rows = tuple(Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in kept)
         frame = self.frame
 
@@ -68,15 +68,15 @@ class FramePose(Constraint):
     """A frame held at a pose: p_f(q) = position and R_f(q) = rotation.
 
     The orientation rows are the three entries of the skew part of R_d' R_f, which is sin(theta) times the axis of the
-    error rotation [rad near zero]. The row trace(R_d' R_f) >= 1 excludes the root at a half turn. Along a phase they
-    are held as those of ``FramePosition`` are.
+    error rotation [rad near zero]. The row trace(R_d' R_f) >= 1 excludes the root at a half turn. Along a phase the
+    rows are imposed as those of ``FramePosition``.
 
     Parameters
     ----------
     frame : str
     pose : pinocchio.SE3 or (position, rotation)
-        Position as for ``FramePosition``: entries that are None are free, and with all three the orientation alone is
-        held. Rotation as a matrix (3, 3), a ``pinocchio.Quaternion`` or a quaternion (x, y, z, w) of unit norm.
+        Position as for ``FramePosition``; entries that are None are free. Rotation as a matrix (3, 3), a
+        ``pinocchio.Quaternion`` or a quaternion (x, y, z, w) of unit norm.
     """
 
     frame: str
@@ -108,7 +108,7 @@ class FramePose(Constraint):
 
 
 def own_pose(pose: PoseLike) -> PoseLike:
-    """Copy a ``pinocchio.SE3``, which its owner may move; poses of arrays are copied with their constraint."""
+    """Copy a ``pinocchio.SE3``, which the caller may change later; ``own_fields`` copies poses of arrays."""
     return pin.SE3(pose) if isinstance(pose, pin.SE3) else pose
 
 
@@ -117,12 +117,12 @@ def as_pose(pose: object, what: str) -> tuple[NDArray[np.float64], NDArray[np.fl
     if isinstance(pose, pin.SE3):
         return pose.translation, np.array(pose.rotation)
     if not isinstance(pose, Sequence) or len(pose) != 2:
-        raise InputError(f"The {what} must be a pinocchio.SE3 or a pair (position, rotation).")
+        raise InputError(f"The {what} must be a pinocchio.SE3 or a pair (position, rotation); got {pose!r}.")
     return pose[0], _rotation(pose[1], what)
 
 
 def _rotation(value: Triple | pin.Quaternion, what: str) -> NDArray[np.float64]:
-    """Read a matrix or a quaternion (x, y, z, w); refuse what is not a rotation."""
+    """Convert a matrix or a quaternion (x, y, z, w) to a rotation matrix, and check it."""
     if isinstance(value, pin.Quaternion):
         value = value.coeffs()
     array = np.asarray(value, dtype=float)
@@ -134,5 +134,5 @@ def _rotation(value: Triple | pin.Quaternion, what: str) -> NDArray[np.float64]:
     if array.shape != (3, 3):
         raise InputError(f"The rotation in the {what} has shape {array.shape}; give (3, 3) or a quaternion (4,).")
     if not np.allclose(array @ array.T, np.eye(3), atol=1e-6) or np.linalg.det(array) < 0:
-        raise InputError(f"The matrix in the {what} is not a rotation (R R' = 1 and det R = 1 do not hold).")
+        raise InputError(f"The matrix in the {what} is not a rotation; give one with R R' = 1 and det R = 1.")
     return array

@@ -1,4 +1,4 @@
-"""How high a foot must be: a height that depends on how far it has come, or on anything else of a point."""
+"""Required heights of a foot as functions of a point, such as a parabola over its progress between footholds."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ class RequiredHeight(OneLine, ABC):
 
     @abstractmethod
     def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
-        """Heights [m] that a place at ``position`` (3) [m] must all reach, by the names of their rows."""
+        """Lower bounds [m] on the height of a place at ``position`` (3) [m], by the names of their rows."""
 
 
 @dataclass(frozen=True)
 class SwingApex(RequiredHeight):
-    """The parabola of a swing foot over its way: h = 4 apex s (1 - s), and never below the ground.
+    """A parabola over the progress of a swing foot, h >= 4 apex s (1 - s), and h >= 0.
 
     s = (p - start) . (end - start) / |end - start|^2 is the foot's horizontal progress from one foothold to the
-    next, 0 to 1. Before and beyond them the parabola is negative and imposes nothing; that the foot stays above the
-    ground there is a separate row, so that every row is smooth.
+    next, 0 to 1. Before and beyond them the parabola is negative, and only h >= 0 matters. The two bounds are separate
+    rows, so that every row is smooth.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class SwingApex(RequiredHeight):
     Raises
     ------
     InputError
-        An apex that is not positive, footholds of different sizes or at one place; when bound, an unknown parameter.
+        The apex is not positive, or the footholds have different sizes or coincide. On binding: a parameter is unknown.
     """
 
     apex: float
@@ -67,7 +67,7 @@ class SwingApex(RequiredHeight):
             )
         if start == end:
             raise InputError(
-                f"rt.constraints.SwingApex starts and ends at {self.start!r}: there is no progress to measure."
+                f"rt.constraints.SwingApex starts and ends at {self.start!r}; give two different footholds."
             )
 
     def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
@@ -81,7 +81,7 @@ class SwingApex(RequiredHeight):
 
 @dataclass(frozen=True)
 class HeightOf(RequiredHeight):
-    """A height [m] that a user's function of the point gives; several of them must all be reached."""
+    """A height [m], or several, from a user's function of the point."""
 
     function: PointExpression
 
@@ -96,13 +96,13 @@ HeightLike: TypeAlias = "RequiredHeight | float | PointExpression"
 """A height [m], a profile of it, or a function of the point."""
 
 
-def required_height(value: HeightLike, who: str) -> RequiredHeight | float:
+def required_height(value: HeightLike, what: str) -> RequiredHeight | float:
     """Accept metres, a RequiredHeight or a function of the point.
 
     Raises
     ------
     InputError
-        It is none of these, or not finite.
+        The value is none of these, or not finite.
     """
     if isinstance(value, RequiredHeight):
         return value
@@ -114,7 +114,7 @@ def required_height(value: HeightLike, who: str) -> RequiredHeight | float:
         metres = np.nan
     if not np.isfinite(metres):
         raise InputError(
-            f"{who}: the height is {value}; give metres, rt.constraints.SwingApex(...) or a function of the point."
+            f"{what}: the height is {value}; give metres, rt.constraints.SwingApex(...) or a function of the point."
         )
     return metres
 

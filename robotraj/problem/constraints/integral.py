@@ -1,4 +1,4 @@
-"""Bounds on what an expression adds up to over the phase."""
+"""Bounds on the integral of an expression over the phase."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class IntegralConstraint(Constraint):
     lower, upper : float or sequence, optional
         Bounds on the integral; None leaves the side open.
     name, unit : str
-        For reports; the unit is the integral's.
+        Label and SI unit of the integral, for reports.
     """
 
     expression: PointExpression

@@ -27,7 +27,7 @@ RATES = ("v", "a", "tau")
 
 @dataclass(frozen=True)
 class OwnLimits(OneLine):
-    """Impose the limits that the URDF of the robot states (the default)."""
+    """Impose ``robot.limits`` (the default)."""
 
 
 @dataclass(frozen=True)

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 class PathConstraint(Constraint):
     """lower <= expression(point) <= upper at every collocation point.
 
-    An equation (lower = upper) of positions is held at every knot with its rate instead, and inside intervals as the
-    scheme's order requires. Examples are a tool that points down, or one that follows a curve in time. See
-    ``robotraj.transcription.collocation.index_reduction``.
+    An equation (lower = upper) of positions is imposed differently: at every knot together with its rate, and inside
+    intervals as the scheme's order requires. Examples are a tool that points down, or one that follows a curve in time.
+    See ``robotraj.transcription.collocation.index_reduction``.
 
     Parameters
     ----------
@@ -36,17 +36,17 @@ class PathConstraint(Constraint):
     lower, upper : float or sequence, optional
         Bounds in the unit of the expression; None leaves the side open.
     name, unit : str
-        For reports.
+        Label and SI unit, for reports.
 
     Raises
     ------
     InputError
-        On binding: bounds of a wrong length, NaN, crossed or both open; an expression that fails on a point.
+        On binding: bounds have a wrong length, are NaN, crossed or both open, or the expression fails on a point.
 
     Notes
     -----
-    A point is what is known at one instant. Every expression of a user takes one: of ``rt.PathConstraint``,
-    ``rt.IntegralConstraint``, ``rt.Lagrange``, and the equations of ``rt.System``.
+    A point holds the variables at one instant. The expressions of ``rt.PathConstraint``, ``rt.IntegralConstraint`` and
+    ``rt.Lagrange``, and the equations of ``rt.System``, are functions of a point.
 
     ================================  ======================================================================
     point.t                           time [s]
@@ -62,11 +62,11 @@ class PathConstraint(Constraint):
     point.com, point.momentum         centre of mass (3,) [m], centroidal momentum (6,) [kg m/s, kg m^2/s]
     point.mass, point.damping         mass of all bodies [kg], damping (nv,) [N m s/rad, N s/m]
     point.robot, point.symbolic       the Robot, Pinocchio's algorithms on symbols
-    point.extra, point.contact_terms  variables of the objective, terms of contacts: for classes of your own
+    point.extra, point.contact_terms  variables of the objective, terms of contacts (for new classes)
     ================================  ======================================================================
 
-    Entries are CasADi symbols while a problem is built, and numbers where a plan is checked: write functions as
-    ``casadi.sqrt(...)``, which takes both. The two points of ``rt.Mayer`` have neither z, u, a, tau nor forces.
+    Entries are CasADi symbols while a problem is built, and numbers when a plan is checked. Use functions such as
+    ``casadi.sqrt(...)``, which take both. The two points of ``rt.Mayer`` have neither z, u, a, tau nor forces.
     """
 
     expression: PointExpression
@@ -84,10 +84,11 @@ class PathConstraint(Constraint):
         for i in range(count):
             if not lower[i] <= upper[i]:
                 raise InputError(
-                    f"{self.name!r}: row {i} has lower bound {lower[i]:g} above its upper bound {upper[i]:g}."
+                    f"{self.name!r}: row {i} has lower bound {lower[i]:g} above its upper bound {upper[i]:g}; "
+                    "exchange them."
                 )
             if np.isinf(lower[i]) and np.isinf(upper[i]):
-                raise InputError(f"{self.name!r} bounds nothing: give lower= or upper=.")
+                raise InputError(f"{self.name!r} has no bound in row {i}; give lower= or upper=.")
         names = [self.name] if count == 1 else [f"{self.name}[{i}]" for i in range(count)]
         rows = tuple(Row(n, self.unit, lo, up) for n, lo, up in zip(names, lower, upper, strict=True))
         user = self.expression
@@ -102,14 +103,14 @@ def side(value: SideLike, default: float, count: int, name: str) -> list[float]:
     """Broadcast one side of the bounds to the rows of an expression."""
     array = np.asarray(default if value is None else value, dtype=float).ravel()
     if array.size not in (1, count):
-        raise InputError(f"{name!r} has {count} rows but a bound of {array.size} values.")
+        raise InputError(f"{name!r} has {count} rows but a bound of {array.size} values; give 1 or {count}.")
     if np.isnan(array).any():
         raise InputError(f"{name!r} has a bound that is NaN; use None for an open side.")
     return [float(b) for b in np.broadcast_to(array, (count,))]
 
 
 def flat(values: Scalars) -> list[Scalar]:
-    """Entries of a scalar, list or column, symbolic or numeric, left as they are."""
+    """Entries of a scalar, list or column, symbolic or numeric, without conversion."""
     if isinstance(values, ca.SX | ca.DM | ca.MX):
         return [values[i] for i in range(values.numel())]
     if isinstance(values, Sequence) or (hasattr(values, "ravel") and np.ndim(values) > 0):

@@ -1,4 +1,4 @@
-"""What a link is: rows that join the ends of phases."""
+"""The base class of links: rows on the ends of phases."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Ends(NamedTuple):
-    """The points at both ends of a phase; they know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v`` and frames."""
+    """The points at both ends of a phase; they have ``t``, ``x``, ``p`` and, for robots, ``q``, ``v`` and frames."""
 
     start: Point
     end: Point
@@ -31,16 +31,16 @@ class Ends(NamedTuple):
 
 @dataclass(frozen=True)
 class Carry(OneLine):
-    """What holds at the start of a phase because it holds at the end of another.
+    """Invariants that hold at the start of a phase because they hold at the end of another.
 
     Attributes
     ----------
     source, target : int
         The phase that ends and the phase that starts.
     quantities : frozenset of str
-        Quantities of the invariants that a link takes over unchanged: ``"contact position"`` ...
+        Quantities of the invariants: ``"contact position"`` ...
     partners : mapping of str to str
-        For contacts of the target, their contacts of the source; by default those of the same names.
+        Contact of the source by contact of the target; by default those with equal names.
     """
 
     source: int
@@ -50,7 +50,7 @@ class Carry(OneLine):
 
 
 STATE = frozenset({"unit quaternion", "contact position", "contact velocity"})
-"""What runs on with the whole state."""
+"""Invariants that hold on both sides of a link with a continuous state."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +61,13 @@ class BoundLink(OneLine):
     ----------
     name : str
     phases : tuple of int
-        The phases whose ends it reads.
+        The phases whose ends the expression depends on.
     rows : tuple of Row
     expression : callable
         ``expression(ends, unknowns)`` gives len(rows) scalars; ``ends[i]`` are the ends of ``phases[i]`` and
         ``unknowns`` maps the names of the link's unknowns to their values.
     unknowns : tuple of Variable
-        What the link itself brings along, such as the impulses of an impact.
+        Unknowns of the link itself, such as the impulses of an impact.
     carries : tuple of Carry
         Invariants that need not be imposed again.
     """
@@ -93,26 +93,32 @@ class Link(OneLine, ABC):
 
     @abstractmethod
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
-        """Check the phases it names and write out the rows."""
+        """Check the named phases and return the rows."""
 
 
-def phase_at(phases: Sequence[Phase], index: int, who: str) -> Phase:
-    """Return the phase of that index, or raise an error naming the valid ones."""
+def phase_at(phases: Sequence[Phase], index: int, what: str) -> Phase:
+    """Return the phase of an index.
+
+    Raises
+    ------
+    InputError
+        There is no such phase.
+    """
     if not isinstance(index, int) or not -len(phases) <= index < len(phases):
-        raise InputError(f"{who} names phase {index!r}; the problem has phases 0 to {len(phases) - 1}.")
+        raise InputError(f"{what} names phase {index!r}; the problem has phases 0 to {len(phases) - 1}.")
     return phases[index]
 
 
 def normal(phases: Sequence[Phase], index: int) -> int:
-    """Index counted from the front, where -1 means the last phase."""
+    """Return the nonnegative index of a phase; -1 is the last one."""
     return index % len(phases)
 
 
-def check_order(phases: Sequence[Phase], first: int, second: int, who: str) -> None:
-    """Refuse to let time run on into the same phase or an earlier one."""
+def check_order(phases: Sequence[Phase], first: int, second: int, what: str) -> None:
+    """Refuse continuity of time from a phase into itself or an earlier one."""
     if normal(phases, second) <= normal(phases, first):
         raise InputError(
-            f"{who}: time runs on into a later phase. A motion that repeats is closed by rt.Periodic(...), "
+            f"{what}: the second phase must be later than the first. Close a motion that repeats by rt.Periodic(...), "
             "rt.Mirror(...) or rt.Touchdown(last, 0, repeat=...)."
         )
 
@@ -122,12 +128,12 @@ def state_names(phase: Phase) -> list[str]:
     return [state.name for state in phase.body.states]
 
 
-def same_states(before: Phase, after: Phase, who: str) -> list[str]:
-    """Names of the states of two phases that must have the same ones."""
+def same_states(before: Phase, after: Phase, what: str) -> list[str]:
+    """Return the names of the states of two phases, and check that they are equal."""
     names = state_names(before)
     if names != state_names(after):
         raise InputError(
-            f"{who}: phase {before.name!r} has states {names}, phase {after.name!r} has {state_names(after)}; "
+            f"{what}: phase {before.name!r} has states {names}, phase {after.name!r} has {state_names(after)}; "
             "they must be the same."
         )
     return names

@@ -1,4 +1,4 @@
-"""Phases that follow each other, with or without a jump of the state."""
+"""Links of consecutive phases, with or without a jump of the state."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 
 TIME = Row("continuity", "s", 0.0, 0.0, "time")
-"""That time runs on."""
+"""Continuity of time."""
 SLOPE = 1e-9
-"""Change of a row with a time below which the row does not read it."""
+"""Derivative of a row with respect to a time below which the row does not depend on it."""
 
 
 @dataclass(frozen=True)
 class Continuity(Link):
-    """Time and state run on: t and x at the end of ``first`` equal t and x at the start of ``second``."""
+    """Time and state are continuous: t and x at the end of ``first`` equal t and x at the start of ``second``."""
 
     first: int
     second: int
@@ -47,13 +47,14 @@ class Continuity(Link):
 
 @dataclass(frozen=True)
 class Jump(Link):
-    """Time runs on and named states jump: x(start of second) - x(end of first) = jump.
+    """Time is continuous and named states jump: x(start of second) - x(end of first) = jump.
 
     Parameters
     ----------
     first, second : int
     jumps : mapping of str to number, Between or None
-        By state name, ``"v"`` or ``"v.elbow"``: the jump, its bounds, or None for any jump. The other states run on.
+        Jump by state name, ``"v"`` or ``"v.elbow"``: a number, bounds, or None for any jump. The other states are
+        continuous.
     """
 
     first: int
@@ -65,15 +66,15 @@ class Jump(Link):
         return _follow(phases, self.first, self.second, self.jumps, f"Jump({self.first}, {self.second})")
 
 
-def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Interval], who: str) -> BoundLink:
-    before, after = phase_at(phases, first, who), phase_at(phases, second, who)
-    check_order(phases, first, second, who)
-    names = same_states(before, after, who)
-    bounds = as_bounds({name: 0.0 for name in names} | dict(jumps), names, f"jumps of {who}", "state")
+def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Interval], what: str) -> BoundLink:
+    before, after = phase_at(phases, first, what), phase_at(phases, second, what)
+    check_order(phases, first, second, what)
+    names = same_states(before, after, what)
+    bounds = as_bounds({name: 0.0 for name in names} | dict(jumps), names, f"jumps of {what}", "state")
     kept = [i for i, (low, high) in enumerate(zip(*bounds, strict=True)) if not (low == -float("inf") and high == -low)]
-    what = {i: "jump" if names[i] in jumps else "continuity" for i in kept}
+    kind = {i: "jump" if names[i] in jumps else "continuity" for i in kept}
     rows = (TIME,) + tuple(
-        Row(what[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
+        Row(kind[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
     )
 
     def expression(ends: Sequence[Ends], _: Mapping[str, Scalar]) -> list[Scalar]:
@@ -82,13 +83,13 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
 
     pair = normal(phases, first), normal(phases, second)
     carries = () if jumps else (Carry(*pair, STATE),)
-    return BoundLink(who, pair, rows, expression, carries=carries)
+    return BoundLink(what, pair, rows, expression, carries=carries)
 
 
 def running_on(phases: Sequence[Phase], links: Sequence[BoundLink]) -> tuple[BoundLink, ...]:
-    """Make time continuous into every phase whose start time no link reads.
+    """Make time continuous into every phase whose start time no link determines.
 
-    Without a row of it, a start time could be any: the phases would overlap, or leave gaps between them.
+    Otherwise the phases could overlap or leave gaps between them.
     """
     return tuple(_time(i) for i in range(1, len(phases)) if not any(_times(link, i, phases) for link in links))
 
@@ -99,7 +100,7 @@ def _time(second: int) -> BoundLink:
 
 
 def _times(link: BoundLink, index: int, phases: Sequence[Phase]) -> bool:
-    """Whether a link fixes when a phase starts: it reads its start time, not its duration alone."""
+    """Whether a link determines the start time of a phase: it depends on the time, not on the duration alone."""
     if index not in link.phases:
         return False
     if TIME in link.rows:

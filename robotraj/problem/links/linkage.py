@@ -1,4 +1,4 @@
-"""Any expression of the ends of phases."""
+"""Links by user expressions of the ends of phases."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Linkage(Link):
-    """lower <= expression(*ends of the phases) <= upper: an event that several phases have a part in.
+    """lower <= expression(*ends of the phases) <= upper.
 
     Parameters
     ----------
     phases : sequence of int
-        The phases whose ends are read.
+        The phases whose ends are the arguments.
     expression : callable
         ``lambda a, b: b.start.x["v"] + 0.8 * a.end.x["v"]``: one argument per phase, with ``.start`` and ``.end``.
     lower, upper : float or sequence, optional
         Bounds; both 0 by default.
     name, unit : str
-        For reports.
+        Label and SI unit, for reports.
     """
 
     phases: Sequence[int]
@@ -62,7 +62,7 @@ class Linkage(Link):
 
 @dataclass(frozen=True)
 class EqualDuration(Link):
-    """Two phases last equally long."""
+    """Two phases have the same duration."""
 
     first: int
     second: int
@@ -95,13 +95,14 @@ class SameParameter(Link):
         sharing = self.phases
         if sharing is None:
             sharing = [i for i, phase in enumerate(phases) if self.name in phase.parameters]
-        who = f"SameParameter({self.name!r})"
+        what = f"SameParameter({self.name!r})"
         for i in sharing:
-            phase = phase_at(phases, i, who)
+            phase = phase_at(phases, i, what)
             if self.name not in phase.parameters:
-                raise unknown_name("parameter", self.name, phase.parameters, f"{who} needs it in phase {phase.name!r}.")
+                advice = f"{what} needs it in phase {phase.name!r}."
+                raise unknown_name("parameter", self.name, phase.parameters, advice)
         if len(sharing) < 2:
-            raise InputError(f"{who}: {len(sharing)} phase(s) declare it; it takes two to share.")
+            raise InputError(f"{what}: {len(sharing)} phase(s) declare it; at least two phases must.")
         name = self.name
 
         def differences(*ends: Ends) -> list[Scalar]:

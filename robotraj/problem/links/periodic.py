@@ -1,4 +1,4 @@
-"""Motions that repeat, as they are or mirrored."""
+"""Links of motions that repeat, with a displacement or mirrored."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ if TYPE_CHECKING:
 
 
 ALONG_THE_GROUND = {"q.root_x", "q.root_y"}
-"""Displacements that leave feet on the ground, where footholds move along."""
+"""Displacements along level ground, after which contact positions still hold."""
 
 
 @dataclass(frozen=True, eq=False)
 class Repeat(OneLine):
-    """How the end of a motion is seen from its start: lower <= x_start - image(x_end) <= upper.
+    """The relation of the start of a motion to its end: lower <= x_start - image(x_end) <= upper.
 
     Attributes
     ----------
     names : list of str
-        The states.
+        Names of the states.
     sources : list of (str, float)
-        For every state, the state of the end that it is an image of, and its sign.
+        For every state, the state of the end whose image it is, and the sign.
     lower, upper : list of float
-        What the displacement makes of the bounds.
+        Bounds that follow from the displacement.
     partners : mapping of str to str
         Contacts and joints that change places.
     level : bool
-        Whether footholds stay on the ground.
+        Whether the displacement is along level ground.
     """
 
     names: list[str]
@@ -62,21 +62,21 @@ class Repeat(OneLine):
         return [i for i in range(len(self.names)) if np.isfinite(self.lower[i]) or np.isfinite(self.upper[i])]
 
     def image(self, point: Point) -> list[Scalar]:
-        """Return the states of a point as seen from the start."""
+        """Return the images of the states of a point, in the order of ``names``."""
         return [sign * point.x[name] for name, sign in self.sources]
 
 
 @dataclass(frozen=True)
 class Periodic(Link):
-    """The motion ends as it began: x(end of last) - x(start of first) = displacement.
+    """The motion repeats: x(end of last) - x(start of first) = displacement.
 
     Parameters
     ----------
     displacement : mapping of str to number, Between or None
-        By state name: what the motion gains in a period (``{"q.root_x": rt.between(0.3, 1)}``, None for anything); the
-        other states repeat exactly.
+        Increments in a period by state name, ``{"q.root_x": rt.between(0.3, 1)}``; None leaves one free. The other
+        states repeat exactly.
     first, last : int
-        The phases that open and close the period; all of the problem by default.
+        The first and the last phase of the period; by default those of the problem.
     """
 
     displacement: Mapping[str, Interval] = field(default_factory=dict)
@@ -87,27 +87,28 @@ class Periodic(Link):
         """Write one row per state whose gain is bounded."""
         return _repeat(self, phases, "Periodic")
 
-    def of(self, phase: Phase, names: list[str], who: str) -> Repeat:
+    def of(self, phase: Phase, names: list[str], what: str) -> Repeat:
         """Read the displacement; every state is its own image."""
-        return _displaced(names, [(name, 1.0) for name in names], self.displacement, {}, who)
+        return _displaced(names, [(name, 1.0) for name in names], self.displacement, {}, what)
 
 
 @dataclass(frozen=True)
 class Mirror(Link):
-    """The motion ends as the mirror image of how it began: half a symmetric gait.
+    """The motion ends in the mirror image of its start: half a symmetric gait.
 
     For each state s with partner m(s):  x_s(end of last) - sign_s x_m(s)(start of first) = displacement_s.
 
     Parameters
     ----------
     partners : mapping of str to str
-        Pairs of joints (of states, for a System) or of contacts that change places, each written once. What is not
-        named is its own partner.
+        Pairs of joints (states of a System) or of contacts that change places, each given once. Others are their own
+        partners.
     negated : sequence of str
-        Joints (states) whose sign changes in the mirror, as roll and yaw do.
+        Joints (states) whose sign changes in the mirror, such as roll and yaw.
     displacement : mapping of str to number, Between or None
-        By state name, as for ``Periodic``.
+        Increments by state name, as for ``Periodic``.
     first, last : int
+        As for ``Periodic``.
     """
 
     partners: Mapping[str, str] = field(default_factory=dict)
@@ -120,13 +121,13 @@ class Mirror(Link):
         """Write one row per state whose gain is bounded."""
         return _repeat(self, phases, "Mirror")
 
-    def of(self, phase: Phase, names: list[str], who: str) -> Repeat:
+    def of(self, phase: Phase, names: list[str], what: str) -> Repeat:
         """Pair the states of both sides.
 
         Raises
         ------
         InputError
-            Names of neither a joint nor a contact.
+            A name is neither that of a joint nor that of a contact.
         """
         states = phase.body.states
         labels = list(dict.fromkeys(s.label for s in states))
@@ -135,25 +136,25 @@ class Mirror(Link):
         for name in self.negated:
             if name not in labels:
                 raise unknown_name("joint", name, labels, "Mirror(negated=...) names joints.")
-        # A pair of contacts may be named whole where a phase holds one of them alone.
+        # A pair of contacts may be given although the phase has only one of them.
         feet = {name for pair in self.partners.items() if set(pair) & set(contacts) for name in pair}
         for name in both:
             if name not in labels and name not in feet and not _is_frame(phase, name):
                 raise unknown_name("joint", name, labels, "Mirror(partners=...) names joints or contacts.")
         by_kind = {(s.quantity, s.label): s.name for s in states}
-        # Seen from the end, where the sign is that of the partner: x_m(s)(end) = sign_m(s) x_s(start).
+        # Solved for the start, with the sign of the partner: x_m(s)(end) = sign_m(s) x_s(start).
         images = [(s.quantity, both.get(s.label, s.label)) for s in states]
         sources = [(by_kind[image], -1.0 if image[1] in self.negated else 1.0) for image in images]
-        return _displaced(names, sources, self.displacement, both, who)
+        return _displaced(names, sources, self.displacement, both, what)
 
 
 def check_partners(repeat: Repeat, phase: Phase) -> None:
-    """Refuse contacts without a partner on limbs that change places: which foot stands next would be unknown.
+    """Refuse contacts without a partner on limbs that change places, since the next standing foot would be unknown.
 
     Raises
     ------
     InputError
-        Such a contact of the phase.
+        A contact of the phase has no partner.
     """
     robot = phase.robot
     if robot is None:
@@ -179,14 +180,14 @@ def _displaced(
     sources: list[tuple[str, float]],
     displacement: Mapping[str, Interval],
     partners: Mapping[str, str],
-    who: str,
+    what: str,
 ) -> Repeat:
     if not isinstance(displacement, Mapping):
         raise InputError(
-            f"displacement of {who} must map names of states to their increments, such as {{{names[0]!r}: 1.0}}; "
+            f"displacement of {what} must map names of states to their increments, such as {{{names[0]!r}: 1.0}}; "
             f"got {displacement!r}. Phases are named by first= and last=."
         )
-    bounds = as_bounds({name: 0.0 for name in names} | dict(displacement), names, f"displacement of {who}", "state")
+    bounds = as_bounds({name: 0.0 for name in names} | dict(displacement), names, f"displacement of {what}", "state")
     at = {name: i for i, name in enumerate(names)}
     # x_end,m - sign x_start,s = d_m is x_start,s - sign x_end,m = - sign d_m.
     ranges = [
@@ -199,17 +200,17 @@ def _displaced(
     return Repeat(names, sources, lower, upper, partners, set(displacement) <= ALONG_THE_GROUND)
 
 
-def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], who: str) -> BoundLink:
-    opening, closing = phase_at(phases, link.first, who), phase_at(phases, link.last, who)
-    names = same_states(opening, closing, who)
-    repeat = link.of(closing, names, who)
+def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], what: str) -> BoundLink:
+    opening, closing = phase_at(phases, link.first, what), phase_at(phases, link.last, what)
+    names = same_states(opening, closing, what)
+    repeat = link.of(closing, names, what)
     for phase in (opening, closing):
         check_partners(repeat, phase)
     kept = repeat.bounded
     if not kept:
-        raise InputError(f"{who} leaves every state free.")
+        raise InputError(f"{what} leaves every state free; bound the displacement of at least one.")
     rows = tuple(
-        Row(who.lower(), opening.body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in kept
+        Row(what.lower(), opening.body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in kept
     )
 
     def expression(ends: Sequence[Ends], _: Mapping[str, Scalar]) -> list[Scalar]:
@@ -218,4 +219,4 @@ def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], who: str) -> Bound
 
     pair = normal(phases, link.first), normal(phases, link.last)
     level = STATE if repeat.level else frozenset({"unit quaternion"})
-    return BoundLink(who, pair, rows, expression, carries=(Carry(pair[1], pair[0], level, repeat.partners),))
+    return BoundLink(what, pair, rows, expression, carries=(Carry(pair[1], pair[0], level, repeat.partners),))

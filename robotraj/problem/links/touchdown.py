@@ -1,4 +1,4 @@
-"""Feet that come down, and feet that leave the ground."""
+"""Links where feet land, and where feet leave the ground."""
 
 from __future__ import annotations
 
@@ -30,24 +30,23 @@ IMPULSE_UNITS = {"N": "N s", "N m": "N m s"}
 
 @dataclass(frozen=True)
 class Touchdown(Link):
-    """Inelastic impact: positions run on, velocities jump, and what ``second`` holds stands still from then on.
+    """Inelastic impact: positions are continuous, velocities jump, and the contacts of ``second`` hold afterwards.
 
     M(q) (v+ - v-) = J(q)' L,    J(q) v+ = 0,    L in the friction cones,
 
-    with L the impulses [N s, N m s] of the contacts of ``second``, unknowns of the link. The rows J v+ = 0, and that
-    the feet stand on the ground, are those of ``second`` itself. A contact that ``first`` holds and ``second`` does not
-    leaves the ground at the impact without an impulse.
+    with L the impulses [N s, N m s] of the contacts of ``second``, unknowns of the link. The rows J v+ = 0 and those of
+    the contact positions belong to ``second`` itself. A contact of ``first`` that ``second`` does not have leaves the
+    ground at the impact without an impulse.
     Source: Hurmuzlu and Marghitu, Rigid body collisions of planar kinematic chains, Int. J. Robotics Research 13
     (1994).
 
     Parameters
     ----------
     first, second : int
-        The phases before and after. A gait that closes on itself names its last phase first and says by ``repeat``
-        how.
+        The phases before and after. For a gait that repeats, ``first`` is its last phase and ``second`` its first.
     repeat : Periodic or Mirror, optional
-        How the start of ``second`` sees the end of ``first``: displaced, or left and right swapped; its own ``first``
-        and ``last`` are not read. Without it, time runs on as well.
+        Displacement or reflection between the end of ``first`` and the start of ``second``; its own ``first`` and
+        ``last`` are not used. Without it, time is continuous as well.
     """
 
     first: int
@@ -60,26 +59,26 @@ class Touchdown(Link):
         Raises
         ------
         InputError
-            Phases that do not exist, have other states, or where ``second`` holds no contact; a mirror that says of no
-            partner which contact it is.
+            A phase does not exist or has other states, ``second`` has no contact, or a mirror names no partner of a
+            contact.
         """
-        who = f"Touchdown({self.first}, {self.second})"
-        before, after = phase_at(phases, self.first, who), phase_at(phases, self.second, who)
+        what = f"Touchdown({self.first}, {self.second})"
+        before, after = phase_at(phases, self.first, what), phase_at(phases, self.second, what)
         if self.repeat is None:
-            check_order(phases, self.first, self.second, who)
-        names = same_states(before, after, who)
+            check_order(phases, self.first, self.second, what)
+        names = same_states(before, after, what)
         body = after.body
         if not isinstance(body, RigidBody) or not body.contacts:
-            raise InputError(f"{who}: phase {after.name!r} holds no contact; give it contacts=[rt.PointContact(...)].")
+            raise InputError(f"{what}: phase {after.name!r} holds no contact; give it contacts=[rt.PointContact(...)].")
         nq, robot = body.robot.nq, body.robot
-        repeat = self.repeat.of(before, names, who) if self.repeat is not None else Repeat.same(names)
+        repeat = self.repeat.of(before, names, what) if self.repeat is not None else Repeat.same(names)
         for phase in (before, after):
             check_partners(repeat, phase)
         placed = [i for i in repeat.bounded if i < nq]
         if self.repeat is not None:
             fast = sorted(set(self.repeat.displacement) & set(names[nq:]))
             if fast:
-                raise InputError(f"{who}: {fast[0]!r} follows from the impact; remove its displacement.")
+                raise InputError(f"{what}: {fast[0]!r} follows from the impact; remove its displacement.")
         rows = [] if self.repeat is not None else [Row("continuity", "s", 0.0, 0.0, "time")]
         rows += [Row("continuity", body.states[i].unit, repeat.lower[i], repeat.upper[i], names[i]) for i in placed]
         rows += [
@@ -115,10 +114,10 @@ class Touchdown(Link):
             for contact in body.contacts
             for name, force in zip(impulse_names(contact), contact.forces, strict=True)
         )
-        # Velocities jump; and where the motion climbs, no foot stands where it stood.
+        # Velocities jump. With a vertical displacement, contact positions do not carry over either.
         kept = STATE - {"contact velocity"} if repeat.level else frozenset({"unit quaternion"})
         carries = (Carry(*pair, kept, repeat.partners),)
-        return BoundLink(who, pair, tuple(rows), expression, unknowns, carries)
+        return BoundLink(what, pair, tuple(rows), expression, unknowns, carries)
 
 
 def impulse_names(contact: BoundContact) -> list[str]:
@@ -133,11 +132,12 @@ def axis_of(force: Variable) -> str:
 
 @dataclass(frozen=True)
 class Liftoff(Link):
-    """Contacts of ``first`` are let go: time and state run on into ``second``, which holds fewer.
+    """Contacts of ``first`` end: time and state are continuous, and ``second`` has fewer contacts.
 
     Parameters
     ----------
     first, second : int
+        The phases before and after.
     """
 
     first: int
@@ -149,15 +149,15 @@ class Liftoff(Link):
         Raises
         ------
         InputError
-            ``second`` holds all that ``first`` held, or takes hold of something: that is a ``Touchdown``.
+            ``second`` has all contacts of ``first``, or a new one.
         """
-        who = f"Liftoff({self.first}, {self.second})"
+        what = f"Liftoff({self.first}, {self.second})"
         held, kept = (
-            {contact.name for contact in phase_at(phases, i, who).bound_contacts} for i in (self.first, self.second)
+            {contact.name for contact in phase_at(phases, i, what).bound_contacts} for i in (self.first, self.second)
         )
         if not kept < held:
             raise InputError(
-                f"{who}: the first phase holds {sorted(held)}, the second {sorted(kept)}; at a liftoff contacts "
-                "are let go and none is made. Use rt.Touchdown where a foot comes down, rt.Continuity where all stays."
+                f"{what}: the first phase has the contacts {sorted(held)}, the second {sorted(kept)}; at a liftoff "
+                "contacts end and none begins. Use rt.Touchdown if a foot lands, rt.Continuity if all contacts stay."
             )
-        return replace(Continuity(self.first, self.second).bind(phases), name=who)
+        return replace(Continuity(self.first, self.second).bind(phases), name=what)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Objective(OneLine, ABC):
-    """What a phase minimises. Objectives add up and scale: ``rt.Effort() + 0.1 * rt.Duration()``."""
+    """A function that a phase minimises. Objectives add up and scale: ``rt.Effort() + 0.1 * rt.Duration()``."""
 
     @property
     @abstractmethod
@@ -45,12 +45,12 @@ class Objective(OneLine, ABC):
 
     def __truediv__(self, divisor: float) -> Objective:
         if not isinstance(divisor, int | float | np.number) or divisor == 0:
-            raise InputError(f"An objective can be divided by a number that is not 0, not by {divisor!r}.")
+            raise InputError(f"An objective is divided by {divisor!r}; give a number that is not 0.")
         return self * (1.0 / divisor)
 
     def __mul__(self, weight: float) -> Objective:
         if not isinstance(weight, int | float | np.number) or not np.isfinite(weight):
-            raise InputError(f"An objective can be multiplied by a finite number, not by {weight!r}.")
+            raise InputError(f"An objective is multiplied by {weight!r}; give a finite number.")
         return Sum(tuple((float(weight) * w, term) for w, term in self.terms))
 
     __rmul__ = __mul__
@@ -72,7 +72,7 @@ class Sum(Objective):
 
 
 class Term(Objective):
-    """What both kinds of elementary terms share."""
+    """Base class of both kinds of elementary terms."""
 
     def __post_init__(self) -> None:
         """Keep copies of the arrays, lists and mappings that were given."""
@@ -80,14 +80,14 @@ class Term(Objective):
 
     @abstractmethod
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
-        """Raise InputError where the term names what the dynamics do not have."""
+        """Raise an InputError if the term does not fit the dynamics, such as for an unknown name."""
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Wrap the dynamics of the phase in what the term needs beside them; most terms need nothing."""
+        """Add the variables of the term to the dynamics of the phase; most terms have none."""
         return dynamics
 
     def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:
-        """Rows that define the variables the term brought, held at collocation points; most have none."""
+        """Rows at collocation points that define the variables of the term; most terms have none."""
         return ()
 
 

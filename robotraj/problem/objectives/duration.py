@@ -1,4 +1,4 @@
-"""Time, as a cost."""
+"""The duration of a phase as a cost."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 class Duration(EndCost):
     """Duration of the phase, t_end - t_start [s].
 
-    Least time alone leaves torques free where they do not matter and lets them chatter. A little effort settles them:
-    ``rt.Duration() + 1e-3 * rt.Effort()``. With T* and E* the time and the effort of the fastest motion, the time T
-    found with weight w and effort E lies in T* <= T <= T* + w (E* - E).
+    With least time alone, torques that do not affect the time are not determined and may oscillate. A small weight of
+    effort determines them: ``rt.Duration() + 1e-3 * rt.Effort()``. With T* and E* the time and effort of the fastest
+    motion, the time T found with weight w and effort E satisfies T* <= T <= T* + w (E* - E).
     """
 
     def value(self, start: Point, end: Point) -> Scalar:

@@ -1,4 +1,4 @@
-"""Squared torques, integrated."""
+"""Integral of squared torques."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Effort(Integral):
         names = list(point.u)
         weights = self._resolved(names)
         if self.weights is None and isinstance(point.u.column, ca.SX):
-            # The same graph in one call of CasADi's.
+            # The same graph by a single call of CasADi.
             return ca.sumsqr(point.u.column)
         return sum((w * point.u[name] ** 2 for w, name in zip(weights, names, strict=True) if w != 0.0), 0.0)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Lagrange(Integral):
     """Integral of ``expression(point)`` over the phase: ``rt.Lagrange(lambda point: point.u["u"] ** 2)``.
 
-    ``rt.PathConstraint`` lists what a point has.
+    ``rt.PathConstraint`` lists the attributes of a point.
     """
 
     expression: PointExpression
@@ -42,7 +42,7 @@ class Lagrange(Integral):
 class Mayer(EndCost):
     """Cost of the end points: ``rt.Mayer(lambda start, end: end.x["m"])``.
 
-    The end points know ``t``, ``x``, ``p`` and, for robots, ``q``, ``v``, frames and the centre of mass.
+    The end points have ``t``, ``x``, ``p`` and, for robots, ``q``, ``v``, frames and the centre of mass.
     """
 
     expression: EndExpression

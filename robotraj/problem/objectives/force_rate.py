@@ -1,4 +1,4 @@
-"""Rates of contact forces: feet that load and unload gently."""
+"""Integral of squared rates of contact forces, for smooth loading and unloading of feet."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ForceRates(Augmented):
-    """Contact forces become states and their rates r controls, fdot = r; points read them as before."""
+    """Contact forces become states and their rates r controls, fdot = r; points still have them in ``point.z``."""
 
     @cached_property
     def _forces(self) -> tuple[Variable, ...]:
@@ -43,7 +43,7 @@ class ForceRates(Augmented):
 
     @cached_property
     def algebraic(self) -> tuple[Variable, ...]:
-        """Inner algebraic variables but for the contact forces."""
+        """Inner algebraic variables without the contact forces."""
         return tuple(v for v in self.inner.algebraic if v not in self._forces)
 
     @cached_property
@@ -57,7 +57,7 @@ class ForceRates(Augmented):
         return tuple(Variable(f"rate.{f.name}", f"{f.unit}/s", f"{f.quantity} rate", f.joint) for f in self._forces)
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Hand the forces back as algebraic variables, with their rates in ``point.extra``."""
+        """Return a point with the forces among the algebraic variables and their rates in ``point.extra``."""
         nx, nu = len(self.inner.states), len(self.inner.controls)
         inner = None
         if z is not None:
@@ -78,8 +78,8 @@ class ForceRates(Augmented):
 class ForceRate(Integral):
     """Integral over the phase of sum_i w_i (d f_i / dt)^2 over all components of contact forces [N^2/s].
 
-    The forces become states, so that they are continuous within the phase and as smooth as the scheme's states; their
-    ends are free, since a foot may come down and leave at once.
+    The forces become states. So they are continuous within the phase and as smooth as the scheme's states. Their ends
+    are free, since contacts may begin and end abruptly.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class ForceRate(Integral):
     Raises
     ------
     InputError
-        A phase without contacts, unknown contacts, a bound that is not positive.
+        The phase has no contacts, a contact is unknown, or the bound is not positive.
     """
 
     weights: WeightsLike = None

@@ -1,4 +1,4 @@
-"""Centroidal momentum, integrated: motions that do not swing about."""
+"""Integral of the squared centroidal momentum."""
 
 from __future__ import annotations
 

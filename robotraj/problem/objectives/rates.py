@@ -27,7 +27,7 @@ class TorqueRate(Integral):
 
     The torques (controls of a System) become states and their rates the controls. So torques are continuous within the
     phase and as smooth as the scheme's states; their ends are free. ``point.u`` and the phase's ``controls=`` still
-    name the torques; ``rt.constraints.JointTorqueRate`` bounds the rates.
+    refer to the torques. ``rt.constraints.JointTorqueRate`` bounds the rates.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ class Jerk(Integral):
         held = getattr(body_of(dynamics), "contacts", ())
         if held:
             raise InputError(
-                f"Jerk() needs the rates of contact forces, which a phase that holds {held[0].name!r} does not have; "
-                "use rt.objectives.TorqueRate(), or rt.objectives.FrameSmoothness of what must move smoothly."
+                f"Jerk() needs the rates of contact forces, which a phase with contact {held[0].name!r} does not have; "
+                "use rt.objectives.TorqueRate(), or rt.objectives.FrameSmoothness(...) of some frames."
             )
 
     def augment(self, dynamics: Dynamics) -> Dynamics:

@@ -24,7 +24,7 @@ class ReferenceTrajectory(Protocol):
 
 
 class ReferencePhase(Protocol):
-    """What is read of a phase of a solution."""
+    """The attributes of a planned phase that ``symbolic_states`` uses."""
 
     @property
     def phase(self) -> Phase:
@@ -36,7 +36,7 @@ class ReferencePhase(Protocol):
 
 
 class ReferenceSolution(Protocol):
-    """What is read of a solution."""
+    """The attributes of a solution that ``symbolic_states`` uses."""
 
     @property
     def phases(self) -> Sequence[ReferencePhase]:
@@ -44,7 +44,7 @@ class ReferenceSolution(Protocol):
 
 
 def symbolic_states(solution: ReferenceSolution, names: Sequence[str], t: ca.SX) -> Mapping[str, ca.SX]:
-    """States of a solution at a symbolic time, held still outside its duration.
+    """States of a solution at a symbolic time, constant outside its duration.
 
     In interval k, x(t) = sum_d c_kd s^d with s = (t - b_k) / h_k; the coefficients of the interval that t
     lies in are c_0 + sum_k [t >= b_k] (c_k - c_{k-1}).
@@ -53,7 +53,7 @@ def symbolic_states(solution: ReferenceSolution, names: Sequence[str], t: ca.SX)
     ----------
     solution : Solution
     names : sequence of str
-        Of states.
+        Names of the states.
     t : SX
         Global time [s].
 

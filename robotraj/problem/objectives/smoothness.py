@@ -1,4 +1,4 @@
-"""Accelerations of frames, integrated: feet and hands that move smoothly."""
+"""Integral of squared accelerations of frames, for smooth motions of feet and hands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class FrameSmoothness(Integral):
     frames : str or sequence of str
         Frames such as the swinging feet.
     weights : None, sequence or mapping by frame
-        1 each by default.
+        Weight of each frame, 1 by default.
     """
 
     frames: str | Sequence[str]
@@ -46,7 +46,7 @@ class FrameSmoothness(Integral):
         """Check the frames and the weights."""
         robot = robot_of(dynamics, "FrameSmoothness")
         if not self._names:
-            raise InputError("FrameSmoothness names no frame.")
+            raise InputError("FrameSmoothness names no frame; name at least one in frames=.")
         for name in self._names:
             robot.frame(name)
         weights_of(self.weights, self._names, "FrameSmoothness")

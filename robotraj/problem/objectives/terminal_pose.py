@@ -1,4 +1,4 @@
-"""A pose that a frame should have at the end, as a cost."""
+"""Cost of the distance of a frame from a pose at the end of a phase."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def target_of(value: Triple | PoseLike, what: str) -> tuple[np.ndarray, np.ndarr
     Raises
     ------
     InputError
-        Neither three numbers nor a pose; ``what`` names it.
+        The value is neither three numbers nor a pose.
     """
     placed = hasattr(value, "rotation") or len(value) != 3
     position, rotation = as_pose(value, what) if placed else (value, None)

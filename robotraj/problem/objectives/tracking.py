@@ -1,4 +1,4 @@
-"""Distance from a reference motion, integrated."""
+"""Integral of the squared distance from a reference motion."""
 
 from __future__ import annotations
 
@@ -38,13 +38,12 @@ class Tracking(Integral):
     Parameters
     ----------
     reference : callable or Solution
-        ``reference(t)`` of the global time t [s] returns a mapping: ``"q"`` and ``"v"`` to vectors (nq,) and (nv,),
-        names of frames to positions (3,) [m], names of a System's states to numbers, as far as weights ask
-        for them; t is a CasADi symbol, on which NumPy's and CasADi's functions work. A Solution is followed
-        as it is, and held still before its start and after its end.
+        ``reference(t)`` of the global time t [s], a CasADi symbol, returns a mapping. It maps ``"q"`` and ``"v"`` to
+        vectors (nq,) and (nv,), names of frames to positions (3,) [m], and names of a System's states to numbers. Only
+        entries with a weight are needed. A Solution is constant before its start and after its end.
     q, v : number, sequence or mapping by joint
-        Weights of positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 by default. For a
-        floating root they weigh the quaternion's entries: a small angle e [rad] counts as e^2 / 4.
+        Weights of positions [1/rad^2, 1/m^2] and velocities; q = 1 and v = 0 by default. For a floating root they
+        weigh the quaternion's entries, for which a small angle e [rad] counts as e^2 / 4.
     frames : mapping of str to number
         Weights of frames' positions [1/m^2].
     states : None, number, sequence or mapping by state
@@ -70,12 +69,14 @@ class Tracking(Integral):
                 )
             wanted = as_rows(known[name], f"reference of {name!r}")
             if len(wanted) != len(weights):
-                raise InputError(f"Tracking: the reference of {name!r} has {len(wanted)} values, not {len(weights)}.")
+                raise InputError(
+                    f"Tracking: the reference of {name!r} has {len(wanted)} values; it must have {len(weights)}."
+                )
             total += sum((w * (value[i] - wanted[i]) ** 2 for i, w in enumerate(weights) if w), ca.SX(0))
         return total
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
-        """Check weights, frames and what the reference gives, by trying it."""
+        """Check weights and frames, and the reference by calling it on symbols."""
         robot = isinstance(dynamics, RigidBody)
         if not callable(self.reference) and not hasattr(self.reference, "phases"):
             raise InputError("Tracking(reference): give a function of time that returns a mapping, or a Solution.")
@@ -85,7 +86,7 @@ class Tracking(Integral):
             raise InputError("Tracking: q= and frames= are for robots; weigh a System's states with states=.")
         rate = as_rows(self.rate(symbols_of(dynamics, parameters)), "Tracking rate")[0]
         if rate.is_zero():
-            raise InputError("Tracking weighs nothing; give a weight above 0.")
+            raise InputError("Tracking has only weights of 0; give one above 0.")
 
     def _robot_entries(self, point: RobotPoint) -> list[tuple[str, Column | Sequence[Scalar], list[float]]]:
         robot = point.robot

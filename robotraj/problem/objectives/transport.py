@@ -1,4 +1,4 @@
-"""Cost of transport: work by weight and distance, a ratio that is minimised as a whole."""
+"""Cost of transport: the ratio of work to weight times distance."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class CostOfTransport(EndCost):
     Parameters
     ----------
     frame : str, optional
-        Whose way it is: a frame, such as that of the base; the centre of mass by default.
+        Frame whose displacement counts, such as that of the base; by default the centre of mass.
     direction : sequence of 3 float
-        In the world, made a unit vector; x by default.
+        Direction in the world, of any length; x by default.
     work : Integral
         ``rt.objectives.MechanicalWork()``, positive work, by default; or any other integral in J.
 
@@ -63,7 +63,9 @@ class CostOfTransport(EndCost):
         if direction.shape != (3,) or not np.all(np.isfinite(direction)) or not np.any(direction):
             raise InputError(f"CostOfTransport: direction is {self.direction!r}; it must be a vector of 3 numbers.")
         if not np.any(robot.model.gravity.linear):
-            raise InputError("CostOfTransport needs gravity, but that of the robot's model is zero.")
+            raise InputError(
+                "CostOfTransport needs gravity, but that of the robot's model is zero; load it with gravity=."
+            )
         if not isinstance(self.work, Integral):
             raise InputError(
                 f"CostOfTransport: work is {self.work!r}; give an integral such as rt.objectives.AbsolutePower()."
@@ -71,9 +73,9 @@ class CostOfTransport(EndCost):
         self.work.check(dynamics, parameters)
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Add the state W, and what the work itself needs."""
+        """Add the state W, and the variables of the work."""
         if has(dynamics, ["work"]):
-            raise InputError("A phase can have one CostOfTransport; its objective has two.")
+            raise InputError("The objective has two CostOfTransport terms; keep one.")
         return RunningIntegral(self.work.augment(dynamics), Variable("work", "J", "work"), self.work.rate)
 
     def definitions(self, dynamics: Dynamics) -> tuple[BoundConstraint, ...]:

@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 class MechanicalWork(Integral):
     """Integral over the phase of sum_j w_j (max(P_j, 0) + braking max(-P_j, 0)) with P_j = tau_j v_j [J].
 
-    The exact form has one slack s_j >= 0 per joint with P_j + s_j >= 0, and integrates P_j + (1 + braking)
-    s_j: at the optimum s_j = max(-P_j, 0) at every collocation point. It is the pair s+, s- >= 0 with P = s+
-    - s- and cost s+ + braking s-, with s+ eliminated.
+    The exact form has one slack s_j >= 0 per joint with P_j + s_j >= 0, and integrates P_j + (1 + braking) s_j. At the
+    optimum s_j = max(-P_j, 0) at every collocation point. This form eliminates s+ from the pair s+, s- >= 0 with
+    P = s+ - s- and cost s+ + braking s-.
 
-    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0) and is smaller by e at most. Its
-    optimum is below the exact one by e T sum_j w_j (1 + braking) / 2 at most.
+    The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which is smaller by at most e. Its
+    optimum is below the exact one by at most e T sum_j w_j (1 + braking) / 2.
 
-    Powers count at collocation points. A torque with a free mid-point can oscillate between them, and the optimum of a
-    coarse mesh exploits this work that is not counted. Torques that are linear between knots cannot do so: plan with
+    Only powers at collocation points count. A torque with a free mid-point can oscillate between them, and the optimum
+    of a coarse mesh exploits this. Torques that are linear between knots cannot. Plan with
     ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh requires, or with ``tolerance=``. To
     check a plan, integrate |tau v| on a dense grid.
 
@@ -46,10 +46,10 @@ class MechanicalWork(Integral):
     weights : None, number, sequence or mapping by joint
         One weight per actuated joint (per control of ``speeds``), 1 by default.
     braking : float
-        What a joule of braking costs, above -1: 0 counts positive work alone, 1 the absolute power; a
-        negative price rewards recuperation.
+        Cost of a joule of braking, above -1. 0 counts positive work alone, 1 the absolute power; a negative cost
+        rewards recuperation.
     smoothing : float, optional
-        e > 0 [W]; None takes the exact form.
+        e > 0 [W]; None selects the exact form.
     speeds : mapping of str to str, optional
         For a System, the state that is the speed of each control: ``{"F": "v"}`` has the power F v.
 
@@ -70,7 +70,7 @@ class MechanicalWork(Integral):
             raise InputError(f"MechanicalWork: smoothing is {self.smoothing!r}; it must be a power above 0 W, or None.")
 
     def rate(self, point: RobotPoint) -> Scalar:
-        """Weighted price of the powers [W]."""
+        """Weighted cost of the powers [W]."""
         total = ca.SX(0)
         for weight, (control, speed) in self._weighed(tuple(point.u)):
             power = point.u[control] * point.x[speed]
@@ -124,9 +124,9 @@ class MechanicalWork(Integral):
 
 @dataclass(frozen=True)
 class AbsolutePower(MechanicalWork):
-    """Integral over the phase of sum_j w_j |tau_j v_j| [J]: mechanical work that pays as much for braking.
+    """Integral over the phase of sum_j w_j |tau_j v_j| [J]: mechanical work in which braking costs as much.
 
-    Parameters as of ``MechanicalWork``; the smooth form lies below the exact one by e T sum_j w_j at most.
+    Parameters are those of ``MechanicalWork``. The smooth form is below the exact one by at most e T sum_j w_j.
     """
 
     braking: float = 1.0

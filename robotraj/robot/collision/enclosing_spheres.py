@@ -1,4 +1,4 @@
-"""Spheres that enclose a surface: every triangle of a fine subdivision lies in one sphere as a whole.
+"""Spheres that enclose a surface: every triangle of a fine subdivision lies entirely in one sphere.
 
 The surface is split into parts, each with its smallest enclosing ball. The part with the largest ball, of those that
 protrude beyond the surface, is split next, along the axis that leaves the least volume. A ball is convex, so a triangle
@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 EXCESS = 0.01
 """Distance beyond the surface that a sphere may protrude [m]."""
 MOST = 10
-"""Spheres of one shape at most; the protrusion may be larger then: flat ends take many spheres."""
+"""Largest number of spheres of a shape. It takes precedence over ``EXCESS``, since flat ends need many spheres."""
 FINENESS = 20
 """Pieces of the subdivision along the longest extent of a shape."""
 STEPS = 40
@@ -50,7 +50,7 @@ class Fit(NamedTuple):
 
 
 def enclose(triangles: Array, excess: float = EXCESS, most: int = MOST) -> Fit:
-    """Fit spheres to triangles (f, 3, 3) [m]; ``encloses`` holds of the result."""
+    """Fit spheres to triangles (f, 3, 3) [m]; the result satisfies ``encloses``."""
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     pieces = subdivided(triangles, max(extent / FINENESS, 1e-4))
     surface = _Surface(pieces)
@@ -68,7 +68,7 @@ def enclose(triangles: Array, excess: float = EXCESS, most: int = MOST) -> Fit:
 
 
 def encloses(centres: Array, radii: Array, triangles: Array) -> bool:
-    """Whether each piece of a fine subdivision of the triangles lies in one sphere as a whole."""
+    """Whether each piece of a fine subdivision of the triangles lies entirely in one sphere."""
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     pieces = subdivided(triangles, max(extent / FINENESS, 1e-4))
     held = np.zeros(len(pieces), dtype=bool)

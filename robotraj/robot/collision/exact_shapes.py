@@ -1,4 +1,4 @@
-"""The exact collision shapes of a robot's links, by coal, and which pairs of links touch."""
+"""The exact collision shapes of a robot's links, and the pairs of links that touch by coal."""
 
 from __future__ import annotations
 

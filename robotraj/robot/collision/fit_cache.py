@@ -1,4 +1,4 @@
-"""Fits on disk, by the content of the shape: a mesh is fitted once."""
+"""A cache on disk of the spheres fitted to a shape, keyed by the shape's content."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from robotraj.robot.collision.enclosing_spheres import Fit, enclose
 Array = npt.NDArray[np.float64]
 
 VERSION = 1
-"""Raised when ``enclose`` returns other spheres: earlier files are not read then."""
+"""Version of the cached files; increment it when ``enclose`` changes, so that earlier files are not read."""
 
 
 def fitted(triangles: Array) -> Fit:
-    """Return the spheres of triangles (f, 3, 3) [m] from disk, or fit and keep them where this is possible."""
+    """Return the spheres of triangles (f, 3, 3) [m] from the cache; otherwise fit them and write them there."""
     content = np.ascontiguousarray(triangles).tobytes()
     path = folder() / f"{hashlib.sha256(content).hexdigest()[:40]}-{VERSION}.npz"
     known = _read(path)
@@ -33,12 +33,12 @@ def fitted(triangles: Array) -> Fit:
         with whole_file(path) as partial, partial.open("wb") as stream:
             np.savez(stream, **fit._asdict())
     except (OSError, InputError):
-        pass  # Without a place to keep it, the mesh is fitted again by the next process.
+        pass  # If the cache cannot be written, the next process fits the mesh again.
     return fit
 
 
 def folder() -> Path:
-    """Return the folder of fits, beside that of the engines."""
+    """Return the cache folder, a sibling of the engines' one."""
     return default_folder().parent / "spheres"
 
 
@@ -54,7 +54,7 @@ def _read(path: Path) -> Fit | None:
 
 
 def _is_complete(fit: Fit, triangles: Array) -> bool:
-    """Whether every corner lies in a sphere: a file that was changed or cut is not used."""
+    """Whether every corner lies in a sphere; a modified or truncated file fails this check."""
     if fit.centres.ndim != 2 or fit.centres.shape != (len(fit.radii), 3) or not len(fit.radii):
         return False
     corners = np.unique(triangles.reshape(-1, 3), axis=0)

@@ -1,9 +1,10 @@
 """Pairs of links that are checked against each other.
 
-Four kinds of pairs are not checked: those that an SRDF disables, links that a joint joins, links that do not move
-relative to each other, and links whose shapes touch in every configuration. Links that are closer than spheres resolve
-are left to the exact shapes of the witness: spheres around the forearm and the wrist of an arm overlap in half of its
-configurations, where the shapes touch in few.
+Four kinds of pairs are not checked. An SRDF disables them, a joint connects the links, the links do not move relative
+to each other, or their shapes touch in every configuration.
+
+A fifth kind is too close for spheres. The spheres around the forearm and the wrist of an arm overlap in half of its
+configurations, while the shapes touch in few. The witness checks these pairs with the exact shapes.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ Pairs = tuple[tuple[str, str], ...]
 SAMPLES = 300
 """Configurations in which a pair must touch to count as always touching."""
 OFTEN = 0.15
-"""Share of configurations in which the spheres of a pair must touch for its exact shapes to be looked at."""
+"""Fraction of configurations with touching spheres above which the exact shapes of a pair are compared."""
 AGREEING = 0.5
-"""Least share of these in which the exact shapes touch too."""
+"""Least fraction of these configurations in which the exact shapes must touch too."""
 
 
 def read_srdf(path: str | os.PathLike[str]) -> Pairs:

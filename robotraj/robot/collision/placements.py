@@ -17,18 +17,18 @@ _TINY = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class JointTree:
-    """The numbers of a model that place its joints.
+    """The parameters of a model that determine the placements of its joints.
 
     Attributes
     ----------
     parents : tuple of int
         Parent of each joint; joint 0 is the world.
     rotations, translations : ndarray (njoints, 3, 3), (njoints, 3)
-        Of each joint in its parent at q = 0 [m].
+        Placement of each joint in its parent's frame at q = 0 [m].
     axes : ndarray (njoints, 3)
         Unit axis of each joint in its own frame; zero for a free-flyer.
     turns : ndarray of bool (njoints,)
-        Whether the joint turns about its axis, or slides along it.
+        True for joints that turn about their axis, False for those that slide along it.
     first : tuple of int
         Index of each joint's first position in q.
     """
@@ -54,7 +54,7 @@ _TREES: WeakKeyDictionary[Robot, JointTree] = WeakKeyDictionary()
 
 
 def joint_tree(robot: Robot) -> JointTree:
-    """Return the tree of a robot's joints; it is made once."""
+    """Return the tree of a robot's joints; it is computed once per robot."""
     known = _TREES.get(robot)
     if known is None:
         known = _TREES[robot] = _tree(robot.model)

@@ -1,4 +1,4 @@
-"""The robot as spheres: those of its URDF, and those that enclose its other shapes."""
+"""A robot's collision geometry as spheres: those of its URDF, and those that enclose its other shapes."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class RobotSpheres(OneLine):
     links : tuple of str
         Links that carry spheres.
     link : ndarray of int (n,)
-        Of each sphere, index in ``links``.
+        Index in ``links`` of each sphere's link.
     joint : ndarray of int (n,)
         Pinocchio's joint that carries each sphere; 0 for the world.
     centre : ndarray (n, 3)
@@ -106,23 +106,22 @@ _KNOWN: WeakKeyDictionary[Robot, dict[frozenset[frozenset[str]], RobotSpheres]] 
 
 
 def robot_spheres(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> RobotSpheres:
-    """Return the spheres of a robot; they are made once.
+    """Return the spheres of a robot; they are computed once per robot.
 
-    Spheres of the URDF are taken as they are; capsules, boxes, cylinders and meshes are enclosed by spheres, which are
-    kept on disk by the content of the shape (``fit_cache``).
+    Spheres of the URDF are used unchanged. Capsules, boxes, cylinders and meshes are enclosed by spheres, which are
+    cached on disk (``fit_cache``).
 
     Parameters
     ----------
     robot : Robot
     disabled : collection of (str, str)
-        Pairs of links that are not checked against each other, as of ``read_srdf``. Further pairs are not checked:
-        those that a joint joins, those that do not move relative to each other, those that touch in all sampled
-        configurations, and those for which the spheres are too coarse (``too_coarse``).
+        Pairs of links that are not checked against each other, as of ``read_srdf``. The pairs that ``link_pairs``
+        describes are not checked either.
 
     Raises
     ------
     InputError
-        A shape of a kind that spheres are not fitted to.
+        A shape is of an unsupported kind.
     """
     known = _KNOWN.setdefault(robot, {})
     key = frozenset(frozenset(pair) for pair in disabled)

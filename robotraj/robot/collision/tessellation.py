@@ -24,7 +24,7 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
     Raises
     ------
     InputError
-        A shape of another kind.
+        The shape is of another kind.
     """
     kind = type(shape).__name__
     if kind.startswith("BVHModel"):
@@ -40,7 +40,7 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
         return box_triangles(np.array(shape.radii))
     if kind.startswith("Convex"):
         return hull_triangles(np.array(shape.points()))
-    raise InputError(f"The collision shape {name!r} is a {kind}, which spheres are not fitted to; use a mesh.")
+    raise InputError(f"The collision shape {name!r} is a {kind}, which spheres cannot enclose; use a mesh.")
 
 
 def subdivided(triangles: Array, longest: float) -> Array:

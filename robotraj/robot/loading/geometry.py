@@ -1,7 +1,7 @@
 """Sources of a robot's visual and collision geometry, which is read on first use.
 
-A robot from a URDF is pickled without its shapes. So loading does not wait for meshes, and a robot can be sent to
-another process. The shapes are read again there on first use.
+Loading a robot does not wait for meshes. A robot from a URDF is pickled without its shapes. Another process that
+receives the robot reads them again on first use.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ _closed: ContextVar[bool] = ContextVar("closed", default=False)
 
 
 class ShapesUnread(InputError):
-    """Shapes are not read from their files here."""
+    """Reading shapes from files is not allowed inside ``unread_shapes``."""
 
 
 @contextmanager
 def unread_shapes() -> Iterator[None]:
-    """Read no URDF and no mesh inside, but raise ``ShapesUnread``: a stranger may have named the files."""
+    """Raise ``ShapesUnread`` instead of reading a URDF or mesh: an untrusted file may have named the path."""
     token = _closed.set(True)
     try:
         yield
@@ -71,7 +71,7 @@ class UrdfGeometry(OneLine):
     urdf : Path
         The file.
     package_dirs : tuple of str
-        Folders given by the caller, which are searched for meshes before the URDF's own.
+        Folders given by the caller; they are searched for meshes before the URDF's own.
     trust_paths : bool
         Whether meshes anywhere else are read.
     """
@@ -89,7 +89,7 @@ class UrdfGeometry(OneLine):
             Inside ``unread_shapes``.
         """
         if _closed.get():
-            raise ShapesUnread(f"the shapes in {str(self.urdf)!r} are not read while a file is loaded")
+            raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
         root = read_xml(self.urdf)
         folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
         faults: dict[str, list[str]] = {}

@@ -1,4 +1,4 @@
-"""Which rotational inertias a rigid body can have: no negative moment, none larger than the sum of the others.
+"""Checks of rotational inertias: a rigid body has no negative moment, and none larger than the sum of the others.
 
 Source: Traversaro, Brossette, Escande and Nori, Identification of fully physical consistent inertial parameters (2016).
 """
@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 
 NEGATIVE = 1e-6
-"""Negative moments up to this part of the largest one are taken for rounding."""
+"""Negative moments up to this fraction of the largest one are attributed to rounding."""
 TRIANGLE = 1e-2
-"""Largest part by which a moment may exceed the sum of the two others, for files with few digits."""
+"""Largest relative excess of a moment over the sum of the two others, for files with few digits."""
 ROUNDING = 1e-9
-"""Moments below this times the mass [m^2] are taken for zero: a radius of gyration of 0.03 mm."""
+"""Moments below this times the mass [m^2] count as zero: a radius of gyration of 0.03 mm."""
 
 
 def principal_moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -40,7 +40,9 @@ def read_mimics(robot: Element, moving: Sequence[str]) -> tuple[Mimic, ...]:
             continue
         leader = tag.get("joint", "")
         if leader not in moving:
-            raise InputError(f"Joint {follower!r} mimics {leader!r}, which is no moving joint of the URDF.")
+            raise InputError(
+                f"Joint {follower!r} mimics {leader!r}, which is no moving joint of the URDF; correct its <mimic>."
+            )
         multiplier, offset = float(tag.get("multiplier", "1")), float(tag.get("offset", "0"))
         mimics.append(Mimic(follower, leader, multiplier, offset))
     return tuple(mimics)
@@ -68,7 +70,7 @@ def lock_mimics(mimics: Sequence[Mimic], locked: Mapping[str, float], neutral: M
 
     def position(joint: str, passed: tuple[str, ...] = ()) -> float:
         if joint in passed:
-            raise InputError(f"The mimic joints {', '.join(passed)} form a cycle of couplings.")
+            raise InputError(f"The mimic joints {', '.join(passed)} form a cycle of couplings; remove one <mimic>.")
         if joint not in by_follower:
             return float(locked.get(joint, neutral[joint]))
         mimic = by_follower[joint]

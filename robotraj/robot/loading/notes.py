@@ -1,4 +1,4 @@
-"""Notes on the decisions of loading, one sentence each; empty if there was no decision."""
+"""Notes on decisions made while loading, one sentence each; a note without a decision is empty."""
 
 from __future__ import annotations
 
@@ -87,8 +87,8 @@ def dissipation_note(model: pin.Model) -> str:
     if not np.any(model.damping) and not np.any(model.upperDryFrictionLimit):
         return ""
     return (
-        "Damping and friction are the model's (a URDF's <dynamics>); Pinocchio's dynamics ignore "
-        "them, robotraj adds them."
+        "Damping and friction come from the model (a URDF's <dynamics>). robotraj adds them to Pinocchio's dynamics, "
+        "which ignore them."
     )
 
 

@@ -1,4 +1,4 @@
-"""Sources of robots: a name, a URDF file, a pin.Model or a RobotWrapper; each is read into a Description."""
+"""Sources of robots: a name, a URDF file, a pin.Model or a RobotWrapper, each read into a Description."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Description:
     origin : str
         Source of the robot, for printing.
     findings : tuple of str
-        Numbers of the URDF that can be read but not be right, one sentence each.
+        Implausible numbers of the URDF, one sentence each.
     known : bool
         Whether the catalogue lists it. Its findings are notes without a warning.
     """

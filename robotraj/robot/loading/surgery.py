@@ -50,10 +50,8 @@ def check_joints(model: pin.Model) -> None:
     mimic = [model.names[joint] for joint in model.mimicking_joints]
     if mimic:
         raise InputError(
-            f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics "
-            "does not support; "
-            "give the path of the URDF, or build the model with mimic=False (the joints are then "
-            "independent)."
+            f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics does not "
+            "support. Give the path of the URDF, or build the model with mimic=False, which makes them independent."
         )
     first = 2 if has_free_flyer(model) else 1
     rigid = enumerate(model.joints.tolist()[first:], start=first)

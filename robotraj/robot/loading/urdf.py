@@ -22,7 +22,7 @@ def read_xml(path: Path) -> ElementTree.Element:
     Raises
     ------
     InputError
-        The file is missing, a folder, no XML, XML of another kind (SDF, MJCF, xacro), or has endless attributes.
+        The file is missing, too large, no XML, XML of another kind (SDF, MJCF, xacro), or has a too long attribute.
     """
     if not path.is_file():
         raise InputError(f"There is no URDF file {str(path)!r}; give the path of an existing file.")
@@ -34,7 +34,7 @@ def read_xml(path: Path) -> ElementTree.Element:
     try:
         root = ElementTree.parse(path).getroot()
     except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InputError(f"{str(path)!r} is no well-formed XML: {error}.") from error
+        raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
     for element in root.iter():
         for key, text in element.attrib.items():
             if len(text) > MAX_TEXT:

@@ -1,7 +1,7 @@
 """Checks of a URDF's numbers: origins, axes, limits, masses and inertias.
 
-Numbers that cannot be read are refused: the parser behind Pinocchio replaces them by 0. Numbers that can be read but
-not be right are findings, which ``rt.load`` warns of and ``robotraj show`` lists.
+Numbers that cannot be read are refused, because the parser behind Pinocchio replaces them by 0. Implausible numbers are
+findings: ``rt.load`` warns of them, and ``robotraj show`` lists them.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from robotraj.robot.loading.urdf_structure import SHOWN
 
 JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
 MOVING = {"revolute", "continuous", "prismatic"}
-"""Those along or about one axis."""
+"""Joint types with one axis."""
 JOINT_NUMBERS = ("limit", "dynamics", "mimic")
-"""Tags of a joint whose attributes are numbers, but for the name of the leader."""
+"""Tags of a joint whose attributes are numbers, except the name of a mimicked joint."""
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 """Places in ``INERTIA`` of the entries of the matrix, row by row."""
 UNIT_AXIS = 1e-2
-"""Largest distance from 1 of an axis' length that is no finding."""
+"""Largest accepted difference between 1 and the length of an axis."""
 SPEEDS = (1e-6, 1e6)
-"""Velocity [rad/s, m/s] and effort [N m, N] limits outside are findings; 0 and no limit are reported elsewhere."""
+"""Plausible range of velocity [rad/s, m/s] and effort [N m, N] limits; 0 and missing limits are reported elsewhere."""
 UNLIMITED = 1e20
 """Magnitudes above represent no limit."""
 
@@ -45,8 +45,8 @@ def check_numbers(file: str, root: Element) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        Lists every link and joint whose numbers are missing, unparsable, NaN or infinite, with negative masses and
-        unknown joint types among them.
+        Numbers are missing, unparsable, NaN or infinite, a mass is negative, or a joint type is unknown. The message
+        lists the links and joints.
     """
     faults = [fault for joint in root.findall("joint") for fault in _joint_faults(joint)]
     faults += [fault for link in root.findall("link") for fault in _link_faults(link)]
@@ -60,7 +60,7 @@ def check_numbers(file: str, root: Element) -> tuple[str, ...]:
 def _joint_faults(joint: Element) -> Iterator[str]:
     name, kind = joint.get("name"), joint.get("type")
     if kind not in JOINT_TYPES:
-        yield f"joint {name!r} has type {kind!r}; a URDF knows {', '.join(sorted(JOINT_TYPES))}"
+        yield f"joint {name!r} has type {kind!r}; a URDF's types are {', '.join(sorted(JOINT_TYPES))}"
     yield from _origin_faults(joint, f"joint {name!r}")
     if joint.find("limit") is None and kind in ("revolute", "prismatic"):
         yield f"the {kind} joint {name!r} has no <limit>; give its effort and velocity"
@@ -119,7 +119,7 @@ def _joint_findings(joint: Element) -> Iterator[str]:
 
 
 def _link_findings(links: Iterable[Element]) -> Iterator[str]:
-    """Yield the links with inertias of no rigid body; the eigenvalues of all are computed in one call."""
+    """Yield the links whose inertia no rigid body can have; one call computes the eigenvalues of all."""
     found = [(link, link.find("inertial/inertia"), link.find("inertial/mass")) for link in links]
     heavy = [(link, inertia, mass) for link, inertia, mass in found if inertia is not None and mass is not None]
     if not heavy:

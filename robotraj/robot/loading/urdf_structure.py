@@ -1,7 +1,7 @@
 """Checks of a URDF's tree: its size, unique names, one parent per link, one root, no cycle.
 
-The checks run before Pinocchio reads the file. Its parser recurses once per link of a chain and overflows the stack of
-a process at a few thousand; its time grows with the square of the number of links.
+The checks run before Pinocchio reads the file. Its parser recurses once per link of a chain and overflows the stack
+after a few thousand links. Its time grows with the square of the number of links.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ def check_structure(file: str, root: Element) -> None:
     Raises
     ------
     InputError
-        More than ``MAX_LINKS`` links or ``MAX_DEPTH`` joints in a chain, missing or duplicate names, unknown links, a
-        link with two parents, several roots, a cycle.
+        There are more than ``MAX_LINKS`` links, or ``MAX_DEPTH`` joints in a chain. Or names are missing, unknown or
+        duplicate, a link has two parents, or the tree has several roots or a cycle.
     """
     links = [link.get("name", "") for link in root.findall("link")]
     joints = root.findall("joint")

@@ -35,7 +35,7 @@ from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
 from robotraj.gait.posture import FixedPosture, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
-from robotraj.gait.stepping.footholds import FootholdArc, TimedArc
+from robotraj.gait.stepping.foothold_arcs import FootholdArc, TimedArc
 from robotraj.gait.swing_clearance import SwingArc
 from robotraj.gait.upright import RootHeight, Upright
 from robotraj.native.engines.base import VirtualMachine

@@ -116,7 +116,7 @@ def test_bad_overrides_are_named(limits, changes, parts):
 
 
 def test_a_limit_per_joint_is_needed():
-    with pytest.raises(rt.InputError, match=r"Limits.velocity has 1 values for 2 joints"):
+    with pytest.raises(rt.InputError, match=r"Limits.velocity has 1 values; give one per joint, 2"):
         rt.Limits(("a", "b"), [0, 0], [1, 1], [1], [1, 1], [1, 1])
 
 

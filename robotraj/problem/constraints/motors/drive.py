@@ -60,9 +60,9 @@ class MotorPower(Constraint):
     Parameters
     ----------
     limit : float, sequence or mapping by joint, optional
-        Of each motor; joints that a mapping does not name have no row.
+        Limit of each motor [W]; joints that a mapping does not name have no row.
     total : float, optional
-        Of all motors together, for a supply; braking motors give back.
+        Limit of the sum over all motors [W], as of a supply; the negative power of braking motors counts.
     """
 
     limit: WeightsLike = None
@@ -72,7 +72,7 @@ class MotorPower(Constraint):
         """Write one row for each motor, and one for all."""
         robot = robot_of(dynamics, "MotorPower")
         if self.limit is None and self.total is None:
-            raise InputError("MotorPower needs limit= or total= [W].")
+            raise InputError("MotorPower has no limit; give limit= or total= [W].")
         if self.total is not None and not 0.0 < self.total < np.inf:
             raise InputError(f"MotorPower: total is {self.total} W; it must be above 0.")
         limits = np.full(robot.nu, np.inf) if self.limit is None else _above_zero(self.limit, robot, "limit")

@@ -31,7 +31,7 @@ class PayloadScenarios(Constraint):
     Parameters
     ----------
     payloads : sequence of CarriedBody
-        The robot of the phase carries none of them.
+        The bodies, each carried alone; the robot of the phase carries none of them.
     """
 
     payloads: Sequence[CarriedBody]
@@ -52,7 +52,9 @@ class PayloadScenarios(Constraint):
         efforts = [float(robot.limits.effort[i]) for i in index]
         motors = [k for k, effort in enumerate(efforts) if np.isfinite(effort)]
         if not motors:
-            raise InputError(f"PayloadScenarios: no motor of {robot.name!r} has a limit of torque.")
+            raise InputError(
+                f"PayloadScenarios: no motor of {robot.name!r} has a limit of torque; set one with limits=."
+            )
         units = ["N m" if robot.units[i] == "rad" else "N" for i in index]
         rows = tuple(
             Row(f"effort limit with payload {number}", units[k], -efforts[k], efforts[k], robot.actuated[k])

@@ -24,7 +24,7 @@ class RateLimit(Constraint):
     """Bounds on the time derivative of a quantity of each joint, at every time.
 
     The quantity is a polynomial on every interval of the mesh, and the Bernstein coefficients of its derivative are
-    bounded. It must be continuous at the knots: the scheme has points at both ends of an interval, as
+    bounded. It must be continuous at the knots. The scheme therefore needs points at both ends of an interval, as
     ``rt.HermiteSimpson()`` has.
 
     Parameters
@@ -45,7 +45,7 @@ class RateLimit(Constraint):
         Raises
         ------
         InputError
-            The phase moves a System, or a robot whose accelerations are no unknowns; an unknown joint.
+            The phase moves a System, or a robot by forward dynamics, or a joint is unknown.
         """
         robot = robot_of(dynamics, type(self).__name__)
         known = {v.name for v in (*dynamics.algebraic, *dynamics.controls)}

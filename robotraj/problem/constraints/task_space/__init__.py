@@ -1,1 +1,1 @@
-"""Constraints of a tool: where it may point, regions and candidates of poses, paths, speeds and accelerations."""
+"""Constraints of a tool: directions of its axes, regions and candidates of poses, paths, speeds and accelerations."""

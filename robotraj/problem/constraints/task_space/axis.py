@@ -1,4 +1,4 @@
-"""An axis of a frame that keeps a direction, exactly or within an angle: a glass of water."""
+"""An axis of a frame that keeps a direction, exactly or within an angle."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class FrameAxis(Constraint):
         Raises
         ------
         InputError
-            No robot or frame of that name, a vector of length 0, an angle out of range.
+            The phase has no robot or no such frame, a vector has length 0, or the angle is out of range.
         """
         robot_of(dynamics, "FrameAxis").frame(self.frame)
         axis, wanted = (unit_vector(v, f"FrameAxis of {self.frame!r}") for v in (self.axis, self.direction))
@@ -81,7 +81,7 @@ def unit_vector(value: Sequence[float], what: str) -> Array:
     Raises
     ------
     InputError
-        Another shape, a length of 0, or numbers that are not finite.
+        The vector has another shape, length 0, or numbers that are not finite.
     """
     array = np.array(value, dtype=float)
     length = float(np.linalg.norm(array)) if array.shape == (3,) else np.nan

@@ -1,4 +1,4 @@
-"""One of several constraints, of which the plan chooses the best: grasps from several sides."""
+"""Alternative constraints, such as grasps from several sides, of which the plan chooses the best."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class OneOf(Constraint):
     Parameters
     ----------
     candidates : sequence of Constraint
-        Such as ``rt.FramePose`` values; wrap the whole in ``rt.AtEnd``.
+        Alternatives such as ``rt.FramePose`` values; wrap the whole in ``rt.AtEnd``.
     chosen : int
-        The candidate whose rows the phase has; that of the returned plan.
+        Index of the candidate whose rows the phase has. The returned plan holds its own.
     """
 
     candidates: Sequence[Constraint]

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 class PoseRegion(Constraint):
     """A frame inside a set of poses around a pose (p, R).
 
-    Position: lower <= R' (p_f - p) <= upper, a box in the axes of the pose. Rotation: with ``free_axis`` e, the axes
-    R_f e and R e agree within ``angle``, and the frame turns freely about e; without it, the whole rotation from R to
-    R_f is at most ``angle``, trace(R' R_f) >= 1 + 2 cos(angle).
+    Position: lower <= R' (p_f - p) <= upper, a box in the axes of the pose. Rotation with ``free_axis`` e: the angle
+    between R_f e and R e is at most ``angle``, and the frame turns freely about e. Rotation without it: the angle of
+    the rotation from R to R_f is at most ``angle``, trace(R' R_f) >= 1 + 2 cos(angle).
 
     Parameters
     ----------
@@ -37,9 +37,9 @@ class PoseRegion(Constraint):
     position : number, Between, sequence of 3 or mapping
         Displacements in the axes of the pose [m]: numbers fix, ``rt.between`` bounds, None leaves free.
     free_axis : sequence of 3 float, optional
-        e, in the axes of the frame and of the pose alike.
+        e, with the same components in the axes of the frame and of the pose.
     angle : float
-        [rad], from 0 to below pi.
+        Largest angle [rad], from 0 to below pi.
 
     Wrap in ``rt.AtEnd`` for a goal with tolerances.
     """
@@ -60,7 +60,7 @@ class PoseRegion(Constraint):
         Raises
         ------
         InputError
-            No robot or frame of that name, a pose that is none, an angle out of range.
+            The phase has no robot or no such frame, the pose is invalid, or the angle is out of range.
         """
         robot_of(dynamics, "PoseRegion").frame(self.frame)
         frame, what = self.frame, f"region of frame {self.frame!r}"

@@ -42,7 +42,7 @@ class FrameMotionLimit(Constraint):
         Raises
         ------
         InputError
-            No robot or frame of that name, no limit, or one that is not above 0.
+            The phase has no robot or no such frame, or a limit is missing or not above 0.
         """
         robot_of(dynamics, type(self).__name__).frame(self.frame)
         both = (("linear", self.linear), ("angular", self.angular))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LinearPath(Constraint):
-    """The origin of a frame stays on the straight line between two points, between these.
+    """The origin of a frame stays on the straight segment between two points.
 
     Two equations across the line are held at every knot with their rates. Along its direction d,
     0 <= d' (p_f - first) <= abs(last - first). For a fixed rotation, add
@@ -60,7 +60,7 @@ class LinearPath(Constraint):
 class CircularPath(Constraint):
     """The origin of a frame stays on a circle: n' (p_f - c) = 0 and (|p_f - c|^2 - r^2) / (2 r) = 0.
 
-    Both equations are held at every knot with their rates. The ends of the phase decide the arc.
+    Both equations are imposed with their rates at every knot. The ends of the phase determine the arc.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Costs for joints to spare: manipulability, distance from the limits of position."""
+"""Costs for redundant robots: manipulability, distance from the position limits."""

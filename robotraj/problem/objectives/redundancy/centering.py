@@ -53,4 +53,4 @@ class JointCentering(Integral):
         weights = weights_of(self.weights, robot.velocity_names, "JointCentering")
         width = robot.limits.position_upper - robot.limits.position_lower
         if not any(w and np.isfinite(x) and x > 0 for w, x in zip(weights, width, strict=True)):
-            raise InputError("JointCentering: no weighed joint has two limits of position.")
+            raise InputError("JointCentering: no joint with a weight has two position limits; weigh other joints.")

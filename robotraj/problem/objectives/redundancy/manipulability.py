@@ -1,4 +1,4 @@
-"""Manipulability of a frame, integrated: motions that keep away from singular configurations."""
+"""Integral of the manipulability of a frame, which is low near singular configurations."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 class Manipulability(Integral):
     """Integral over the phase of -log det(J J' + e^2 1) / 2, J (m, nv) rows of the Jacobian of a frame.
 
-    sqrt(det(J J')) is Yoshikawa's manipulability: the volume of the ellipsoid of velocities of the frame at joint
-    velocities of length 1. It is 0 at singular configurations; e bounds the cost there.
+    sqrt(det(J J')) is Yoshikawa's manipulability. It is proportional to the volume of the ellipsoid of frame velocities
+    for joint velocities of length 1. It is 0 at singular configurations, where e keeps the cost finite.
 
     Parameters
     ----------
@@ -58,13 +58,13 @@ class Manipulability(Integral):
         robot = robot_of(dynamics, "Manipulability")
         robot.frame(self.frame)
         if not (self.linear or self.angular):
-            raise InputError("Manipulability needs linear=True or angular=True.")
+            raise InputError("Manipulability has no rows; set linear=True or angular=True.")
         if not self.smoothing > 0.0:
             raise InputError(f"Manipulability: smoothing is {self.smoothing}; it must be above 0.")
         if 3 * (self.linear + self.angular) > robot.nv:
             raise InputError(
                 f"Manipulability of {self.frame!r}: {robot.name!r} has {robot.nv} joints, too few for "
-                f"{3 * (self.linear + self.angular)} rows; leave out linear or angular ones."
+                f"{3 * (self.linear + self.angular)} rows; set linear=False or angular=False."
             )
 
 
