@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 PLACES = np.linspace(0.0, 1.0, 65)
 """Fractions of the motion at which speeds and torques are compared with their limits."""
 LONGER, TRIES = 1.25, 20
-"""Factor on a duration at which torques exceed their limits, and how often it is applied."""
+"""Factor by which a duration grows while torques exceed their limits, and largest number of times."""
 
 
 @dataclass(frozen=True)

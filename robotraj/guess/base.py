@@ -29,9 +29,9 @@ class PhaseGuess:
     Attributes
     ----------
     duration : float
-        [s].
+        Duration [s].
     states, algebraic, controls : callable
-        From fractions of the phase (m,) to values (m, n), in the order of the phase's variables.
+        Functions from fractions of the phase (m,) to values (m, n), in the order of the phase's variables.
     parameters : mapping of str to float
         Every parameter of the phase by name.
     """

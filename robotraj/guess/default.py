@@ -1,4 +1,4 @@
-"""What ``rt.plan(guess=...)`` accepts, and the guess where none is given."""
+"""The default guess, and the values that ``rt.plan(guess=...)`` accepts."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ if TYPE_CHECKING:
 
 
 def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
-    """Return an inverted pendulum for one robot with a free root on contacts, a given path, else a straight line.
+    """Return the default guess of a problem.
 
-    Among obstacles, a path around them takes the place of a straight line that is not free.
+    It is an inverted pendulum for one robot with a free root on contacts, the path for a phase with ``FollowPath``, and
+    a straight line for others. Among obstacles, a path around them replaces a straight line that is not free.
 
     Parameters
     ----------
     problem : Problem
     branch : int
-        Rank of the branches of inverse kinematics at ends that constraints decide, and of the paths around obstacles;
-        see ``rt.guess.StraightLine`` and ``rt.guess.GeometricPath``.
+        Rank of the branches of inverse kinematics at ends that constraints determine, and of the paths around
+        obstacles. See ``rt.guess.StraightLine`` and ``rt.guess.GeometricPath``.
     """
     robots = {id(phase.robot) for phase in problem.phases}
     robot = problem.phases[0].robot
@@ -59,9 +60,9 @@ def other_guess(
     rank : int
         Above 0.
     seed, spread
-        Of ``rt.guess.Perturbed``.
+        As for ``rt.guess.Perturbed``.
     given : InitialGuess, optional
-        What is varied; the default guess of this rank without it.
+        The guess that is varied; by default the default guess of this rank.
     """
     guess = given or default_guess(problem, rank)
     return guess if given is None and _avoids_collisions(problem) else Perturbed(guess, seed, spread)

@@ -1,4 +1,4 @@
-"""Values that the bounds of a phase suggest: its ends, its parameters and its duration."""
+"""Guesses from the bounds of a phase: its ends, its parameters and its duration."""
 
 from __future__ import annotations
 
@@ -45,15 +45,15 @@ def ends_of(
     """Return guesses of the first and last state, (nx,) each.
 
     A value that is free at one end is taken from the other end. A value that is free at both ends is that of
-    ``entered``, where this is given, else neutral for positions of robots and 0 for all others.
+    ``entered`` if given. Otherwise positions of robots are neutral and all other values 0.
 
     Parameters
     ----------
     phase : Phase
     entered : ndarray, optional
-        State with which a link enters the phase; its first entries may be left out.
+        First entries of the state at which a link starts the phase.
     positions : (ndarray, ndarray), optional
-        Positions (nq,) of the robot at both ends, which replace those of the bounds; NaN where they are not known.
+        Positions (nq,) of the robot at both ends, which replace those of the bounds; NaN where they are unknown.
     """
     rest = np.zeros(len(phase.dae.states))
     if entered is not None:
@@ -80,11 +80,11 @@ def normalised_state(phase: Phase, x: Array) -> Array:
 
 
 def guessed_duration(phase: Phase, given: float | None, ends: tuple[Array, Array] | None = None) -> float:
-    """Return the duration to start from [s]: the given one, or one between the bounds.
+    """Return a guess of the duration [s]: the given one, or one between the bounds.
 
-    The latter is at least ``MARGIN`` times the least time of a straight line: that of ``fastest_line``, or of the speed
-    limits where the torque limits bound no acceleration. A guess that is too short violates limits everywhere; one
-    that is too long costs few iterations.
+    The latter is at least ``MARGIN`` times the least time of a straight line. This time is that of ``fastest_line``, or
+    that of the speed limits if the torque limits bound no acceleration. A guess that is too short violates limits
+    everywhere; one that is too long costs few iterations.
 
     Raises
     ------
@@ -94,7 +94,10 @@ def guessed_duration(phase: Phase, given: float | None, ends: tuple[Array, Array
     low, high = phase.duration_bounds
     if given is not None:
         if not low <= given <= high:
-            raise InputError(f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s.")
+            raise InputError(
+                f"The guessed duration {given} s of phase {phase.name!r} lies outside {low} to {high} s; give one "
+                "inside."
+            )
         return given
     if low == high:
         return low

@@ -71,7 +71,10 @@ class FromSolution(InitialGuess):
         """
         known = self.solution.phases
         if index >= len(known):
-            raise InputError(f"The guess is a solution of {len(known)} phases; phase {phase.name!r} is number {index}.")
+            raise InputError(
+                f"The guess is a solution of {len(known)} phases, but phase {phase.name!r} is number {index}; give one "
+                "with as many phases."
+            )
         source = known[index]
         given, wanted = ([v.name for v in each.dae.states] for each in (source.phase, phase))
         if not set(given) & set(wanted):

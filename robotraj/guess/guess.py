@@ -33,36 +33,36 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Guess(InitialGuess):
-    """Arrays over time, as another planner, a simulation or a measurement gives them, for one phase.
+    """Arrays over time for one phase, such as those of another planner, a simulation or a measurement.
 
     The phase's duration starts as ``times[-1] - times[0]``. States are interpolated by monotone piecewise cubics,
     positions by the cubics that have the velocities as slopes, controls and algebraic variables linearly.
 
-    Missing values are completed. States that are not given run on the straight line (``rt.guess.StraightLine``).
-    Velocities and accelerations are central differences. Contact forces balance the robot in the least-squares sense,
-    and torques follow from the inverse dynamics. Other controls and algebraic variables start at 0.
+    Missing values are completed. Missing states are those of ``rt.guess.StraightLine``. Missing velocities and
+    accelerations are central differences. Missing contact forces balance the robot in the least-squares sense, and
+    torques follow from the inverse dynamics. Other controls and algebraic variables start at 0.
 
     Parameters
     ----------
     times : (m,) array_like
-        Ascending [s]; only differences matter.
+        Ascending times [s]; only differences matter.
     q, v, a : array_like or mapping of str to array_like
-        Of a robot, (m, nq) [rad, m], (m, nv) [rad/s, m/s] and (m, nv) [rad/s^2, m/s^2], or (m,) by joint name.
-        Quaternions (x, y, z, w) have length 1; of a quaternion and its negative, the nearer to the sample before
-        is taken. A number holds for all times.
+        Motion of a robot, (m, nq) [rad, m], (m, nv) [rad/s, m/s] and (m, nv) [rad/s^2, m/s^2], or (m,) by joint name.
+        Quaternions (x, y, z, w) must have length 1. Their signs are chosen so that consecutive samples are near each
+        other. A number applies to all times.
     tau : array_like or mapping of str to array_like
         Torques of the actuated joints, (m, nu) [N m, N].
     forces : mapping of str to array_like
         Forces by contact name, world axes: (m, 3) [N], or (m, 6) [N, N m] with moments.
     states, controls, algebraic : array_like or mapping of str to array_like
-        Of a System: (m, n) in its order, or (m,) by name.
+        Values of a System, (m, n) in its order, or (m,) by name.
     parameters : mapping of str to float
-        Of the phase; the others start in the middle of their bounds.
+        Parameters of the phase; the others start in the middle of their bounds.
 
     Raises
     ------
     InputError
-        Times that do not ascend, a wrong shape, or a number that is not finite.
+        The times do not ascend, a shape is wrong, or a number is not finite.
 
     Examples
     --------
@@ -120,8 +120,8 @@ class Guess(InitialGuess):
         Raises
         ------
         InputError
-            Times whose span the phase's duration cannot have, unknown names, a wrong number of columns, values of a
-            robot for a System or the reverse, or a quaternion whose length is not 1.
+            The span of the times is no duration of the phase, a name is unknown, or the number of columns is wrong.
+            Values of a robot are given for a System or the reverse, or a quaternion's length is not 1.
         """
         self._check_kind(phase)
         times, duration = self._times, self._duration(phase)
@@ -177,7 +177,7 @@ class Guess(InitialGuess):
         if not low - ROUNDING * span <= span <= high + ROUNDING * span:
             raise InputError(
                 f"times of rt.Guess span {span:g} s, but the duration of phase {phase.name!r} lies between {low:g} and "
-                f"{high:g} s; scale the times and the velocities, or change the duration."
+                f"{high:g} s. Scale the times and the velocities, or change the duration."
             )
         return float(np.clip(span, low, high))
 

@@ -32,9 +32,9 @@ def joint_motion(phase: Phase, duration: float, motion: Motion, parameters: Mapp
     Parameters
     ----------
     phase : Phase
-        Of a robot.
+        Phase of a robot.
     duration : float
-        [s].
+        Duration [s].
     motion : callable
         From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv) [SI].
     parameters : mapping of str to float
@@ -101,7 +101,7 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, what
     Raises
     ------
     InputError
-        A wrong number of fractions, or fractions that do not ascend from 0 to 1.
+        The number of fractions is wrong, or they do not ascend from 0 to 1.
     """
     if given is None:
         gaps = np.abs(np.diff(keys, axis=0)) / np.where(np.isfinite(speeds), speeds, 1.0)

@@ -26,9 +26,9 @@ Array = NDArray[np.float64]
 class Keyframes(InitialGuess):
     """States through key poses.
 
-    States of a System run on straight lines. Positions of a robot follow the monotone piecewise cubic through the
-    poses, without overshoot. They are at rest where they turn, or have the velocities that a keyframe fixes. Velocities
-    and accelerations are the rates of that curve. Controls run on straight lines.
+    States of a System and controls are interpolated linearly. Positions of a robot follow the monotone piecewise cubic
+    through the poses, without overshoot. A joint that changes direction is at rest there. Velocities that a keyframe
+    fixes take precedence. Velocities and accelerations are the rates of the curve.
     Source: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
     Parameters
@@ -46,7 +46,7 @@ class Keyframes(InitialGuess):
     Raises
     ------
     InputError
-        Another number of states or controls than of fractions, or fractions that do not ascend from 0 to 1.
+        The number of states or controls is not that of the fractions, or these do not ascend from 0 to 1.
     """
 
     fractions: Sequence[float]
@@ -72,7 +72,7 @@ class Keyframes(InitialGuess):
         Raises
         ------
         InputError
-            Unknown names, or a wrong number of values.
+            A name is unknown, or the number of values is wrong.
         """
         duration = guessed_duration(phase, self.duration)
         states, algebraic = self._motion(phase, duration)

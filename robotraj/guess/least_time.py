@@ -4,10 +4,10 @@ On the line q = q_0 + s (q_1 - q_0) from s = 0 to 1, with d = q_1 - q_0, the inv
 
     tau = M(q) d s'' + (C(q, d) d) s'^2 + g(q).
 
-The middle term is neglected. Then every torque limits s'' at every place, |s''| <= min_j r_j / |(M d)_j|, where r_j is
+The middle term is neglected. Then every torque limits s'' at every place, |s''| <= min_j r_j / |(M d)_j|. Here r_j is
 the lesser distance of g_j, with Coulomb friction, from the two torque limits. The limits of accelerations and speeds
-give |s''| <= min_j a_j / |d_j| and s' <= min_j v_j / |d_j|. With one limit k of s'' and one limit of s', the motion of
-least time has a trapezoidal speed, or a triangular one if it does not reach the speed limit.
+give |s''| <= min_j a_j / |d_j| and s' <= min_j v_j / |d_j|. Let k be the limit of s''. The motion of least time then
+has a trapezoidal speed, or a triangular one if it does not reach the speed limit.
 
 Source: Lynch and Park, Modern Robotics (2017), sections 9.2 (straight paths, trapezoidal time scaling) and 9.4 (limits
 of s'' along a path).
@@ -107,8 +107,8 @@ def fastest_line(phase: Phase, first: Array, last: Array) -> Trapezoid | None:
     Returns
     -------
     Trapezoid or None
-        None if no bound on the accelerations is known: joints without motors, a moving root, contacts, motors too weak
-        to hold the robot on the line, equal ends, no limits.
+        None if the accelerations have no known bound. This is so for joints without motors or limits, a moving root,
+        contacts, equal ends, and motors too weak to hold the robot on the line.
     """
     limits = LineLimits.of(phase)
     if limits is None:
@@ -130,7 +130,7 @@ class LineLimits:
     ----------
     robot : Robot
     speeds, accelerations, torques : pair of ndarray
-        Lower and upper [rad/s, rad/s^2, N m and their like of joints that slide].
+        Lower and upper limits [rad/s, m/s; rad/s^2, m/s^2; N m, N].
     """
 
     robot: Robot
@@ -156,8 +156,8 @@ class LineLimits:
     def along(self, first: Array, line: Array) -> tuple[float, float]:
         """Return the largest s' [1/s] and abs(s'') [1/s^2] on q = first + s line, s from 0 to 1.
 
-        The second is 0 or less where the motors cannot hold the robot on the line, and infinite without any limit; both
-        are 0 for a line of no length.
+        The second is 0 or less if the motors cannot hold the robot on the line, and infinite without limits. Both are 0
+        for a line of length 0.
         """
         moved = np.abs(line) > 1e-9
         if not moved.any():

@@ -27,7 +27,7 @@ class MinimumJerk(InitialGuess):
     From rest to rest without waypoints, q = q_0 + (q_1 - q_0) (10 s^3 - 15 s^4 + 6 s^5), s the fraction of
     the phase. The end velocities are those of the problem, the end accelerations are zero. Velocities and
     accelerations of a robot are the rates of the curve, and its torques are those of the inverse dynamics. The guess
-    therefore satisfies the equations of motion if all joints have motors. Each state of a System runs on such a curve
+    therefore satisfies the equations of motion if all joints have motors. Each state of a System follows such a curve
     from rest to rest, with zero controls.
 
     Parameters
@@ -52,7 +52,7 @@ class MinimumJerk(InitialGuess):
         Raises
         ------
         InputError
-            Waypoints of a wrong size or with unknown names, or fractions that do not fit them.
+            A waypoint has a wrong size or an unknown name, or the fractions do not fit the waypoints.
         """
         if phase.robot is None:
             return self._of_system(phase)

@@ -31,16 +31,16 @@ MODES = 4
 class Perturbed(InitialGuess):
     """Another guess with smooth random perturbations, reproducible by its seed.
 
-    The perturbation of a state is  size sum_k c_k sin(k pi s) / k,  s the fraction of the phase and c_k standard
-    normal; it is zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions; a
-    floating root is moved by ``pin.integrate``, in its own axes. Perturbations of a System's controls do not vanish
-    at the ends. ``size`` is ``spread`` times half the range between the bounds of the variable. For an unbounded
-    variable it is half the range that the guess covers, at least 1. The result is clipped to the bounds. Free durations
-    are multiplied by exp(spread c).
+    The perturbation of a state is  size sum_k c_k sin(k pi s) / k,  with s the fraction of the phase and c_k standard
+    normal. It is zero at both ends. Velocities and accelerations of a robot follow from its perturbed positions;
+    ``pin.integrate`` moves a floating root. Perturbations of a System's controls do not vanish at the ends. ``size`` is
+    ``spread`` times half the range between the bounds of the variable. For an unbounded variable it is half the range
+    of the guess, at least 1. The result is clipped to the bounds. Free durations are multiplied by exp(spread c).
 
     Parameters
     ----------
     guess : InitialGuess
+        The guess to perturb.
     seed : int or sequence of int
         Seed of NumPy's default generator, combined with the index of the phase.
     spread : float

@@ -33,15 +33,15 @@ Checked = Array | Mapping[str, Array] | None
 
 @dataclass(frozen=True, eq=False)
 class RobotSamples:
-    """Completes the samples of one phase of a robot.
+    """Completion of samples for one phase of a robot.
 
     Attributes
     ----------
     phase : Phase
     fractions : ndarray (m,)
-        Of the phase, ascending from 0 to 1.
+        Fractions of the phase, ascending from 0 to 1.
     duration : float
-        [s].
+        Duration [s].
     parameters : mapping of str to float
     """
 
@@ -63,7 +63,7 @@ class RobotSamples:
         Raises
         ------
         InputError
-            Unknown names, a wrong number of columns, or a quaternion whose length is not 1.
+            A name is unknown, the number of columns is wrong, or a quaternion's length is not 1.
         """
         robot = self.robot
         q = self._positions(given["q"], line[:, : robot.nq])

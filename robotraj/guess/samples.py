@@ -1,4 +1,4 @@
-"""Arrays over time that a user gives: their shapes, their numbers and their names."""
+"""Checks of arrays over time: shapes, finite numbers and names."""
 
 from __future__ import annotations
 

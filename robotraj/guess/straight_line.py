@@ -29,21 +29,21 @@ class StraightLine(InitialGuess):
     """States on a straight line from start to end, with zero controls.
 
     The velocities of a robot are the rate of the line, (q_end - q_start) / T, so that positions and velocities are
-    consistent; at the ends the velocities are those of the problem. The origin of a floating root moves on the line
-    while the root turns at a constant rate about one axis; its velocities are in its own axes. Compared with
-    velocities on a line of their own, this halves the iterations, and minimum-time problems do not collapse to
-    zero duration.
+    consistent. At the ends the velocities are those of the problem. The origin of a floating root moves on the line,
+    and the root turns at a constant rate about one axis; its velocities are in its own axes. Compared with velocities
+    on a separate line, this halves the iterations, and minimum-time problems do not collapse to zero duration.
 
-    If the duration is free and the limits of all joints bound the accelerations, the motion along the line is its
-    fastest one, stretched to T. With s from 0 to 1 along the line, from rest to rest, s' <= s'_max and abs(s'') <= k by
-    the limits of speeds, accelerations and torques, the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
+    If the duration is free and limits bound the accelerations of all joints, the fastest motion along the line is
+    stretched to T. Let s be from 0 to 1 along the line. The limits of speeds, accelerations and torques give bounds
+    s' <= s'_max and abs(s'') <= k. From rest to rest the least time is 1 / p + p / k, p = min(s'_max, sqrt(k)).
     Source: Lynch and Park, Modern Robotics (2017), section 9.2.
 
-    A state of a system that is free at both ends of a phase keeps the value with which ``rt.Continuity`` or
-    ``rt.links.Jump`` enters the phase.
+    A state of a system that is free at both ends of a phase keeps the value at which ``rt.Continuity`` or
+    ``rt.links.Jump`` starts the phase.
 
-    Where constraints decide the positions of an arm at an end, such as ``rt.AtEnd(rt.FramePose(...))``, they are found
-    by inverse kinematics from many seeds; of the branches, the line takes those that its slowest joint reaches first.
+    Constraints such as ``rt.AtEnd(rt.FramePose(...))`` may determine the positions of an arm at an end. Inverse
+    kinematics from many seeds then computes them. Of the branches, the line ends at those that the slowest joint
+    reaches first.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class StraightLine(InitialGuess):
     branch: int = 0
 
     def prepared(self, problem: Problem) -> InitialGuess:
-        """Compute the states with which links enter the phases of systems, and the ends that constraints decide."""
+        """Compute the first states of phases of systems from links, and the ends that constraints determine."""
         entered, ends = _entered_states(problem), reached_ends(problem, self.branch)
         return _LinkedLine(self.duration, self.branch, entered, ends) if entered or ends else self
 
@@ -105,9 +105,9 @@ class _LinkedLine(StraightLine):
     Attributes
     ----------
     entered : mapping of int to ndarray
-        States with which links enter a phase, by its index.
+        First states that follow from links, by the index of the phase.
     reached : mapping of int to (ndarray, ndarray)
-        Positions at the start and the end of a phase, by its index; NaN where they are not known.
+        Positions at the start and the end, by the index of the phase; NaN where they are unknown.
     """
 
     entered: Mapping[int, Array] = field(default_factory=dict)
@@ -121,7 +121,7 @@ class _LinkedLine(StraightLine):
 
 
 def _entered_states(problem: Problem) -> dict[int, Array]:
-    """Return the states with which ``Continuity`` and ``Jump`` enter phases of systems, by the index of the phase."""
+    """Return the first states of phases of systems that ``Continuity`` and ``Jump`` determine, by index of phase."""
     from robotraj.problem.links.continuity import Continuity, Jump
 
     phases, found = problem.phases, dict[int, Array]()

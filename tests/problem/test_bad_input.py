@@ -503,7 +503,7 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         ["'y'", "units="],
     ),
     # problems, meshes, guesses, solvers
-    "no phase": (lambda: rt.Problem([]), rt.InputError, ["at least one phase"]),
+    "no phase": (lambda: rt.Problem([]), rt.InputError, ["has no phase"]),
     "link to a missing phase": (
         lambda: rt.Problem([block()], [rt.Continuity(0, 1)]),
         rt.InputError,

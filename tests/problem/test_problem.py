@@ -157,7 +157,7 @@ def test_what_is_read_by_name_shows_its_values() -> None:
 def test_ends_have_no_controls() -> None:
     cost = rt.Mayer(lambda start, end: end.u["u"])
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
-    with pytest.raises(rt.UnknownName, match="have times, states and parameters alone"):
+    with pytest.raises(rt.UnknownName, match="have only times, states and parameters"):
         rt.plan(rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), cost))
 
 

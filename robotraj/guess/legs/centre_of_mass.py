@@ -1,4 +1,4 @@
-"""The path of a walking robot's centre of mass: a linear inverted pendulum on its feet, a free fall between them.
+"""The path of the centre of mass: a linear inverted pendulum on standing feet, and free fall in flight.
 
 On the ground, x'' = w^2 (x - p) with the mean p of the feet and w^2 = g / h, so that
 

@@ -1,4 +1,4 @@
-"""Paths of feet and centre of mass: footholds under the hips, arcs between them, a pendulum above."""
+"""Paths of the feet and of the centre of mass: footholds under the hips, swing arcs and an inverted pendulum."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class Footsteps:
     problem : Problem
     schedule : Schedule
     stance : BalancedStance
-        All feet.
+        Inverse kinematics of all feet.
     height : float or None
-        Of the centre of mass above the feet [m]; None for that of the standing robot.
+        Height of the centre of mass above the feet [m]; None for that of the standing robot.
     lift : float or None
         Apex of swinging feet [m]; None for a default that the clearances of the phases increase.
     """

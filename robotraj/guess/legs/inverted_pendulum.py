@@ -50,10 +50,10 @@ class InvertedPendulum(InitialGuess):
     Parameters
     ----------
     height : float, optional
-        Of the centre of mass above the feet [m]; by default that of ``rt.gait.stand``.
+        Height of the centre of mass above the feet [m]; by default that of ``rt.gait.stand``.
     apex : float, optional
-        Apex of swinging feet [m]. By default the largest of: a twentieth of that height; 1.2 times an ``apex`` of the
-        phases' clearances; the rise of the centre of mass in flight.
+        Apex of swinging feet [m]. By default it is the largest of three values: a twentieth of that height, 1.2 times
+        an ``apex`` of the phases' clearances, and the rise of the centre of mass in flight.
     durations : mapping of int to float
         Guessed durations [s] of phases whose duration is free.
     """

@@ -41,7 +41,7 @@ class BalancedStance:
     ----------
     robot : Robot
     contacts : tuple of BoundContact
-        Of all feet, standing or swinging.
+        Contacts of all feet, standing or swinging.
     """
 
     robot: Robot
@@ -130,7 +130,7 @@ class BalancedStance:
         ----------
         near : ndarray (nq,)
         feet : mapping of str to float
-            Anchors.
+            Anchors by name [m, rad].
         com : sequence of 3 float
             Centre of mass in the world [m]; NaN leaves a coordinate free.
         lifts : mapping of str to float
@@ -157,7 +157,7 @@ class BalancedStance:
         return self.settle(q, feet, raised)
 
     def settle(self, q: Array, feet: Mapping[str, float], raised: Array) -> Array:
-        """Move the feet to their anchors by Newton steps of least norm, as far as the error falls."""
+        """Move the feet to their anchors by Newton steps of least norm, as long as the error decreases."""
         rows, slope = self.places(q, feet)
         for _ in range(20):
             size = np.linalg.norm(rows - raised)
@@ -171,7 +171,7 @@ class BalancedStance:
         return q
 
     def _step(self, q: Array, slope: Array, error: Array, damping: float) -> Array:
-        """Return the Levenberg-Marquardt step; joints at bounds that it would leave are held."""
+        """Return the Levenberg-Marquardt step; joints at bounds that it would violate are fixed."""
         lower, upper = self.bounds
         n = ROOT_FREEDOMS[self.robot.root]
         joints, descent = q[len(q) - len(lower) :], -(slope.T @ error)[n:]

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 REPEATS = 5
-"""Repetitions with the posture moved to the last answer, for a given height."""
+"""Number of repetitions with the last solution as posture, for a given height."""
 BEND = 0.6
 """Angle by which a joint at a bound is bent inwards [rad]."""
 NEAR_HEIGHT = 1e-3
-"""Distance of the centre of mass from a given height beyond which other bends are tried [m]."""
+"""Distance of the centre of mass from a given height beyond which other bends of the knees are tried [m]."""
 ONE_SIDED = 0.1
-"""Share of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
+"""Fraction of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
 
 
 def upright(robot: Robot, q: Array) -> Array:
@@ -47,7 +47,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     ----------
     stance : BalancedStance
     height : float, optional
-        Of the centre of mass above the feet [m].
+        Height of the centre of mass above the feet [m].
     """
     robot = stance.robot
     q = upright(robot, robot.neutral)
@@ -79,7 +79,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
         return found
     found = _at_height(stance, found, feet, com)
     if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT:
-        # The nearest bend of a knee may be the one that its limit ends.
+        # The nearest bend of a knee may lead to its limit.
         start = _bent(stance, q, ONE_SIDED * (upper - lower))
         other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com)
         found = min(found, other, key=lambda each: abs(_com_height(stance, each) - com[2]))
@@ -87,7 +87,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
 
 
 def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array) -> Array:
-    """Return a configuration that reaches the centre of mass: it has priority over the posture, which follows."""
+    """Return a configuration at a centre of mass, which has priority over the posture."""
     for _ in range(REPEATS):
         q = stance.reach(q, feet, com, {}, upright(stance.robot, q))
     return q

@@ -35,8 +35,9 @@ def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: 
     Returns
     -------
     forces : (m,) array
-        Of the contacts ``held`` in the order of ``stance.contacts`` [N, N m].
+        Forces of the contacts ``held`` in the order of ``stance.contacts`` [N, N m].
     tau : (nu,) array
+        Torques of the motors [N m, N].
     """
     robot = stance.robot
     model = robot.model

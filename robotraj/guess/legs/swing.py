@@ -30,7 +30,7 @@ class Swing:
     footholds: Sequence[Mapping[str, float]]
 
     def at(self, t: float) -> dict[str, float]:
-        """Return the anchors at a time [s]; between stances they run on a minimum-jerk motion from rest to rest."""
+        """Return the anchors at a time [s], between stances on a minimum-jerk motion from rest to rest."""
         before, after, share = self._between(t)
         ease = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
         first, last = self.footholds[before], self.footholds[after]

@@ -41,8 +41,8 @@ class GeometricPath(InitialGuess):
     A geometric planner finds a path for each of several seeds. The limits of speed, acceleration and torque give every
     path a duration. Phases without ``rt.CollisionFree``, and those whose straight line is free, get that line.
 
-    Where obstacles move, the motion waits or goes back on its path until they are gone
-    (``guess.paths.path_in_time``); further paths go around the places where they are meanwhile.
+    If obstacles move, the motion may wait or reverse on its path until they are gone (``guess.paths.path_in_time``).
+    Further paths avoid the places of the obstacles at several times.
 
     Parameters
     ----------
@@ -53,8 +53,8 @@ class GeometricPath(InitialGuess):
     tries : int
         Seeds, and paths that are compared.
     rank : int
-        Which path is taken: 0 for the quickest, 1 for the next. Further ranks are other starts; where the straight
-        line is free, they are variations of it.
+        Rank of the path: 0 for the quickest, 1 for the next. If the straight line is free, further ranks are variations
+        of it.
     starts : tuple of float
         Times at which the phases start [s], which ``prepared`` computes; phases without an entry start at 0.
     """
@@ -124,7 +124,7 @@ class GeometricPath(InitialGuess):
         found = [path for path in (in_time(path, free, bounds) for path in paths) if path is not None]
         if is_free and found and found[0] is paths[0]:
             return []
-        # Ways around the places where the obstacles are during the quickest motion.
+        # Paths around the places of the obstacles during the quickest motion.
         within = min(path.duration for path in paths) if paths else 1.0
         frozen = replace(scene, tree=moving.frozen(scene.margin, t0, t0 + within, first, last))
         around = _planned(self.planner, frozen, first, last, range(tries)) if frozen.clearance(first, last) > 0 else []

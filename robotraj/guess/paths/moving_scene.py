@@ -1,4 +1,4 @@
-"""Obstacles that move in time, as path planners see them: whether the robot is free of them, and frozen copies."""
+"""Moving obstacles for path planners: distances at given times, and copies at rest."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 COPIES = 6
-"""Times at which obstacles are frozen."""
+"""Number of times at which copies of obstacles are placed."""
 CUSHION = 0.02
-"""Distance beyond the margin [m] that makes up for what happens between two times; half of what the start has."""
+"""Largest distance beyond the margin [m], which allows for the motion between two times."""
 
 
 @dataclass(frozen=True, eq=False)
 class MovingScene:
-    """Obstacles that move, and what stands still beside them.
+    """A robot among moving obstacles and obstacles at rest.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class MovingScene:
     moving: Sequence[Obstacle]
 
     def clearances(self, q: Array, times: Array) -> Array:
-        """Return the least distance (n, m) [m] from what moves in configurations (n, nq) at times (m,) [s]."""
+        """Return the least distance (n, m) [m] from moving obstacles, for configurations (n, nq) and times (m,) [s]."""
         carried = self.spheres.joint > 0
         centres = self.spheres.centres(self.robot, q)[:, carried]
         radius = self.spheres.radius[carried]
@@ -64,20 +64,23 @@ class MovingScene:
         return np.asarray(self.clearances(q, t0 + times) > margin)
 
     def cushion(self, start: Array, t0: float, margin: float) -> float:
-        """Return a distance beyond the margin [m] that the start has at t0 [s]."""
+        """Return the distance beyond the margin [m] for planning, at most half of that of the start at t0 [s]."""
         left = float(self.clearances(start[None], np.array([t0]))[0, 0]) - margin
         return min(CUSHION, 0.5 * max(left, 0.0))
 
     def frozen(self, margin: float, t0: float, until: float, *ends: Array) -> SphereTree:
-        """Compile the robot with copies of what moves, as it is at several times, but for copies that hit an end.
+        """Compile the robot with copies at rest of the moving obstacles at several times.
+
+        Copies that are too near to an end are omitted.
 
         Parameters
         ----------
         margin : float
-            Distance that the ends keep [m].
+            Least distance from the ends [m].
         t0, until : float
             First and last time of the copies [s].
         *ends : ndarray (nq,)
+            Configurations at the ends.
         """
         copies = []
         for obstacle in self.moving:

@@ -1,8 +1,8 @@
-"""When to be where on a path among obstacles that move: ahead at full speed, waiting, or back.
+"""Timing of a path among moving obstacles: forward at full speed, waiting, or backward.
 
-A path is cut into steps of equal time at its quickest motion. In the plane of steps and times a place is free where no
-obstacle that moves comes near. From one time to the next the robot goes one step ahead, stays, or goes one step back;
-the first time at which it can be at the end is the shortest.
+A path is divided into steps of equal time of its quickest motion. In the plane of steps and times a place is free if no
+moving obstacle is near. From one time to the next the robot moves one step forward, stays, or moves one step backward.
+A search finds the first time at which it can be at the end.
 Source: Kant and Zucker, Toward Efficient Trajectory Planning: The Path-Velocity Decomposition, IJRR 5 (1986).
 """
 
@@ -19,14 +19,14 @@ from robotraj._util.values import dataclass
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Free = Callable[[Array, Array], Mask]
-"""From configurations (n, nq) and times (m,) [s] to whether the robot is free of what moves, (n, m)."""
+"""Function of configurations (n, nq) and times (m,) [s]: whether the robot is free of moving obstacles, (n, m)."""
 
 STEPS = 40
 """Steps of a path."""
 LONGEST = 64
-"""Times the quickest duration that is tried at most."""
+"""Largest duration that is tried, relative to the quickest one."""
 WINDOW = 7
-"""Steps over which speeds are averaged, since a robot neither starts nor stops at once."""
+"""Number of steps over which speeds are averaged, since a robot does not start or stop instantly."""
 
 
 class TimedMotion(Protocol):
@@ -34,7 +34,7 @@ class TimedMotion(Protocol):
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """Duration [s]."""
 
     def motion(self, fractions: Array) -> tuple[Array, Array, Array]:
         """Return q and its rates."""
@@ -42,16 +42,16 @@ class TimedMotion(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class PathInTime:
-    """A motion along a path that waits, or goes back.
+    """A motion along a path that may wait or reverse.
 
     Attributes
     ----------
     path : TimedMotion
         The quickest motion.
     places : ndarray (m,)
-        Fractions of the path at equal times.
+        Fractions of the path at evenly spaced times.
     duration : float
-        [s].
+        Duration [s].
     """
 
     path: TimedMotion
@@ -69,14 +69,14 @@ class PathInTime:
 
 
 def in_time(path: TimedMotion, free: Free, bounds: tuple[float, float]) -> TimedMotion | None:
-    """Return the quickest motion along a path that meets nothing; None where there is none.
+    """Return the quickest motion along a path without a collision, or None.
 
     Parameters
     ----------
     path : TimedMotion
     free : callable
     bounds : (float, float)
-        Of the duration [s].
+        Bounds of the duration [s].
     """
     step = path.duration / STEPS
     q = path.motion(np.linspace(0.0, 1.0, STEPS + 1))[0]
@@ -105,7 +105,7 @@ def in_time(path: TimedMotion, free: Free, bounds: tuple[float, float]) -> Timed
 
 
 def _along(path: TimedMotion, reached: Mask, step: float) -> TimedMotion:
-    """Return the motion that ends at the last time, found backwards: ahead where that is possible."""
+    """Return the motion that ends at the last time, by a backward search that prefers forward steps."""
     places = [STEPS]
     for row in reached[-2::-1]:
         at = places[-1]

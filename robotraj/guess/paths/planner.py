@@ -28,7 +28,7 @@ class PathPlanner(OneLine, ABC):
         start, end : ndarray (nq,)
             Configurations that are free of collisions.
         seed : int
-            Other seeds give other paths; the same one gives the same path.
+            Seed of the random numbers; equal seeds give equal paths.
 
         Returns
         -------
@@ -50,11 +50,11 @@ class RRTConnect(PathPlanner):
     stride : float
         Longest motion of one step [rad, m], the root of a sum of squares over the joints.
     iterations : int
-        Configurations drawn at most.
+        Largest number of random configurations.
     seconds : float
-        Time at most [s]. Where it ends the search, results depend on the machine.
+        Time limit [s]. If it ends the search, results depend on the machine.
     shortcuts : int
-        Shortcuts that are tried.
+        Number of shortcuts that are tried.
     """
 
     stride: float = 1.0
@@ -76,6 +76,6 @@ class RRTConnect(PathPlanner):
 
 
 def _finite(bounds: Array, start: Array, end: Array, beyond: float) -> Array:
-    """Return bounds of configurations that are drawn; joints without limits turn half a turn beyond the ends."""
+    """Return bounds for random configurations; joints without limits extend half a turn beyond the ends."""
     outermost = (np.maximum if beyond > 0 else np.minimum)(start, end)
     return np.asarray(np.where(np.isfinite(bounds), bounds, outermost + beyond))

@@ -1,4 +1,4 @@
-"""A robot among obstacles as geometric planners see it: configurations, distances and straight motions, no time."""
+"""A robot among obstacles at rest for geometric planners: configurations, distances and straight motions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 RESOLUTION = 1e-3
-"""Motions that come this close [m] to touching count as blocked, or half as close as the robot is at an end."""
+"""Distance beyond the margin [m] below which a motion counts as blocked; at most half of that at the ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class PathScene:
     margin : float
         Distance to keep [m].
     moving : MovingScene or None
-        Obstacles that move, which ``tree`` leaves out: planners without time do not see them.
+        Moving obstacles, which ``tree`` does not contain.
     """
 
     tree: SphereTree
@@ -49,9 +49,9 @@ class PathScene:
         return float(np.min(self.tree.clearances(np.concatenate(configurations)))) - self.margin
 
     def resolution(self, start: Array, end: Array) -> float:
-        """Return how close to touching a motion may come between two configurations [m]."""
+        """Return the least distance beyond the margin of a motion between two configurations [m]."""
         return float(min(RESOLUTION, 0.5 * max(self.clearance(start, end), 0.0)))
 
     def is_free(self, first: Array, last: Array) -> bool:
-        """Whether the straight motion between two configurations (nq,) keeps the margin; proved, not sampled."""
+        """Whether the straight motion between two configurations (nq,) keeps the margin, proved without sampling."""
         return self.tree.motion_free(first, last, self.margin, self.resolution(first, last))

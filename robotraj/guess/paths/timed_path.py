@@ -1,9 +1,9 @@
-"""Times along a path of straight lines in joint space: trapezoids of speed, slower at corners.
+"""Timing of a path of straight lines in joint space: trapezoidal speeds that are reduced at corners.
 
 On line k, q = q_k + s d_k, the limits of ``least_time`` bound s' and s''. At a corner the velocities d_k s' and
-d_(k+1) s' must agree. A robot with acceleration a needs the time dv / a for a change of velocity dv, and leaves the
-corner by dv^2 / (8 a); this is allowed to be ``ROUNDING``. Passes forwards and backwards over the corners then give the
-largest speeds that the accelerations can reach (Bobrow, Dubowsky and Gibson, IJRR 4 (1985), on straight lines).
+d_(k+1) s' must agree. A robot with acceleration a needs the time dv / a for a change of velocity dv, and deviates from
+the corner by dv^2 / (8 a), which is at most ``ROUNDING``. A forward and a backward pass over the corners then give the
+largest speeds that the accelerations permit. Source: Bobrow, Dubowsky and Gibson, IJRR 4 (1985), on straight lines.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from robotraj.guess.least_time import LineLimits, Trapezoid
 Array = NDArray[np.float64]
 
 ROUNDING = 0.05
-"""How far a motion may leave a corner [rad, m]."""
+"""Largest deviation of a motion from a corner [rad, m]."""
 NEARBY = 1e-3
 """Length of the line on which the acceleration at a corner is computed [rad, m]."""
 SHORTEST = 1e-6
-"""Lines that are shorter [rad, m] are left out."""
+"""Lines that are shorter [rad, m] are removed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class TimedPath:
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """Duration [s]."""
         return float(self.ends[-1])
 
     def motion(self, fractions: Array) -> tuple[Array, Array, Array]:

@@ -1,1 +1,1 @@
-"""Inverse kinematics: configurations at which frames reach poses, and the order in which a robot takes them."""
+"""Inverse kinematics: configurations at which frames reach poses, and the choice among their branches."""

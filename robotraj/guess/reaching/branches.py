@@ -1,4 +1,4 @@
-"""Configurations at the ends of phases that rows of positions decide; those that the slowest joint reaches first.
+"""Configurations at ends of phases that rows on positions determine, and the choice of the fastest branches.
 
 Every such end has several branches, such as an elbow up or down. The time between two configurations is that of the
 joint that takes longest at its limit of speed. The fastest chain of branches is found by dynamic programming.
@@ -30,17 +30,17 @@ Node = Sequence[tuple["Phase", Where]]
 """The ends of phases that share one configuration."""
 
 APART = 0.3
-"""Difference of a joint [rad, m] from which on two configurations are two branches."""
+"""Least difference of a joint [rad, m] between two branches."""
 BRANCHES = 8
-"""Largest number of branches of an end that are kept, the fastest ones."""
+"""Largest number of branches of an end; the fastest are kept."""
 LONG = 10.0
-"""Duration [s] that stands for one without an upper bound, where a row reads the time."""
+"""Assumed range of a duration without an upper bound [s], for rows that depend on time."""
 
 
 def reached_ends(problem: Problem, branch: int = 0) -> Mapping[int, tuple[Array, Array]]:
-    """Return positions (nq,) at the start and the end of phases, by index of the phase; NaN where nothing decides them.
+    """Return positions (nq,) at the start and the end of phases, by index of the phase; NaN where no row applies.
 
-    Robots with a fixed root and without contacts are searched, and only where rows decide an end.
+    The result is empty unless all phases move robots with a fixed root and without contacts, and rows determine an end.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def _middle(phase: Phase) -> float:
 
 
 def _at(node: Node, time: float) -> OpenEnd | Array | None:
-    """Return the search at a node, its only configuration (nq,), or None where nothing decides it."""
+    """Return the search at a node, its only configuration (nq,), or None if no row applies."""
     robot = node[0][0].robot
     assert robot is not None
     lower, upper = np.full(robot.nq, -np.inf), np.full(robot.nq, np.inf)
@@ -104,7 +104,7 @@ def _at(node: Node, time: float) -> OpenEnd | Array | None:
 
 
 def _rows_of_positions(phase: Phase, where: Where) -> tuple[PhaseRow, ...]:
-    """Return the rows that hold at an end and depend on the positions of the robot alone."""
+    """Return the rows that apply at an end and depend on the positions of the robot alone."""
     table, n = phase.rows, len(phase.body.states) // 2
     rows = (*table.at(where), *(row for row in table.path if row.where is Where.THROUGHOUT and row.kind is Kind.PATH))
     _, x, z, u, _ = table.symbols
@@ -118,7 +118,7 @@ def _rows_of_positions(phase: Phase, where: Where) -> tuple[PhaseRow, ...]:
 
 
 def _fastest_chain(phase: Phase, nodes: Sequence[OpenEnd | Array | None], branch: int) -> list[Array]:
-    """Return one configuration (nq,) for every node; NaN where nothing decides it."""
+    """Return one configuration (nq,) for every node; NaN where no row applies."""
     robot = phase.robot
     assert robot is not None
     open_places = np.full(robot.nq, np.nan)
@@ -130,7 +130,7 @@ def _fastest_chain(phase: Phase, nodes: Sequence[OpenEnd | Array | None], branch
             continue
         found = node.reached(near[np.argmin(costs)]) if isinstance(node, OpenEnd) else node[None]
         if not len(found):
-            # No configuration was found here: the ends of the phase stay as its bounds have them.
+            # Without a solution the guess of the end follows from its bounds.
             layers.append(None)
             continue
         between = np.max(np.abs(found[None] - near[:, None]) / speeds, axis=2)

@@ -150,7 +150,7 @@ def reach(
 def _descend(
     robot: Robot, index: int, position: Array, rotation: Array | None, q: Array, lower: Array, upper: Array
 ) -> tuple[Array, float]:
-    """Take damped least-squares steps, dq = J' (J J' + m 1)^-1 e; joints at bounds that a step would leave are held.
+    """Take damped least-squares steps, dq = J' (J J' + m 1)^-1 e; joints at bounds that a step would violate are fixed.
 
     Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986); the
     damping m follows Marquardt, Journal of the Society for Industrial and Applied Mathematics 11 (1963).

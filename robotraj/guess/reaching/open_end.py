@@ -1,6 +1,6 @@
-"""Configurations at which rows of positions hold, such as poses of a tool: several branches from many seeds at once.
+"""Configurations that satisfy rows on positions, such as poses of a tool: several branches from many seeds at once.
 
-Each row bounds a function of the positions, lower <= c(q) <= upper. Damped least squares reduce what the rows miss,
+Each row bounds a function of the positions, lower <= c(q) <= upper. Damped least squares reduce the violations,
 from the given configuration and from seeded random ones.
 
 Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986); the damping follows
@@ -26,29 +26,29 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SEEDS = 48
-"""Configurations from which every end is searched, the given one among them."""
+"""Number of initial configurations of a search, including the given one."""
 STEPS = 60
 """Largest number of damped steps from each."""
 PULLED, PULLS, PULL, CORRECTIONS = 12, 15, 0.4, 3
 """Number of configurations that are moved towards the given one, number and share of these moves, steps after each."""
 TOLERANCE = 1e-6
-"""Largest miss of a row [its unit] at a configuration that counts as reached."""
+"""Largest violation of a row [its unit] at a solution."""
 
 
 @dataclass(frozen=True, eq=False)
 class OpenEnd:
-    """An end of a phase whose positions are not all given, and the rows of positions that hold there.
+    """An end of a phase whose positions are not all given, and the rows on positions that apply there.
 
     Attributes
     ----------
     parts : tuple of (Phase, tuple of PhaseRow)
-        Rows that hold there: of the phase that ends, and of the one that starts.
+        Rows that apply there: of the phase that ends, and of the one that starts.
     lower, upper : ndarray (nq,)
         Bounds of the positions [rad, m].
     speeds : ndarray (nq,)
         Speeds of the joints that measure distances [rad/s, m/s].
     time : float
-        Time at the end [s], for rows that read it.
+        Time at the end [s], for rows that depend on it.
     """
 
     parts: tuple[tuple[Phase, tuple[PhaseRow, ...]], ...]
@@ -60,7 +60,7 @@ class OpenEnd:
     def reached(self, near: Array) -> Array:
         """Return configurations (k, nq) inside the bounds at which the rows hold; none if the search found none.
 
-        Where the rows leave joints free, the fastest ones are moved towards ``near``.
+        Along motions that change no row, the fastest solutions are moved towards ``near``.
 
         Parameters
         ----------
@@ -101,9 +101,9 @@ class OpenEnd:
         return q
 
     def _errors(self, q: Array) -> tuple[Array, Array]:
-        """Return what the rows miss (m, rows) at configurations (m, nq), and their slopes (m, rows, nq) where they do.
+        """Return the violations (m, rows) at configurations (m, nq), and the slopes (m, rows, nq) of violated rows.
 
-        Equations have slopes where they hold as well.
+        Slopes of equations are returned as well where these are satisfied.
         """
         every = [row for _, rows in self.parts for row in rows]
         lower, upper = (np.array([getattr(row, side) for row in every]) for side in ("lower", "upper"))
@@ -114,9 +114,9 @@ class OpenEnd:
         return missed, np.array(slopes).reshape(len(every), len(q), -1).swapaxes(0, 1) * active[..., None]
 
     def _descended(self, q: Array, steps: int) -> tuple[Array, Array]:
-        """Take damped steps dq = J' (J J' + m 1)^-1 e from configurations (m, nq), and return the misses (m,) as well.
+        """Take damped steps dq = J' (J J' + m 1)^-1 e from configurations (m, nq), and return the violations (m,) too.
 
-        Joints at bounds that a step would leave are held. Where a step does not help, the damping m grows.
+        Joints at bounds that a step would violate are fixed. If a step does not help, the damping m is increased.
         """
         missed, slopes = self._errors(q)
         damping, eye = np.full(len(q), 1e-3), np.eye(missed.shape[1])
@@ -139,7 +139,7 @@ class OpenEnd:
         return q, np.abs(missed).max(axis=1, initial=0.0)
 
     def _turned(self, q: Array, near: Array) -> Array:
-        """Turn joints by whole turns to the places nearest to ``near``, where the rows hold there as well."""
+        """Turn joints by whole turns to the positions nearest to ``near``, if the rows are satisfied there."""
         states = self.parts[0][0].body.states[: len(near)]
         turns = 2.0 * np.pi * np.array([state.unit == "rad" for state in states])
         with np.errstate(invalid="ignore", divide="ignore"):

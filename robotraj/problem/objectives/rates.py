@@ -82,7 +82,7 @@ class Jerk(Integral):
         if held:
             raise InputError(
                 f"Jerk() needs the rates of contact forces, which a phase with contact {held[0].name!r} does not have; "
-                "use rt.objectives.TorqueRate(), or rt.objectives.FrameSmoothness(...) of some frames."
+                "use rt.objectives.TorqueRate(), or rt.objectives.FrameSmoothness for some frames."
             )
 
     def augment(self, dynamics: Dynamics) -> Dynamics:

@@ -244,7 +244,7 @@ def test_a_planned_swing_clears_its_parabola_between_the_points_too(named: bool)
         (lambda: rt.GroundClearance("tool0", "high"), ["tool0", "high", "rt.constraints.SwingApex"]),
         (lambda: rt.GroundClearance("tool0", rt.constraints.SwingApex(0.1, "form", 1.0)), ["parameter", "form"]),
         (lambda: rt.constraints.SwingApex(0.0, 0, 1), ["apex", "positive"]),
-        (lambda: rt.constraints.SwingApex(0.1, 1.0, 1.0), ["no progress"]),
+        (lambda: rt.constraints.SwingApex(0.1, 1.0, 1.0), ["two different footholds"]),
         (lambda: rt.constraints.SwingApex(0.1, 1.0, (1.0, 2.0)), ["(1.0, 2.0)", "for both"]),
         (lambda: rt.constraints.SwingApex(0.1, (1.0, 2.0, 3.0), 1.0), ["start", "foothold"]),
         (lambda: rt.constraints.SwingApex(0.1, np.nan, 1.0), ["start", "nan"]),

@@ -68,5 +68,5 @@ def test_bad_input_is_refused(robot: rt.Robot, objective: object, said: str) -> 
 
 def test_jerks_of_robots_in_contact_are_refused() -> None:
     hopper = rt.load("hopper", root="planar")
-    with pytest.raises(rt.InputError, match="holds 'foot'"):
+    with pytest.raises(rt.InputError, match="a phase with contact 'foot'"):
         rt.Phase(hopper, duration=1.0, contacts=[rt.PointContact("foot")], objective=rt.objectives.Jerk())
