@@ -65,27 +65,27 @@ def _small(name: str) -> rt.Robot:
 
 def _trot(length: float, duration: float) -> Case:
     robot, foot = _small("solo12"), partial(rt.PointContact, friction=0.5)
-    asked = {"clearance": 0.04, "contact": foot, "objective": _calm(robot, foot, 1e-5)}
-    return rt.gait.trot(robot, step_length=length, duration=duration, **asked), rt.Mesh(5, FOURTH)
+    chosen = {"clearance": 0.04, "contact": foot, "objective": _calm(robot, foot, 1e-5)}
+    return rt.gait.trot(robot, step_length=length, duration=duration, **chosen), rt.Mesh(5, FOURTH)
 
 
 def _jump() -> Case:
     robot, foot = _small("solo12"), partial(rt.PointContact, friction=0.5)
     loaded = partial(foot, cone=rt.contacts.Linearised(4), normal_force=(0.5, 40.0))
-    asked = {"push": 0.25, "land": 0.25, "contact": loaded, "objective": _calm(robot, foot, 1e-4)}
-    problem = rt.gait.jump(robot, length=0.1, height=0.08, **asked)
+    chosen = {"push": 0.25, "land": 0.25, "contact": loaded, "objective": _calm(robot, foot, 1e-4)}
+    problem = rt.gait.jump(robot, length=0.1, height=0.08, **chosen)
     return problem, [rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 12, 12)]
 
 
-def _crawl(**asked: Any) -> Case:
+def _crawl(**chosen: Any) -> Case:
     robot = rt.load("solo12", root="floating", limits={"velocity": 30.0, "effort": 3.0})
-    return rt.gait.crawl(robot, step_length=0.05, **asked), rt.Mesh(5, FOURTH)
+    return rt.gait.crawl(robot, step_length=0.05, **chosen), rt.Mesh(5, FOURTH)
 
 
 def _bolt(mesh: rt.Mesh) -> Case:
     robot, foot = _small("bolt"), partial(rt.PointContact, friction=0.6)
-    asked = {"clearance": 0.03, "contact": foot, "objective": _calm(robot, foot, 1e-5)}
-    return rt.gait.walk(robot, step_length=0.06, duration=0.2, **asked), mesh
+    chosen = {"clearance": 0.03, "contact": foot, "objective": _calm(robot, foot, 1e-5)}
+    return rt.gait.walk(robot, step_length=0.06, duration=0.2, **chosen), mesh
 
 
 def _five_link(name: str, clearance: float) -> Case:
@@ -106,9 +106,9 @@ def _run() -> Case:
 def _talos_legs() -> Case:
     robot, feet = rt.load("talos_legs", root="floating"), ("left_sole_link", "right_sole_link")
     sole = partial(rt.FlatFoot, length=0.2, width=0.12, friction=0.6)
-    asked = {"double_support": 0.2, "clearance": 0.04, "repeat": rt.Periodic()}
+    chosen = {"double_support": 0.2, "clearance": 0.04, "repeat": rt.Periodic()}
     objective = _calm(robot, sole, 0.3, feet)
-    step = rt.gait.walk(robot, feet=feet, contact=sole, step_length=0.2, duration=0.8, objective=objective, **asked)
+    step = rt.gait.walk(robot, feet=feet, contact=sole, step_length=0.2, duration=0.8, objective=objective, **chosen)
     return step, [rt.Mesh(n, FOURTH) for n in (5, 7, 5, 7)]
 
 
@@ -177,17 +177,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", choices=[[], *CASES])
     parser.add_argument("--starts", type=int, default=1, help="perturbed guesses of each, the first one as it is")
-    asked = parser.parse_args()
+    chosen = parser.parse_args()
     solvers = {
         "IPOPT": rt.Ipopt(time_limit=LIMIT),
         "ours": rt.InteriorPoint(time_limit=LIMIT, threads=1, fallback=None),
     }
     print("| problem | start | solver | status | iterations | seconds | objective |")
     print("|---|---|---|---|---|---|---|")
-    for name in asked.names or CASES:
+    for name in chosen.names or CASES:
         nlp = nlp_of(CASES[name](), rt.engines.Native())
         noise = np.random.default_rng(0)
-        for start in range(asked.starts):
+        for start in range(chosen.starts):
             moved = nlp.guess + (1e-3 if start else 0.0) * nlp.scale * noise.standard_normal(len(nlp.guess))
             here = replace(nlp, guess=moved)
             for label, solver in solvers.items():
