@@ -27,3 +27,15 @@ def test_durations_alone_have_no_integral() -> None:
     phase = rt.Phase(rt.load("ur5"), (0.2, 5), rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Duration())
     part = rt.plan(phase, mesh=rt.Mesh(6)).phases[0]
     assert not quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.inputs).any()
+
+
+def test_the_error_of_a_rate_of_time() -> None:
+    """From rest to rest over 1 m in 1 s u^2 integrates to 12, by Simpson's rule too. It misses 1 / 7, that of t^6."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    rate = rt.Lagrange(lambda point: point.u["u"] ** 2 + point.t**6)
+    phase = rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), rate)
+    solution = rt.plan(phase, rt.Mesh(3, rt.schemes.HermiteSimpson()))
+    (part,) = solution.phases
+    errors = quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.inputs)
+    assert errors.sum() == pytest.approx(solution.objective - 12.0 - 1.0 / 7.0, abs=1e-8)
+    assert errors.sum() > 1e-4
