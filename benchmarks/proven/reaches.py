@@ -4,7 +4,8 @@ Ends are drawn within the limits of the URDF; every second reach has a fixed dur
 speed limits and the least effort, the others take the least time. A reach counts as proved where ``solution.proof``
 holds and the judgement from outside (``outside.py``) agrees; a claimed proof that it refutes is a false success. A
 reach of fixed duration that was not proved is called infeasible where the least time found for its ends, from several
-guesses, is longer. The table goes to ``REACHES.md``, with ``--log FILE`` also a line of JSON for every reach.
+guesses, is longer. The table goes to ``REACHES.md``, with ``--log FILE`` also a line of JSON for every reach. A run
+that was stopped goes on with the same log: reaches of the log are not planned again.
 """
 
 from __future__ import annotations
@@ -131,14 +132,22 @@ def lines_of(name: str, found: list[dict[str, object]]) -> Iterator[str]:
         )
 
 
+def logged(log: Path | None, name: str, seed: int) -> dict[int, dict[str, object]]:
+    """Return the lines of a log that hold reaches of a robot from this seed, by their numbers."""
+    if log is None or not log.exists():
+        return {}
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    return {each["number"]: each for each in lines if each["robot"] == name and each.get("seed") == seed}
+
+
 def child(name: str, count: int, seed: int, only: list[int]) -> None:
     """Print a line of JSON for every reach of a robot."""
     warnings.simplefilter("ignore")
     for number, (robot, phase) in enumerate(reaches(name, count, seed)):
-        if only and number not in only:
+        if number not in only:
             continue
         found = of_one(robot, phase, number // 2 % EVERY == EVERY - 1)
-        head = {"robot": name, "number": number, "objective": "time" if number % 2 else "effort"}
+        head = {"robot": name, "number": number, "seed": seed, "objective": "time" if number % 2 else "effort"}
         print(json.dumps(head | found), flush=True)
 
 
@@ -164,10 +173,12 @@ def main() -> None:
             rows += lines_of(name, [each for (robot, _), each in sorted(known.items()) if robot == name])
         return write(rows, given.seed)
     for name in given.robots:
+        wanted = given.only or range(given.count)
+        known = logged(given.log, name, given.seed)
+        found = [known[number] for number in wanted if number in known]
+        missing = [str(number) for number in wanted if number not in known]
         command = [sys.executable, __file__, name, "--child", "--count", str(given.count), "--seed", str(given.seed)]
-        if given.only:
-            command += ["--only", *map(str, given.only)]
-        found = []
+        command += ["--only", *missing]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
             for line in process.stdout:
