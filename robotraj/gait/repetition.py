@@ -65,7 +65,7 @@ def repeating(
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
         return _in_shares(sequence(robot, [*phases, *other], terms, moved, passes=sides), [*parts, *parts])
-    both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+    both = repeat.partner_of
     for foot in sides:
         if both.get(foot, foot) != sides[foot]:
             raise InputError(

@@ -25,9 +25,7 @@ TOUCH = 1e-4
 
 def partners_of(repeat: Mirror | Periodic | None) -> dict[str, str]:
     """Return the foot on the other side of each foot that a mirror names."""
-    if not isinstance(repeat, Mirror):
-        return {}
-    return {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+    return repeat.partner_of if isinstance(repeat, Mirror) else {}
 
 
 def swing_clearance(

@@ -33,7 +33,7 @@ def imbalance(robot: Robot, repeat: Mirror) -> float:
     if robot.root != "floating":
         return 0.0
     model, data = robot.model, robot.model.createData()
-    partners = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+    partners = repeat.partner_of
     negated = set(repeat.negated)
     com = np.array(pin.centerOfMass(model, data, robot.neutral))
     pin.forwardKinematics(model, data, robot.neutral)

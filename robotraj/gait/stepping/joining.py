@@ -22,6 +22,7 @@ from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.standing import FOOT_TOLERANCE, stand
 from robotraj.gait.stepping.footholds import SHIFT
 from robotraj.gait.supports import GaitTerms, Support
+from robotraj.gait.swing_clearance import partners_of
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time
@@ -166,9 +167,7 @@ class _Cycle:
     @property
     def partners(self) -> Mapping[str, str]:
         """Frames that change places from one period to the next."""
-        if not isinstance(self.repeat, Mirror):
-            return {}
-        return {**self.repeat.partners, **{b: a for a, b in self.repeat.partners.items()}}
+        return partners_of(self.repeat)
 
     @property
     def contact(self) -> Contact:

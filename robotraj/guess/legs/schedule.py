@@ -85,9 +85,7 @@ class Schedule:
 
     def partner(self, foot: str) -> str:
         """Return the mirror image of a foot, or the foot itself if the motion is not mirrored."""
-        if not isinstance(self.repeat, Mirror):
-            return foot
-        return {**self.repeat.partners, **{b: a for a, b in self.repeat.partners.items()}}.get(foot, foot)
+        return self.repeat.partner_of.get(foot, foot) if isinstance(self.repeat, Mirror) else foot
 
 
 def schedule_of(problem: Problem, durations: Mapping[int, float] | None = None) -> Schedule:
@@ -122,9 +120,7 @@ def _contacts(problem: Problem, repeat: Mirror | Periodic | None) -> tuple[Bound
             every.setdefault(contact.name, contact)
     robot = problem.phases[0].robot
     assert robot is not None
-    partners: dict[str, str] = {}
-    if isinstance(repeat, Mirror):
-        partners = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
+    partners = repeat.partner_of if isinstance(repeat, Mirror) else {}
     for name, contact in list(every.items()):
         other = partners.get(name, name)
         frame = partners.get(contact.frame, other if other in robot.frame_names else contact.frame)

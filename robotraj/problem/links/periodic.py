@@ -117,6 +117,11 @@ class Mirror(Link):
     first: int = 0
     last: int = -1
 
+    @property
+    def partner_of(self) -> dict[str, str]:
+        """Partner of every name in ``partners``, in both directions."""
+        return {**self.partners, **{b: a for a, b in self.partners.items()}}
+
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row per state whose gain is bounded."""
         return _repeat(self, phases, "Mirror")
@@ -132,7 +137,7 @@ class Mirror(Link):
         states = phase.body.states
         labels = list(dict.fromkeys(s.label for s in states))
         contacts = [contact.name for contact in phase.bound_contacts]
-        both = {**self.partners, **{b: a for a, b in self.partners.items()}}
+        both = self.partner_of
         for name in self.negated:
             if name not in labels:
                 raise unknown_name("joint", name, labels, "Mirror(negated=...) names joints.")
