@@ -164,7 +164,7 @@ def write(rows: dict[tuple[str, str], str]) -> None:
     proved = sum(text.split("|")[3].strip() == "yes" for text in ordered)
     head = (
         "Written by `python benchmarks/proven/gaits.py`: default calls, one thread, a fresh process each. Processor"
-        f"\ntime of a plan is limited to {SECONDS:g} s."
+        f"\ntime of a plan is limited to {SECONDS:g} s. Calls without a row were not run."
     )
     end = f"{proved} of {len(ordered)} proved."
     TABLE.write_text("\n".join(["# Gait calls", "", head, "", HEAD, RULE, *ordered, "", end, ""]))
