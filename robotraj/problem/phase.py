@@ -77,8 +77,7 @@ class Phase(OneLine):
     Raises
     ------
     InputError
-        An end violates a limit, bounds are crossed, the duration is too short for a velocity limit, a number is NaN,
-        or a name is unknown.
+        An end violates a limit, bounds are crossed, the duration is too short, a number is NaN or a name unknown.
     """
 
     subject: Robot | System

@@ -107,9 +107,7 @@ class Robot:
                 f"Robot {brief(self.name)} has limits of {len(self.limits.joints)} joints; give limits of {nv}."
             )
         if len(set(self.actuated)) != len(self.actuated) or not set(self.actuated) <= set(self.velocity_names):
-            raise InputError(
-                f"actuated of robot {brief(self.name)} is {self.actuated!r}; name each of its joints at most once."
-            )
+            raise InputError(f"actuated of robot {brief(self.name)} is {self.actuated!r}; name its joints once each.")
 
     def __repr__(self) -> str:
         joints = self.nv - self.limits.free
