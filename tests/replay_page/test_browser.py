@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 import robotraj as rt
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.write import replay
+from robotraj.solution.conflict import Conflict
 from robotraj.solution.cycles.gait_cycles import gait_cycles
 from robotraj.solution.violation import Violation
 
@@ -306,9 +307,13 @@ def test_the_proof_is_shown_and_a_click_on_a_violated_row_moves_to_its_time(brow
     arm = rt.load("two_link_arm")
     phase = rt.Phase(arm, 4.0, rt.State(q=0, v=0), rt.State(q=[1, 0.5], v=0), rt.Effort(), name="reach")
     row = Violation("reach", "effort limit", "elbow", 0.4, 2.5, "N m", 1.0, "over")
-    path = replay(replace(rt.plan(phase, mesh=rt.Mesh(6)), violation_list=(row,)), tmp_path / "page.html")
+    first = Conflict("reach", "effort limit, elbow", 0.0, 1.0, 3.5, "N m", 2.5, True)
+    conflicts = (first, replace(first, name="velocity limit, elbow"))
+    failed = replace(rt.plan(phase, mesh=rt.Mesh(6)), violation_list=(row,), conflicts=conflicts)
+    path = replay(failed, tmp_path / "page.html")
     page = browser.open(path)
-    assert page.locator("#proof .figure.bad").inner_text() == "violated rows 1"
+    # What must give is seen without opening the proof.
+    assert page.locator("#proof .figure.bad").all_inner_texts() == ["violated rows 1", str(first)]
     page.locator("#proof summary").click()
     page.locator("#proof li button").first.click()
     assert page.evaluate("() => robotraj.time()") == pytest.approx(0.4)

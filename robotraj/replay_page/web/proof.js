@@ -19,6 +19,8 @@ class Proof {
       if (figure.goal) chip.append(` ≤ ${scientific(figure.goal)}`);
       strip.append(chip);
     }
+    // The first limit that must give is the largest one.
+    for (const conflict of data.conflicts.slice(0, 1)) strip.append(element("span", conflict, "figure bad"));
     const more = element("details");
     more.append(element("summary", "Proof, meshes, convergence, problem"));
     const sheet = element("div", undefined, "sheet");
