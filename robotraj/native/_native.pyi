@@ -640,6 +640,8 @@ class SymmetricFactors:
         The lower triangle by columns, as in SciPy's CSC.
     processor : str
         One of ``processors()``; the fastest by default.
+    groups : sequence of int (n,)
+        Rows are eliminated by ascending group, within a group by approximate minimum degree.
 
     Raises
     ------
@@ -647,7 +649,7 @@ class SymmetricFactors:
         When an entry is above the diagonal.
     """
 
-    def __init__(self, starts: Indices, rows: Indices, processor: str = "") -> None: ...
+    def __init__(self, starts: Indices, rows: Indices, processor: str = "", groups: Sequence[int] = ()) -> None: ...
     def factorise(self, values: Array, threshold: float = 1e-8, small: float = 1e-20) -> tuple[int, int, int]:
         """Return the numbers of negative and of zero pivots, and of delayed pivots."""
     def solve(self, b: Array) -> Array: ...
@@ -784,6 +786,8 @@ class Program:
     terms : sequence of Term
     threads : int
         Evaluate the blocks. The bits of the answer do not depend on it.
+    groups : ndarray of int32 (columns + rows,), optional
+        A sparse factorisation eliminates columns and rows in groups by ascending number.
 
     Raises
     ------
@@ -808,6 +812,7 @@ class Program:
         hessian_columns: Indices,
         terms: Sequence[Term],
         threads: int = 1,
+        groups: NDArray[np.int32] | None = None,
     ) -> None: ...
     @property
     def iterate(self) -> Array:

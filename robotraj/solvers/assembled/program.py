@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.assembled import chain_rule
+from robotraj.solvers.assembled.dissection import elimination_groups
 from robotraj.solvers.stagewise.matrices import Entries, array, entries, native, summed
 from robotraj.solvers.stagewise.program import BlockProgram, Program
 from robotraj.transcription.assembly.block import Block
@@ -174,6 +175,7 @@ def assemble(nlp: Nlp) -> Assembled:
         rows.upper,
         rows.form_rows,
         rows.columns,
+        elimination_groups(nlp, free, first.rows, first.columns, n_rows),
     )
     return Assembled(nlp, program, free, values)
 

@@ -40,6 +40,7 @@ def native_program(program: Program, engine: Engine, threads: int) -> NativeProg
         *program.hessian,
         [_term(part, engine) for part in program.blocks],
         threads,
+        program.groups,
     )
     return made
 

@@ -138,7 +138,7 @@ def order(form: Form, low: Indices, high: Indices, stages: int, constant: NDArra
     row_of, column_of = (np.concatenate(parts) for parts in zip(*readers, strict=True))
     real = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper))[row_of]
     row_of, column_of = row_of[real], column_of[real]
-    low, high = _with_stages(row_of, column_of, n_rows, low, high, constant)
+    low, high = with_stages(row_of, column_of, n_rows, low, high, constant)
     places = []
     for block, (row, column) in zip(form.blocks, patterns, strict=True):
         places.append(_choose(row // block.stage.inputs, column, block.count, low, high, constant))
@@ -163,7 +163,7 @@ def _live(first: Indices, last: Indices, columns: Indices, stages: Indices) -> N
     np.maximum.at(last, columns, stages)
 
 
-def _with_stages(
+def with_stages(
     rows: Indices, columns: Indices, count: int, low: Indices, high: Indices, constant: NDArray[np.bool_]
 ) -> tuple[Indices, Indices]:
     """Give columns without a stage that of the first row that couples them to columns of an interval.

@@ -76,6 +76,8 @@ class Program:
         The form's row of each path row, -1 for dynamics and bounds.
     bound_columns : ndarray of int (n_rows,)
         The column whose bound a row is, -1 for all others.
+    groups : ndarray of int32 (n_y + n_rows,), optional
+        The order in which a sparse factorisation eliminates columns and rows: groups by ascending number.
     """
 
     nu: Indices
@@ -94,6 +96,7 @@ class Program:
     upper: Array
     form_rows: Indices
     bound_columns: Indices
+    groups: NDArray[np.int32] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@
 #include "ldl/factors.hpp"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 namespace nb = nanobind;
 
@@ -32,10 +33,14 @@ void bind_ldl(nb::module_& m) {
   nb::class_<Factors>(m, "SymmetricFactors")
       .def(
           "__init__",
-          [](Factors* self, const Indices& starts, const Indices& rows, const std::string& processor) {
-            new (self) Factors(checked_pattern(starts, rows), processor);
+          [](Factors* self, const Indices& starts, const Indices& rows, const std::string& processor,
+             const std::vector<int>& groups) {
+            ldl::Pattern pattern = checked_pattern(starts, rows);
+            if (!groups.empty() && groups.size() != static_cast<std::size_t>(pattern.n))
+              throw std::invalid_argument("groups must have a number for each row");
+            new (self) Factors(std::move(pattern), groups, processor);
           },
-          nb::arg("starts"), nb::arg("rows"), nb::arg("processor") = "")
+          nb::arg("starts"), nb::arg("rows"), nb::arg("processor") = "", nb::arg("groups") = std::vector<int>())
       .def(
           "factorise",
           [](Factors& self, const Doubles& values, double threshold, double small) {

@@ -150,13 +150,14 @@ void bind_program(nb::module_& m) {
              const Indices& inequalities, const Csr& linear, const Doubles& offset, const Doubles& cost,
              double cost_offset, const Narrow& jacobian_rows, const Narrow& jacobian_columns,
              const Doubles& jacobian_constants, const Narrow& hessian_rows, const Narrow& hessian_columns,
-             const std::vector<Term*>& terms, std::size_t threads) {
+             const std::vector<Term*>& terms, std::size_t threads, const std::optional<Narrow>& groups) {
             std::vector<Term> copies;
             for (const Term* term : terms) copies.push_back(*term);
             auto program = std::make_shared<Program>(
                 LinearPart{linear, copied(offset), copied(cost), cost_offset, copied(jacobian_constants)},
                 Pattern{copied(jacobian_rows), copied(jacobian_columns)},
-                Pattern{copied(hessian_rows), copied(hessian_columns)}, std::move(copies), threads);
+                Pattern{copied(hessian_rows), copied(hessian_columns)}, std::move(copies), threads,
+                groups ? copied(*groups) : std::vector<std::int32_t>());
             auto solver = std::make_unique<Solver>(
                 program, Stages{sizes(controls, "controls"), sizes(states, "states"), sizes(equalities, "equalities"),
                                 sizes(inequalities, "inequalities")});
@@ -165,7 +166,7 @@ void bind_program(nb::module_& m) {
           nb::arg("controls"), nb::arg("states"), nb::arg("equalities"), nb::arg("inequalities"), nb::arg("linear"),
           nb::arg("offset"), nb::arg("cost"), nb::arg("cost_offset"), nb::arg("jacobian_rows"),
           nb::arg("jacobian_columns"), nb::arg("jacobian_constants"), nb::arg("hessian_rows"),
-          nb::arg("hessian_columns"), nb::arg("terms"), nb::arg("threads") = 1)
+          nb::arg("hessian_columns"), nb::arg("terms"), nb::arg("threads") = 1, nb::arg("groups") = nb::none())
       .def_prop_ro(
           "iterate", [](const Solved& self) { return to_numpy(self.solver->iterate()); }, nb::rv_policy::move)
       .def_prop_ro("threads", [](const Solved& self) { return self.program->threads(); })

@@ -19,10 +19,10 @@ double inverse_root(double x) {
 
 }  // namespace
 
-Factors::Factors(Pattern pattern, const std::string& processor)
+Factors::Factors(Pattern pattern, const std::vector<int>& groups, const std::string& processor)
     : pattern_(std::move(pattern)),
       kernels_(front_kernels_of(processor)),
-      tree_(make_tree(pattern_)),
+      tree_(make_tree(pattern_, fill_reducing_order(pattern_, groups))),
       parts_(tree_.nodes.size()) {
   make_room();
 }

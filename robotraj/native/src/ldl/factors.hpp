@@ -25,8 +25,8 @@ struct Inertia {
 /// Memory of one factorisation serves the next.
 class Factors {
  public:
-  /// `processor` as in front_kernels_of.
-  explicit Factors(Pattern pattern, const std::string& processor = {});
+  /// `groups` as in fill_reducing_order, `processor` as in front_kernels_of.
+  explicit Factors(Pattern pattern, const std::vector<int>& groups = {}, const std::string& processor = {});
 
   /// Factorises; the values are those of the pattern's entries.
   Inertia factorise(const double* values, double threshold, double small);

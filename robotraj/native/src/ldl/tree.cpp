@@ -220,11 +220,16 @@ void add_places(const Pattern& pattern, Tree& tree) {
 
 }  // namespace
 
+std::vector<int> fill_reducing_order(const Pattern& pattern, const std::vector<int>& groups) {
+  std::vector<int> order = minimum_degree(neighbours_of(pattern));
+  if (!groups.empty())
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return groups[a] < groups[b]; });
+  return order;
+}
+
 Tree make_tree(const Pattern& pattern, const std::vector<int>& order) {
-  const Lists neighbours = neighbours_of(pattern);
-  const std::vector<int> chosen = order.empty() ? minimum_degree(neighbours) : order;
   Tree tree;
-  add_nodes(columns_of(neighbours, chosen), chosen, tree);
+  add_nodes(columns_of(neighbours_of(pattern), order), order, tree);
   add_places(pattern, tree);
   return tree;
 }

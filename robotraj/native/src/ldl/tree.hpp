@@ -34,8 +34,11 @@ struct Tree {
   int largest = 0;    ///< rows of the largest front, without delays
 };
 
-/// Merges nodes where a larger front costs less than two. Rows leave in about the given order or, where it is empty, by
-/// approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's).
-Tree make_tree(const Pattern& pattern, const std::vector<int>& order = {});
+/// Approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's) within each group.
+/// The groups leave by ascending number. Without groups all rows are one.
+std::vector<int> fill_reducing_order(const Pattern& pattern, const std::vector<int>& groups);
+
+/// Merges nodes where a larger front costs less than two. Rows leave in about the given order.
+Tree make_tree(const Pattern& pattern, const std::vector<int>& order);
 
 }  // namespace robotraj::native::ldl

@@ -98,7 +98,15 @@ SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices)
     const int row = row_of[static_cast<std::size_t>(jacobian.rows[e])];
     of_jacobian_.push_back(row < 0 ? -1 : entries.add(row, jacobian.columns[e]));
   }
-  factors_ = std::make_unique<ldl::Factors>(entries.pattern());
+  std::vector<int> groups;
+  if (const std::vector<int>& given = matrices.groups(); !given.empty()) {
+    groups.assign(given.begin(), given.begin() + layout.columns);
+    groups.resize(static_cast<std::size_t>(size));
+    for (int row = 0; row < layout.rows; ++row)
+      if (const int at = row_of[static_cast<std::size_t>(row)]; at >= 0)
+        groups[static_cast<std::size_t>(at)] = given[static_cast<std::size_t>(layout.columns + row)];
+  }
+  factors_ = std::make_unique<ldl::Factors>(entries.pattern(), groups);
   for (auto* places : {&diagonal_, &of_hessian_, &of_jacobian_})
     for (std::int32_t& place : *places) place = place < 0 ? -1 : entries.place(place);
   values_.resize(factors_->pattern().rows.size());

@@ -13,12 +13,13 @@ namespace robotraj::native {
 /// Entries in the program's order: rows of the Jacobian one after the other, the upper triangle of the Hessian.
 class SparseMatrices final : public NewtonMatrices {
  public:
-  /// Of a layout of one stage without states.
-  SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian)
-      : NewtonMatrices(layout), jacobian_(jacobian), hessian_(hessian) {}
+  /// Of a layout of one stage without states. `groups` numbers columns, then rows; see ldl::fill_reducing_order.
+  SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian, const std::vector<int>& groups)
+      : NewtonMatrices(layout), jacobian_(jacobian), hessian_(hessian), groups_(groups) {}
 
   const Pattern& jacobian() const { return jacobian_; }
   const Pattern& hessian() const { return hessian_; }
+  const std::vector<int>& groups() const { return groups_; }
   std::vector<std::int32_t> jacobian_places() const override;
   std::vector<std::int32_t> hessian_places() const override;
   StageValues empty_jacobian() const override { return StageValues(jacobian_.size(), 0.0); }
@@ -29,6 +30,7 @@ class SparseMatrices final : public NewtonMatrices {
 
  private:
   const Pattern &jacobian_, &hessian_;
+  const std::vector<int>& groups_;
 };
 
 /// L D L' of

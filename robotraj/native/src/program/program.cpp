@@ -31,10 +31,12 @@ void need_inside(const Pattern& pattern, std::size_t rows, std::size_t columns, 
 
 }  // namespace
 
-Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vector<Term> terms, std::size_t threads)
+Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vector<Term> terms, std::size_t threads,
+                 std::vector<int> groups)
     : linear_(std::move(linear)),
       jacobian_pattern_(std::move(jacobian)),
       hessian_pattern_(std::move(hessian)),
+      elimination_groups_(std::move(groups)),
       terms_(std::move(terms)),
       work_(terms_.size()),
       linear_combination_(linear_.rows),
@@ -46,6 +48,7 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
   need(linear_.jacobian.size(), jacobian_pattern_.size(), "constant Jacobian entries: their number");
   need_inside(jacobian_pattern_, rows(), columns(), "Jacobian");
   need_inside(hessian_pattern_, columns(), columns(), "Hessian");
+  if (!elimination_groups_.empty()) need(elimination_groups_.size(), columns() + rows(), "groups: length");
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     check(i);
     Term& term = terms_[i];

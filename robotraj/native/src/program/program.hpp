@@ -59,13 +59,16 @@ class Program {
   };
 
   /// Throws std::invalid_argument, naming the block and the array, where shapes do not fit.
-  Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vector<Term> terms, std::size_t threads);
+  Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vector<Term> terms, std::size_t threads,
+          std::vector<int> groups = {});
 
   std::size_t columns() const { return linear_.cost.size(); }
   std::size_t rows() const { return linear_.offset.size(); }
   std::size_t threads() const { return pool_.size(); }
   const Pattern& jacobian_pattern() const { return jacobian_pattern_; }
   const Pattern& hessian_pattern() const { return hessian_pattern_; }
+  /// The order in which columns, then rows, leave Newton's systems: by ascending number. Empty where none is preferred.
+  const std::vector<int>& elimination_groups() const { return elimination_groups_; }
   const Csr& linear_rows() const { return linear_.rows; }
   const std::vector<Term>& terms() const { return terms_; }
 
@@ -110,6 +113,7 @@ class Program {
 
   LinearPart linear_;
   Pattern jacobian_pattern_, hessian_pattern_;
+  std::vector<int> elimination_groups_;
   std::vector<Term> terms_;
   std::vector<Work> work_;
   Combination linear_combination_;

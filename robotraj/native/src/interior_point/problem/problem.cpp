@@ -92,7 +92,7 @@ std::shared_ptr<native::NewtonMatrices> matrices_of(Program& program, const Layo
   const Pattern &jacobian = program.jacobian_pattern(), &hessian = program.hessian_pattern();
   std::shared_ptr<native::NewtonMatrices> matrices;
   if (layout.count() == 1 && layout.states[0] == 0)
-    matrices = std::make_shared<native::SparseMatrices>(layout, jacobian, hessian);
+    matrices = std::make_shared<native::SparseMatrices>(layout, jacobian, hessian, program.elimination_groups());
   else matrices = std::make_shared<native::StageMatrices>(layout, jacobian, hessian);
   program.place(matrices->jacobian_places(), matrices->hessian_places());
   return matrices;
