@@ -35,8 +35,10 @@ LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
 """Bounds on the growth of the number of intervals for the convergence of the objective."""
 CLEARLY = 1.4
 """Least ratio of the numbers of intervals of two meshes whose objectives are compared."""
-SAFETY = 1.1
-"""Factor on the growth that the order of the objective predicts."""
+SAFETY = 1.5
+"""Factor on the growth that the order of the objective predicts.
+
+With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again."""
 
 
 @dataclass(frozen=True, eq=False)
