@@ -8,7 +8,7 @@ namespace robotraj::native::ldl {
 namespace {
 
 /// Share of the rows that wait before another order pays.
-constexpr double kWaiting = 0.05;
+constexpr double kWaiting = 0.02;
 
 /// A power of two near 1 / sqrt(x): scaling by it changes no digit.
 double inverse_root(double x) {
