@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.polynomials import basis, basis_at, differentiation
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass

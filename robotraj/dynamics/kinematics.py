@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import refuse_contacts
 from robotraj.dynamics.point import RobotPoint

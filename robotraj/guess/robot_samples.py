@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.guess.base import Curve
 from robotraj.guess.joint_motion import designed

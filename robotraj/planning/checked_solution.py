@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from robotraj._util.late import Late
+from robotraj._util.lazy_values import LazySequence
 from robotraj.planning.nlp_violations import violations
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.phase_solution import PhaseSolution
@@ -60,7 +60,7 @@ def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Sol
         times | outcome.times,
         broken,
         outcome.multipliers,
-        duals=_late_duals(nlp, outcome) if status is Status.SOLVED else (),
+        duals=_lazy_duals(nlp, outcome) if status is Status.SOLVED else (),
         impulses=tuple(
             {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
             for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
@@ -73,10 +73,10 @@ def _more_equations_than_unknowns(nlp: Nlp) -> bool:
     return bool(equations > np.sum(nlp.variables.lower < nlp.variables.upper))
 
 
-def _late_duals(nlp: Nlp, outcome: Outcome) -> Late[PhaseDuals]:
+def _lazy_duals(nlp: Nlp, outcome: Outcome) -> LazySequence[PhaseDuals]:
     # Costates are not unique where invariants are imposed as rows. The copy of the NLP has no cached functions.
     constrained = any(phase.dae.invariants for phase in nlp.problem.phases)
-    return Late(partial(_duals, replace(nlp), outcome), 0 if constrained else len(nlp.layouts))
+    return LazySequence(partial(_duals, replace(nlp), outcome), 0 if constrained else len(nlp.layouts))
 
 
 def _duals(nlp: Nlp, outcome: Outcome) -> tuple[PhaseDuals, ...]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.guess.base import InitialGuess
-from robotraj.planning.sharpening import Sharpening
+from robotraj.planning.duality_gap import SolverAccuracy
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
@@ -71,7 +71,7 @@ def adapt(
     total: dict[str, float] = {}
     start: InitialGuess | Solution | None = guess
     adding_rows = False
-    sharpening = Sharpening(settings.solver)
+    accuracy = SolverAccuracy(settings.solver)
 
     def assessed(solution: Solution) -> tuple[list[Assessment], float, bool]:
         """Return the assessments of all phases, the largest error, and whether the objective has settled."""
@@ -91,16 +91,16 @@ def adapt(
         return adding_rows
 
     def solved(start: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
-        own = replace(settings, mesh=tuple(meshes), solver=sharpening.solver, interval_limits=limits)
+        own = replace(settings, mesh=tuple(meshes), solver=accuracy.solver, interval_limits=limits)
         return solve(problem, start, own, progress, hold)
 
     kept: Solution | None = None
     try:
         while True:
             solution = solved(start, needs_rows)
-            if not solution.success and sharpening.tightened and solution.status is not Status.INTERRUPTED:
+            if not solution.success and accuracy.tightened and solution.status is not Status.INTERRUPTED:
                 total = added_times(total, solution.times)
-                sharpening.revert()
+                accuracy.revert()
                 solution = solved(start, needs_rows)
             seconds, total = solution.seconds, added_times(total, solution.times)
             kept = solution = replace(solution, refinement=tuple(steps), times=total)
@@ -117,7 +117,7 @@ def adapt(
             )
             kept = solution = replace(solution, refinement=tuple(steps))
             reached = adding_rows and worst <= tolerance and settled
-            tighter = sharpening.tighten_if_needed(solution, tolerance * max(abs(solution.objective), SMALL))
+            tighter = accuracy.tighten_if_needed(solution, tolerance * max(abs(solution.objective), SMALL))
             if not solution.success or (reached and not tighter):
                 return solution
             if reached:

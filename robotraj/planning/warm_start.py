@@ -14,7 +14,7 @@ from robotraj.planning.many.starts import Start
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import LateMultipliers, Multipliers
+from robotraj.solvers.base import LazyMultipliers, Multipliers
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
@@ -120,7 +120,7 @@ def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extende
     estimated = transfer(guess.duals, nlp)
     if estimated is None:
         return None
-    return LateMultipliers(lambda: estimated.plain, (len(nlp.rows), len(nlp.variables)), known.origin)
+    return LazyMultipliers(lambda: estimated.plain, (len(nlp.rows), len(nlp.variables)), known.origin)
 
 
 def lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
@@ -128,7 +128,7 @@ def lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
 
     They are computed when they are first read. Not every solver reads them, and they may take a further solve.
     """
-    return LateMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
+    return LazyMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
 
 
 def _extended(known: Multipliers, nlp: Nlp) -> Multipliers:

@@ -7,7 +7,7 @@ from dataclasses import field, fields, replace
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own
 from robotraj.dynamics.contacts.base import BoundContact, Contact

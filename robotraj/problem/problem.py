@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row

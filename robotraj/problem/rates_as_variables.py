@@ -8,7 +8,7 @@ from typing import ClassVar
 import casadi as ca
 
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import AnyPoint, Point

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import brief, wrapped
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion

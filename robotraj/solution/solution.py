@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.display import drawn
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem

@@ -1,6 +1,6 @@
 """Solvers are values: one file each, the only ones that know its options."""
 
-from .base import Iteration, LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from .base import Iteration, LazyMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from .interior_point import InteriorPoint
 from .ipopt import Ipopt
 from .status import Status
@@ -9,7 +9,7 @@ __all__ = [
     "InteriorPoint",
     "Ipopt",
     "Iteration",
-    "LateMultipliers",
+    "LazyMultipliers",
     "Multipliers",
     "Origin",
     "Outcome",

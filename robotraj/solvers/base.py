@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solvers.status import Status
@@ -75,7 +75,7 @@ class Multipliers(OneLine):
         return self
 
 
-class LateMultipliers(Multipliers):
+class LazyMultipliers(Multipliers):
     """Multipliers computed at first use, since those of eliminated rows need a further solve.
 
     Parameters

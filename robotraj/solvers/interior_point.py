@@ -20,7 +20,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
-from robotraj.solvers.base import LateMultipliers, Multipliers, Outcome, Progress, Solver
+from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, largest_violation, report, warm_start
 from robotraj.solvers.formulation import Formulation, formulate, options
@@ -273,7 +273,7 @@ class InteriorPoint(Solver):
             status,
             f"interior point: {found.status}" + (f" ({found.message})" if found.message else ""),
             w,
-            LateMultipliers(lambda: Multipliers(*original_multipliers(formulation, y, lam)), sizes, origin),
+            LazyMultipliers(lambda: Multipliers(*original_multipliers(formulation, y, lam)), sizes, origin),
             iterations,
             {"setup": ready - began, "solve": spent, **parts},
         )

@@ -15,7 +15,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.solvers.base import LateMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.base import LazyMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
 from robotraj.solvers.ipopt_callback import IterationCallback
 from robotraj.solvers.status import Status
@@ -241,4 +241,4 @@ def _unit(scale: float) -> dict[str, float]:
 def _multipliers(nlp: Nlp, w: np.ndarray, lam_g: np.ndarray, lam_x: np.ndarray) -> Multipliers:
     """Return multipliers in physical units, with the NLP for solves of the same problem with other ends."""
     known = Multipliers(lam_g * nlp.row_scale, lam_x / nlp.scale)
-    return LateMultipliers(lambda: known, known.sizes, Origin(nlp, w))
+    return LazyMultipliers(lambda: known, known.sizes, Origin(nlp, w))

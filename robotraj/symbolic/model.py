@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj.symbolic.joint_tree import graphs_of
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Named
 from robotraj.witness.protocols import Array, RobotLike, SystemLike

@@ -12,7 +12,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.forks import unforked
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 
 LIMIT = 30.0
 """Seconds after which a child hangs."""

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.model import DesignedModel

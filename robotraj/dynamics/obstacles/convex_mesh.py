@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
 from robotraj.robot.collision.tessellation import hull_triangles

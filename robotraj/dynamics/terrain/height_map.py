@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Array, Ground
 

@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.splines import through
 from robotraj._util.values import dataclass
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import anchors
 from robotraj.dynamics.point import RobotPoint

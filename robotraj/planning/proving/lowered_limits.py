@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from robotraj._util.late import Late
+from robotraj._util.lazy_values import LazySequence
 from robotraj.planning.nlp_violations import between_points
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
@@ -29,20 +29,20 @@ class LoweredLimits:
 
     def __init__(self) -> None:
         self.amounts: dict[LimitedInterval, float] = {}
-        self._found: Late[IntervalViolation] = Late(list)
+        self._found: LazySequence[IntervalViolation] = LazySequence(list)
 
     def measure(self, solution: Solution) -> None:
         """Take the excess of another solution from now on."""
-        self._found = Late(partial(_exceeded, solution.phases))
+        self._found = LazySequence(partial(_exceeded, solution.phases))
 
     @property
     def found(self) -> Sequence[IntervalViolation]:
         """Limits that the solution exceeds between its points, found when first read."""
         return self._found
 
-    def violations(self, problem: Problem) -> Late[Violation]:
+    def violations(self, problem: Problem) -> LazySequence[Violation]:
         """Return them as violations of a solution, computed at first use: many plans need none."""
-        return Late(partial(between_points, problem, self._found))
+        return LazySequence(partial(between_points, problem, self._found))
 
     def lower(self) -> None:
         """Lower the limits that were exceeded."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle

@@ -30,7 +30,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.polynomials import integrals, lobatto_sites
 from robotraj._util.sparse import csr_array
 from robotraj._util.trajectory import PiecewisePolynomial

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.solution.costates.duals import PhaseDuals
-from robotraj.solvers.base import LateMultipliers, Multipliers
+from robotraj.solvers.base import LazyMultipliers, Multipliers
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.collocation import Collocation
@@ -35,7 +35,7 @@ def transfer(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers | None:
     schemes = (interval.scheme for layout in nlp.layouts for interval in layout.intervals)
     if len(duals) != len(nlp.layouts) or not all(isinstance(scheme, Collocation) for scheme in schemes):
         return None
-    return LateMultipliers(partial(_transferred, duals, nlp), (len(nlp.rows), len(nlp.variables)))
+    return LazyMultipliers(partial(_transferred, duals, nlp), (len(nlp.rows), len(nlp.variables)))
 
 
 def _transferred(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers:

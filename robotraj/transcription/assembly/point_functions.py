@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, insert_graphs
 from robotraj.dynamics.torques import Torques
 from robotraj.native.build import load_native

@@ -17,7 +17,7 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.late import cached_property
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.polynomials import basis, integrals
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
+from robotraj.planning import duality_gap
 from robotraj.planning import refine as adaptive
-from robotraj.planning import sharpening
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.refinement.strategy import Assessment, Refinement
 
@@ -408,7 +408,7 @@ def test_a_solver_with_a_smaller_gap_that_fails_is_not_called_again(monkeypatch:
         return asked[-1]
 
     monkeypatch.setattr(rt.Ipopt, "with_smaller_gap", with_smaller_gap)
-    monkeypatch.setattr(sharpening, "duality_gap", lambda solution: 1.0)
+    monkeypatch.setattr(duality_gap, "duality_gap", lambda solution: 1.0)
     solution = rt.plan(swing_up(), tolerance=1e-6, solver=rt.Ipopt())
     assert solution.success and solution.refinement[-1].error <= 1e-6
     assert len(asked) == 3

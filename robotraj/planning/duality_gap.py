@@ -13,7 +13,7 @@ MARGIN = 0.1
 """Ratio of the duality gap of the next solver to that limit."""
 
 
-class Sharpening:
+class SolverAccuracy:
     """The solver of a refinement, with a smaller duality gap where its solutions need it.
 
     Parameters

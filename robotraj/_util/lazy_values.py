@@ -30,12 +30,12 @@ else:
             return known[self.name] if self.name in known else known.setdefault(self.name, self.func(instance))
 
 
-__all__ = ["Late", "cached_property"]
+__all__ = ["LazySequence", "cached_property"]
 
 T = TypeVar("T", covariant=True)
 
 
-class Late(Sequence[T]):
+class LazySequence(Sequence[T]):
     """A sequence whose values are computed when one of them is first read.
 
     Parameters
@@ -68,7 +68,7 @@ class Late(Sequence[T]):
         return len(self._all()) if self._count is None else self._count
 
     def __eq__(self, other: object) -> bool:
-        return self._all() == (other._all() if isinstance(other, Late) else other)
+        return self._all() == (other._all() if isinstance(other, LazySequence) else other)
 
     __hash__ = None  # type: ignore[assignment]
 
