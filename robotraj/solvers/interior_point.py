@@ -23,6 +23,7 @@ from robotraj.native.build import load_native
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, largest_violation, report, warm_start
+from robotraj.solvers.fallback import fall_back
 from robotraj.solvers.formulation import Formulation, formulate, options
 from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
@@ -56,8 +57,6 @@ PATIENCE, PATIENCE_ASSEMBLED, LARGER = 500, 150, 100.0
 Near singular postures such as straight knees an attempt may wander without converging. With contacts, attempts that
 converge seldom take 100 iterations.
 """
-SHORTEST = 1e-3
-"""Shortest time limit of a fallback [s]."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
 """Statuses after which the fallback solves the problem.
 
@@ -172,7 +171,7 @@ class InteriorPoint(Solver):
             if self.fallback is None:
                 zeros = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
                 return Outcome(Status.OVERDETERMINED, f"interior point: {why}", nlp.guess, zeros, 0)
-            return self._fall_back(self.fallback, nlp, progress, multipliers, why, began)
+            return fall_back(self.fallback, nlp, progress, multipliers, why, self._left(began))
         compiled = CompiledProgram(native_program(program, nlp.engine, self._threads), self._threads)
         with compiled.alone:
             return self._run(formulation, compiled, began, progress, multipliers)
@@ -225,7 +224,7 @@ class InteriorPoint(Solver):
         while attempts:
             first, factor, known = attempts.pop(0)
             patience = min(self.max_iterations if tried else longest, self.max_iterations - iterations)
-            left = np.inf if self.time_limit is None else ready + self.time_limit - time.perf_counter()
+            left = self._left(ready)
             found = native.solve(
                 start,
                 program.lower,
@@ -233,7 +232,7 @@ class InteriorPoint(Solver):
                 self._options(first, factor, patience, formulation),
                 objective_scale=scale,
                 callback=report(progress),
-                time_limit=left,
+                time_limit=np.inf if left is None else left,
                 **known,
             )
             tried.append(found)
@@ -252,14 +251,8 @@ class InteriorPoint(Solver):
         # A default limit ends this method, not the plan.
         exhausted = status is Status.ITERATION_LIMIT and self.max_iterations == InteriorPoint.max_iterations
         if (status in UNSOLVED or exhausted) and self.fallback is not None:
-            outcome = self._fall_back(
-                self.fallback,
-                nlp,
-                progress,
-                multipliers,
-                f"the interior-point method ended with {found.status!r}",
-                ready,
-            )
+            reason = f"the interior-point method ended with {found.status!r}"
+            outcome = fall_back(self.fallback, nlp, progress, multipliers, reason, self._left(ready))
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: interior point": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
@@ -294,24 +287,6 @@ class InteriorPoint(Solver):
         )
         return chosen
 
-    def _fall_back(
-        self,
-        fallback: Solver,
-        nlp: Nlp,
-        progress: Progress | None,
-        multipliers: Multipliers | None,
-        reason: str,
-        began: float,
-    ) -> Outcome:
-        by = type(fallback).__name__
-        if self.time_limit is not None:
-            fallback = fallback.within(max(SHORTEST, began + self.time_limit - time.perf_counter()))
-        outcome = fallback.solve(nlp, progress, multipliers)
-        return Outcome(
-            outcome.status,
-            f"{outcome.message} (by {by}, since {reason})",
-            outcome.w,
-            outcome.multipliers,
-            outcome.iterations,
-            outcome.times,
-        )
+    def _left(self, began: float) -> float | None:
+        """Seconds of the time limit that are left."""
+        return None if self.time_limit is None else began + self.time_limit - time.perf_counter()

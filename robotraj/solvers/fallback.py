@@ -1,0 +1,38 @@
+"""A second solver for a problem that a first one did not solve."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
+
+if TYPE_CHECKING:
+    from robotraj.transcription.nlp import Nlp
+
+SHORTEST = 1e-3
+"""Shortest time limit of a fallback [s]."""
+
+
+def fall_back(
+    fallback: Solver,
+    nlp: Nlp,
+    progress: Progress | None,
+    multipliers: Multipliers | None,
+    reason: str,
+    seconds: float | None,
+) -> Outcome:
+    """Solve from ``nlp.guess`` by ``fallback``; the message of the outcome names it and the reason.
+
+    Parameters
+    ----------
+    reason : str
+        Why the first solver did not solve the problem.
+    seconds : float or None
+        Wall-clock seconds that are left, None without a limit.
+    """
+    if seconds is not None:
+        fallback = fallback.within(max(SHORTEST, seconds))
+    outcome = fallback.solve(nlp, progress, multipliers)
+    message = f"{outcome.message} (by {type(fallback).__name__}, since {reason})"
+    return replace(outcome, message=message)
