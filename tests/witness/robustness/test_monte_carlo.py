@@ -35,9 +35,10 @@ def test_a_seed_repeats_its_runs_and_more_runs_keep_the_first(swing):
 
 def test_the_torque_that_the_feedback_asks_for_grows_with_the_disturbances(swing):
     usual = rt.witness.Disturbances()
-    small, tenfold = (rt.witness.monte_carlo(swing, runs=3, disturbances=usual.scaled(f)).used for f in (0.01, 0.1))
-    np.testing.assert_allclose(tenfold, 10.0 * small, rtol=0.1)
-    assert np.all((tenfold > 0.0) & (tenfold < 1.0))
+    # Without disturbances, torques that are held for a period use 0.004 of the reserve: smaller ones would not show.
+    small, large = (rt.witness.monte_carlo(swing, runs=3, disturbances=usual.scaled(f)).used for f in (0.03, 0.12))
+    np.testing.assert_allclose(large, 4.0 * small, rtol=0.1)
+    assert np.all((large > 0.0) & (large < 1.0))
 
 
 @pytest.mark.slow
