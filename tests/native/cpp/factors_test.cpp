@@ -31,7 +31,7 @@ ROBOTRAJ_TEST(factors_solve_and_count_the_signs_of_eigenvalues) {
           }
         pattern.starts.push_back(static_cast<int>(pattern.rows.size()));
       }
-      native::ldl::Factors factors(pattern, processor);
+      native::ldl::Factors factors(pattern, {}, processor);
       const auto inertia = factors.factorise(values.data(), 1e-6, 1e-20);
       const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues();
       CHECK(inertia.zero == 0);
