@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj._util.warn import warn
 from robotraj.dynamics.contacts.base import Contact, copied
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
@@ -81,11 +81,10 @@ def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
     off = imbalance(robot, found)
     if off <= IMBALANCE:
         return found
-    warnings.warn(
+    warn(
         f"The inertia of {robot.name!r} is not symmetric (accelerations under mirrored torques differ by {off:.2g} of "
         "g over the robot's size). Hence both halves of the gait are planned, with rt.Periodic. "
-        f"repeat=rt.gait.mirror(robot, imbalance={1.1 * off:.1g}) plans one half.",
-        stacklevel=4,
+        f"repeat=rt.gait.mirror(robot, imbalance={1.1 * off:.1g}) plans one half."
     )
     return Periodic()
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj._util.warn import warn
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar
@@ -62,11 +62,10 @@ def swing_clearance(
             level += corners
             low.append(foot)
     if low and support.feet and terms.clearance > 0.0:
-        warnings.warn(
+        warn(
             f"clearance={terms.clearance:g} is not imposed on {', '.join(low)} in {support.name!r}, which only stay "
             "above the ground. It needs a standing partner that the foot passes, and a step of known length. "
-            "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet.",
-            stacklevel=3,
+            "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet."
         )
     spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
     return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows

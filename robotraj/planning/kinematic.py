@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj._util.warn import warn
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body import InverseDynamics
 from robotraj.guess.base import InitialGuess, PhaseGuess
@@ -87,10 +87,7 @@ class Kinematic(InitialGuess):
         solution = solve(posed, self.guess, resolve(posed, {"mesh": self.mesh, "solver": self.solver}))
         if not solution.success:
             worst = "; ".join(str(violation) for violation in solution.violations(1))
-            warnings.warn(
-                f"The kinematic plan failed ({solution.status.value}; {worst}); its last iterate is the guess.",
-                stacklevel=2,
-            )
+            warn(f"The kinematic plan failed ({solution.status.value}; {worst}); its last iterate is the guess.")
         return _Planned(solution.phases)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
@@ -14,6 +13,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.forks import unforked
 from robotraj._util.time_left import limited
+from robotraj._util.warn import warn
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
@@ -242,7 +242,7 @@ def plan(
         solution = _stopped(solution, show)
     solution = replace(solution, continuation=records, settings=settings)
     if solution.success and unheld:
-        warnings.warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.", stacklevel=2)
+        warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.")
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"

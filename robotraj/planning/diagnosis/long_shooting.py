@@ -8,9 +8,9 @@ to the number of joints.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
+from robotraj._util.warn import warn
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.integrators import RungeKutta4
 from robotraj.transcription.schemes.mesh import Mesh
@@ -57,9 +57,8 @@ def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None
     """
     seconds = shooting_seconds(problem, mesh)
     if seconds > LONG:
-        warnings.warn(
+        warn(
             f"Shooting or compressed collocation on this mesh takes about {seconds:.0f} s of processor time "
             f"({seconds / LONG:.0f} minutes). Use collocation with inner points, such as mesh=rt.Mesh(20) or no mesh, "
-            "or fewer intervals. time_limit= bounds the time.",
-            stacklevel=3,
+            "or fewer intervals. time_limit= bounds the time."
         )

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.warn import warn
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.exact_shapes import touching_links
@@ -35,8 +34,7 @@ def warn_of_self_collision(problem: Problem) -> None:
                 # The URDF or a mesh was removed after the robot was loaded. A plan does not need them.
                 return
             if touching:
-                warnings.warn(
+                warn(
                     f"Phase {phase.name!r}: at the {end} {', '.join(touching)} touch; add rt.CollisionFree() to keep "
-                    f"links apart, or choose another {end}.",
-                    stacklevel=3,
+                    f"links apart, or choose another {end}."
                 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj._util.warn import warn
 from robotraj.replay_page.scene.meshes import read_mesh
 from robotraj.replay_page.scene.part import Color, Part
 from robotraj.replay_page.scene.shapes import rod, shape_part
@@ -74,7 +74,7 @@ def _visual(thing: pin.GeometryObject) -> Visual | None:
         try:
             part = shape_part(thing.geometry)
         except LookupError as error:
-            warnings.warn(f"The replay omits {thing.name!r}: it cannot draw a {error.args[0]}.", stacklevel=4)
+            warn(f"The replay omits {thing.name!r}: it cannot draw a {error.args[0]}.")
             return None
         if part is None:
             return None
@@ -92,7 +92,7 @@ def _file_parts(path: str) -> tuple[Part, ...]:
     try:
         return read_mesh(path)
     except Exception as error:  # readers raise whatever their parsers raise, and the loaded mesh can stand in
-        warnings.warn(f"The replay draws {path} without its materials: {error}", stacklevel=5)
+        warn(f"The replay draws {path} without its materials: {error}")
         return ()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -13,6 +12,7 @@ import pinocchio as pin
 
 from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.warn import warn
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
@@ -85,7 +85,7 @@ def assemble(
     findings = (*about.findings, *filter(None, found))
     warned = () if about.known else (*findings, *wanted.complaints(motors))
     if warned:
-        warnings.warn(f"{about.name!r}: {' '.join(warned)}", stacklevel=3)
+        warn(f"{about.name!r}: {' '.join(warned)}")
     friction = np.array(model.upperDryFrictionLimit)
     notes = (
         *findings,

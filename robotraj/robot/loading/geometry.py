@@ -7,7 +7,6 @@ receives the robot reads them again on first use.
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -23,6 +22,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj._util.warn import warn
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.loading.urdf import read_xml
 
@@ -111,10 +111,7 @@ class UrdfGeometry(OneLine):
                     link.remove(shape)
             shapes = _built(model, root, kind)
         for fault, addresses in faults.items():
-            warnings.warn(
-                f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}",
-                stacklevel=3,
-            )
+            warn(f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}")
         return shapes
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
@@ -23,6 +22,7 @@ from robotraj._util.paths import whole_file
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
+from robotraj._util.warn import warn
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings
@@ -119,10 +119,9 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         if problem is None:
             problem, left_out = unpack_problem(data.get("problem"), unpacker)
             if left_out:
-                warnings.warn(
+                warn(
                     f"{source.name} was loaded without {'; '.join(left_out)}. "
-                    "Pass the problem to rt.load_solution(path, problem=...) to have everything back.",
-                    stacklevel=3,
+                    "Pass the problem to rt.load_solution(path, problem=...) to have everything back."
                 )
         else:
             check_fit(problem, data.get("problem"), source.name)
@@ -188,7 +187,7 @@ def _unpacked_settings(data: object, unpacker: Unpacker) -> Settings | None:
     try:
         settings: Settings | None = unpacker.unpack(data, "settings")
     except (NotPlainData, Damaged) as error:
-        warnings.warn(f"The settings of the plan could not be read: {error}", stacklevel=4)
+        warn(f"The settings of the plan could not be read: {error}")
         return None
     return settings if isinstance(settings, Settings) else None
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
 from robotraj._util.errors import UnknownName
+from robotraj._util.warn import warn
 from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.robot import Robot
@@ -36,8 +36,5 @@ def with_shapes(robot: Robot) -> Robot:
     try:
         return replace(robot, geometry=UrdfGeometry(find(robot.name).urdf, geometry.package_dirs, trust_paths=True))
     except UnknownName:
-        warnings.warn(
-            f"The URDF of {robot.name!r} is gone ({geometry.urdf}): its shapes are missing, nothing else.",
-            stacklevel=4,
-        )
+        warn(f"The URDF of {robot.name!r} is gone ({geometry.urdf}): its shapes are missing, nothing else.")
         return replace(robot, geometry=NoGeometry())
