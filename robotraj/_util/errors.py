@@ -1,10 +1,12 @@
-"""The errors of robotraj.
+"""The errors of robotraj, and its warnings.
 
 A message names the fault, its place, the valid choices and the remedy, in that order.
 """
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -157,3 +159,26 @@ def _advice(error: Exception, count: int) -> str:
         f"It is called with {count} argument{'' if count == 1 else 's'} and reads CasADi symbols: write it with "
         "operators and CasADi's functions, of entries that exist."
     )
+
+
+_OURS = __name__.partition(".")[0]
+_PASSED_THROUGH = (_OURS, "contextlib")
+
+
+def warn(message: str) -> None:
+    """Issue a ``UserWarning`` at the innermost line outside of robotraj, however deep the caller stands in it.
+
+    Examples
+    --------
+    >>> import pytest
+    >>> with pytest.warns(UserWarning, match="too long"):
+    ...     warn("The motion is too long.")
+    """
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and _module(frame.f_globals) in _PASSED_THROUGH:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, stacklevel=level)
+
+
+def _module(names: dict[str, object]) -> str:
+    return str(names.get("__name__", "")).partition(".")[0]

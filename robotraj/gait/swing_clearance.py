@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from robotraj._util.errors import warn
 from robotraj._util.values import dataclass
-from robotraj._util.warn import warn
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
-from robotraj._util.warn import warn
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body import InverseDynamics
 from robotraj.guess.base import InitialGuess, PhaseGuess

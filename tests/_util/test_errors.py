@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import pickle
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import casadi as ca
 import pytest
 
 import robotraj as rt
-from robotraj._util.errors import FailedExpression, UnknownName, called, unknown_name
+from robotraj._util.errors import FailedExpression, UnknownName, called, unknown_name, warn
 
 
 def test_what_a_function_returns_is_handed_on() -> None:
@@ -63,3 +66,27 @@ def test_what_a_point_has_is_listed_where_something_else_is_asked_of_it() -> Non
     bad = rt.Lagrange(lambda point: point.torque)
     with pytest.raises(FailedExpression, match=r"'torque'\. It has .*\btau\b"):
         rt.plan(phase.with_(objective=bad))
+
+
+def test_a_warning_of_a_plan_points_at_the_line_of_the_call() -> None:
+    arm = rt.load("ur5")
+    folded = (0, -1.5, 2.8, 1.1, 1.3, 0)
+    fold = rt.Phase(arm, duration=1.0, start=rt.State(q=(0, -1.5, 0.5, -1.2, 0, 0), v=0), end=rt.State(q=folded, v=0))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rt.plan(fold, time_limit=1.0, check=False)
+    touching = [each for each in caught if "touch" in str(each.message)]
+    assert touching and all(each.filename == __file__ for each in touching)
+
+
+def test_a_warning_skips_the_frames_of_context_managers() -> None:
+    @contextmanager
+    def context() -> Iterator[None]:
+        yield
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        with context():
+            warn("first")
+        context()(warn)("second")
+    assert [each.filename for each in caught] == [__file__, __file__]

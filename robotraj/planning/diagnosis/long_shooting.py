@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robotraj._util.warn import warn
+from robotraj._util.errors import warn
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.integrators import RungeKutta4
 from robotraj.transcription.schemes.mesh import Mesh

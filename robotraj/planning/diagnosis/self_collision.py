@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotraj._util.errors import InputError
-from robotraj._util.warn import warn
+from robotraj._util.errors import InputError, warn
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.exact_shapes import touching_links

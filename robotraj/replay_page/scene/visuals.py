@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.errors import warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj._util.warn import warn
 from robotraj.replay_page.scene.meshes import read_mesh
 from robotraj.replay_page.scene.part import Color, Part
 from robotraj.replay_page.scene.shapes import rod, shape_part

@@ -11,8 +11,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.checks import names
-from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.warn import warn
+from robotraj._util.errors import InputError, unknown_name, warn
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints

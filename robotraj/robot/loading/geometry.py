@@ -19,10 +19,9 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj._util.warn import warn
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.loading.urdf import read_xml
 

@@ -17,12 +17,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.paths import whole_file
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
-from robotraj._util.warn import warn
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from robotraj._util.errors import UnknownName
-from robotraj._util.warn import warn
+from robotraj._util.errors import UnknownName, warn
 from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.robot import Robot
