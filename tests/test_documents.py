@@ -11,10 +11,16 @@ import pytest
 import robotraj as rt
 
 ROOT = Path(__file__).parents[1]
-DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
-FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGES = [path for path in sorted((ROOT / "docs").rglob("*.md")) if ROOT / "docs" / "generated" not in path.parents]
+DOCUMENTS = [*sorted(ROOT.glob("*.md")), *PAGES]
+FENCE = re.compile(r"^(?:```|~~~)([^\n`]*)\n(.*?)^(?:```|~~~)$", re.MULTILINE | re.DOTALL)
 SLOW = "<!-- slow -->"
 """Stands on the first lines of a document whose blocks take more than about 5 s."""
+
+
+def place(path: Path) -> str:
+    """Name a document by its place in the repository."""
+    return str(path.relative_to(ROOT).with_suffix(""))
 
 
 def python_blocks(text: str) -> list[tuple[int, str]]:
@@ -30,7 +36,7 @@ def anchors(text: str) -> set[str]:
 
 
 WITH_CODE = [
-    pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if SLOW in path.read_text() else [])
+    pytest.param(path, id=place(path), marks=[pytest.mark.slow] if SLOW in path.read_text() else [])
     for path in DOCUMENTS
     if python_blocks(path.read_text())
 ]
@@ -45,7 +51,7 @@ def test_the_blocks_of_a_document_run_in_turn(document: Path, tmp_path: Path, mo
         exec(compile("\n" * line + code, str(document), "exec"), names)
 
 
-@pytest.mark.parametrize("document", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda p: p.stem)
+@pytest.mark.parametrize("document", [ROOT / "README.md", *PAGES], ids=place)
 def test_the_blocks_can_be_pasted_into_an_interactive_session(document: Path) -> None:
     """There a blank line ends an indented block, and nothing else does."""
     for line, code in python_blocks(document.read_text()):
@@ -68,7 +74,7 @@ def test_the_first_plan_of_a_newcomer_is_proved(tmp_path: Path, monkeypatch: pyt
     assert list(tmp_path.glob("*.html"))
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("document", DOCUMENTS, ids=place)
 def test_relative_links_lead_somewhere(document: Path) -> None:
     text = FENCE.sub("", document.read_text())
     for target in re.findall(r"""(?:\]\(|href="|src=")([^)"\s]+)[)"]""", text):
@@ -81,9 +87,7 @@ def test_relative_links_lead_somewhere(document: Path) -> None:
             assert anchor in anchors(file.read_text()), f"{document.name} links to {target}: no such heading"
 
 
-@pytest.mark.parametrize(
-    "document", [path for path in DOCUMENTS if path.stem != "CHANGELOG"], ids=lambda path: path.stem
-)
+@pytest.mark.parametrize("document", [path for path in DOCUMENTS if path.stem != "CHANGELOG"], ids=place)
 def test_names_in_the_text_exist(document: Path) -> None:
     text = FENCE.sub("", document.read_text())
     for name in re.findall(r"\brt((?:\.[A-Za-z]\w*)+)", " ".join(re.findall(r"`([^`]+)`", text))):

@@ -14,7 +14,8 @@ import robotraj as rt
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SCRIPTS = [*sorted((ROOT / "examples").glob("*.py")), *sorted((ROOT / "benchmarks").rglob("*.py"))]
-DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "robots").glob("*.md"))]
+PAGES = [path for path in sorted((ROOT / "docs").rglob("*.md")) if ROOT / "docs" / "generated" not in path.parents]
+DOCUMENTS = [*sorted(ROOT.glob("*.md")), *PAGES, *sorted((ROOT / "robots").glob("*.md"))]
 
 
 def names(code: str) -> set[str]:
@@ -44,7 +45,7 @@ def test_names_in_scripts_exist(script: Path) -> None:
     check(script.read_text())
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_names_in_code_blocks_exist(document: Path) -> None:
     for block in BLOCK.findall(document.read_text()):
         check(block)

@@ -19,6 +19,9 @@ from robotraj.robot.root import QUATERNION
 class State(OneLine):
     """The state at the start or the end of a phase.
 
+    None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it. Joints that a mapping does not
+    name stay free. Arrays, lists and mappings are copied, so later changes to them have no effect.
+
     Parameters
     ----------
     values : mapping or sequence, optional
@@ -28,9 +31,6 @@ class State(OneLine):
         names are ``robot.position_names`` and ``robot.velocity_names``. The quaternion of a floating root, (x, y, z,
         w), must have length 1. Its negative is the same attitude, one full turn later. An end quaternion q is an even
         number of full turns away, and -q an odd number; the guess determines the direction.
-
-    None leaves a value free, a number fixes it, ``rt.between(lower, upper)`` bounds it. Joints that a mapping does not
-    name stay free. Arrays, lists and mappings are copied, so later changes to them have no effect.
     """
 
     values: BoundsLike = None
