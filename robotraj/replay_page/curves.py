@@ -102,7 +102,7 @@ def system_panels(system: System) -> list[Panel]:
     return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
 
 
-class _Chart(TypedDict):
+class ChartData(TypedDict):
     """A chart as JSON; see ``curves``."""
 
     title: str
@@ -111,7 +111,7 @@ class _Chart(TypedDict):
     pieces: list[dict[str, object]]
 
 
-def curves(cycles: GaitCycles) -> list[dict[str, object]]:
+def curves(cycles: GaitCycles) -> list[ChartData]:
     """Sample every chart of a solution, ready for JSON.
 
     Each interval is evaluated with its polynomial, so a jump at a knot is visible. Limits are the tightest bounds
@@ -119,11 +119,11 @@ def curves(cycles: GaitCycles) -> list[dict[str, object]]:
 
     Returns
     -------
-    list of dict
+    list of ChartData
         ``title``, ``symbol``, ``series`` (label, unit, variable) and ``pieces``, one for each phase: ``t`` (m,) [s],
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
-    drawn: dict[str, _Chart] = {}
+    drawn: dict[str, ChartData] = {}
     number = len(cycles.phases)
     for cycle_phase in cycles.phases:
         phase = cycle_phase.phase
@@ -135,7 +135,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, object]]:
         times, samples = _sample(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
         for panel in panels:
             labels = [{"label": s.label, "unit": s.unit, "variable": s.variable} for s in panel.series]
-            empty: _Chart = {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
+            empty: ChartData = {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
             chart = drawn.setdefault(panel.title, empty)
             chart["series"] += [label for label in labels if label not in chart["series"]]
             values = np.concatenate([panel.read(sample) for sample in samples])
@@ -149,7 +149,7 @@ def curves(cycles: GaitCycles) -> list[dict[str, object]]:
                     "upper": [high if np.isfinite(high) else None for _, high in bounds],
                 }
             )
-    return [dict(chart) for chart in drawn.values()]
+    return list(drawn.values())
 
 
 def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Sample | CycleSample]]:

@@ -20,8 +20,8 @@ def inline(solution: Solution) -> str:
     """
     text = f"<pre style='line-height:1.2'>{html.escape(str(solution))}</pre>"
     try:
-        page = page_of(solution)
+        page = page_of([solution])
     except InputError:
         return text
-    frame = f"<iframe sandbox='allow-scripts' style='width:100%;height:{HEIGHT}px;border:0' srcdoc='{{}}'></iframe>"
-    return frame.format(html.escape(page, quote=True)) + text
+    allowed, style = "allow-scripts allow-downloads", f"width:100%;height:{HEIGHT}px;border:0"
+    return f"<iframe sandbox='{allowed}' style='{style}' srcdoc='{html.escape(page, quote=True)}'></iframe>{text}"

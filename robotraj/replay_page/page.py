@@ -12,7 +12,31 @@ from importlib import resources
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
-SCRIPTS = ("view.js", "contacts.js", "bars.js", "charts.js", "legend.js", "proof.js", "page.js")
+SCRIPTS = (
+    "page/theme.js",
+    "charts/scale.js",
+    "charts/selection.js",
+    "charts/drawing.js",
+    "charts/pointing.js",
+    "charts/chart.js",
+    "charts/bars.js",
+    "charts/groups.js",
+    "charts/legend.js",
+    "panels/tabs.js",
+    "panels/proof.js",
+    "panels/meshes.js",
+    "view/camera.js",
+    "view/contacts.js",
+    "view/layers.js",
+    "view/picker.js",
+    "view/view.js",
+    "page/player.js",
+    "page/keyboard.js",
+    "page/export.js",
+    "page/link.js",
+    "page/page.js",
+)
+STYLES = ("styles/themes.css", "styles/page.css", "styles/charts.css", "styles/small.css")
 
 POLICY = (
     "default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -70,7 +94,7 @@ def page(heading: Heading, description: dict[str, object], commands: bytes | Non
             f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>" for label, value in heading.facts
         ),
         "layout": "with-view" if commands is not None else "curves-only",
-        "style": _own("page.css"),
+        "style": "\n".join(_own(name) for name in STYLES),
         "licences": html.escape(_licences()) if commands is not None else "",
         "policy": POLICY.format(hashes=" ".join(map(_hash, (viewer, script)))),
         "viewer": viewer,

@@ -1,4 +1,4 @@
-"""``replay``: write a solution as one standalone HTML file."""
+"""``replay``: write one or several solutions as one standalone HTML file."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from numbers import Real
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,17 +14,16 @@ from robotraj._util.errors import InputError, require_solution
 from robotraj._util.paths import whole_file
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
-from robotraj.replay_page.colors import css
-from robotraj.replay_page.contacts import held
-from robotraj.replay_page.curves import curves
-from robotraj.replay_page.footholds import contact_names
+from robotraj.replay_page.colors import palette
 from robotraj.replay_page.page import Heading, page
-from robotraj.replay_page.verdict import proof_data, verdict
+from robotraj.replay_page.run import run_data
+from robotraj.replay_page.verdict import verdict
 from robotraj.robot.robot import Robot
-from robotraj.robot.root import root_of
 from robotraj.solution.cycles.gait_cycles import GaitCycles, gait_cycles
 from robotraj.solution.solution import Solution
 
+MOST = 4
+"""Largest number of solutions on one page."""
 SAME_PLACE = 1e-6
 """Largest difference [m] between dimensions of two phases' robots that count as equal.
 
@@ -32,7 +32,7 @@ The solver's tolerance allows such a difference.
 
 
 def replay(
-    solution: Solution,
+    solution: Solution | Sequence[Solution],
     path: str | os.PathLike[str],
     *,
     speed: float = 1.0,
@@ -40,27 +40,30 @@ def replay(
     traces: Sequence[str] | str | None = None,
     periods: int = 1,
     title: str | None = None,
+    labels: Sequence[str] | None = None,
 ) -> Path:
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
 
     The file contains meshcat's viewer, meshes, motion and curves, and needs no network. Writing it starts no server,
-    process or browser. Phases follow one another on one time line.
+    process or browser. Phases follow one another on one time line. ``docs/replay.md`` describes the page.
 
     In the browser's console, ``robotraj.seek(t)`` moves to a time [s], and ``robotraj.time()`` returns it.
-    ``robotraj.poses()`` returns the world position [m] and quaternion (x, y, z, w) of every joint as drawn.
-    ``robotraj.viewer`` is meshcat's viewer.
+    ``robotraj.poses(k)`` returns the world position [m] and quaternion (x, y, z, w) of every joint of solution k = 1, 2
+    ... as drawn. ``robotraj.viewer`` is meshcat's viewer.
 
     Forces of held contacts are arrows, whose scale the page shows. The page also shows friction cones at the
     footholds, impulses of impacts and the height that ``GroundClearance`` requires. Bars show which phase runs and
     which contacts are held. A periodic gait can be shown over several periods. Each is displaced from the one before,
     and mirrored if the plan is half a gait.
 
+    Several solutions are compared on one page: the others as ghosts in the first one, or side by side.
+
     The page of an ``rt.System`` has the curves only, since there is no robot.
 
     Parameters
     ----------
-    solution : Solution
-        A solution, successful or not; the page shows the verdict.
+    solution : Solution or sequence of Solution
+        A solution, successful or not, or up to four; the page shows the verdict.
     path : path
         Ends in ``.html``; its directory must exist. An older file is replaced.
     speed : float
@@ -76,6 +79,8 @@ def replay(
         the last phase to the first.
     title : str, optional
         Heading of the page; the robot's or system's name by default.
+    labels : sequence of str, optional
+        One name for each solution; their numbers and objectives by default.
 
     Returns
     -------
@@ -85,62 +90,61 @@ def replay(
     Raises
     ------
     InputError
-        A suffix other than ``.html``, a missing directory, a speed or fps out of range, phases that move
-        different robots, ``traces`` for a system, or several periods of a plan that is not periodic. An
-        unknown frame raises UnknownName.
+        A suffix other than ``.html``, a missing directory, a speed or fps out of range, no solution or more than
+        four, labels of another number, phases that move different robots, ``traces`` for a system, or several periods
+        of a plan that is not periodic. An unknown frame raises UnknownName.
     """
-    require_solution(solution, "rt.replay")
+    solutions = _checked(solution, labels)
     target = html_path(path)
     if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
         raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
     if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
         raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
-    text = page_of(solution, float(speed), int(fps), traces, periods, title)
+    text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels)
     with whole_file(target) as file:
         file.write_text(text, encoding="utf-8")
     return target
 
 
 def page_of(
-    solution: Solution,
+    solutions: Sequence[Solution],
     speed: float = 1.0,
     fps: int = 30,
     traces: Sequence[str] | str | None = None,
     periods: int = 1,
     title: str | None = None,
+    labels: Sequence[str] | None = None,
 ) -> str:
     """Return the text of the page; parameters and errors are those of ``replay``."""
-    robot = _one_robot(solution)
+    robots = [_one_robot(solution) for solution in solutions]
     names = [traces] if isinstance(traces, str) else traces
-    if robot is None and names:
+    if names and None in robots:
         raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; omit traces=.")
-    cycles = gait_cycles(solution, periods)
-    scene = None
-    if robot is not None:
+    cycles = [gait_cycles(solution, periods) for solution in solutions]
+    scenes: list[dict[str, object] | None] = [None] * len(robots)
+    commands: bytes | None = None
+    if any(robot is not None for robot in robots):
         # This import is deferred, since meshcat and trimesh take a second to import.
-        from robotraj.replay_page.scene.scene import scene_of
+        from robotraj.replay_page.scene.scene import scenes_of
 
-        scene = scene_of(robot, cycles, fps, names)
-    description = {
-        "speed": speed,
-        "phases": [
-            {
-                "name": p.name,
-                "start": float(p.t0),
-                "end": float(p.t0 + p.duration),
-                "knots": np.round(p.knots, 6).tolist(),
-            }
-            for p in cycles.phases
-        ],
-        "proof": proof_data(solution),
-        "charts": curves(cycles),
-        "held": held(cycles) if robot is not None else [],
-        "impacts": sorted({impact.t for impact in cycles.impacts}),
-        "colors": {name: css(k) for k, name in enumerate(contact_names(cycles))} if robot is not None else {},
-        "hidden": list(root_of(robot.root).positions + root_of(robot.root).velocities) if robot is not None else [],
-        "scene": scene.description if scene is not None else None,
-    }
-    return page(_heading(cycles, title), description, scene.commands if scene is not None else None)
+        scenes, commands = scenes_of(robots, cycles, fps, names)
+    runs = [
+        run_data(robot, own, scene, labels[k] if labels else _label(own, k), k)
+        for k, (robot, own, scene) in enumerate(zip(robots, cycles, scenes, strict=True))
+    ]
+    return page(_heading(cycles, title), {"speed": speed, "palette": palette(), "runs": runs}, commands)
+
+
+def _checked(solution: Solution | Sequence[Solution], labels: Sequence[str] | None) -> list[Solution]:
+    """Return the solutions as a list."""
+    solutions: list[Any] = list(solution) if isinstance(solution, list | tuple) else [solution]
+    for each in solutions:
+        require_solution(each, "rt.replay")
+    if not 1 <= len(solutions) <= MOST:
+        raise InputError(f"replay shows 1 to {MOST} solutions; got {len(solutions)}.")
+    if labels is not None and (isinstance(labels, str) or len(labels) != len(solutions)):
+        raise InputError(f"replay: labels= has one name for each of the {len(solutions)} solutions; got {labels!r}.")
+    return solutions
 
 
 def _is_number(value: object) -> bool:
@@ -197,14 +201,24 @@ def _name(phase: Phase) -> str:
     return moved.name
 
 
-def _heading(cycles: GaitCycles, title: str | None) -> Heading:
-    solution = cycles.solution
+def _label(cycles: GaitCycles, number: int) -> str:
+    return f"{number + 1}: objective {cycles.solution.objective:.4g}"
+
+
+def _heading(cycles: Sequence[GaitCycles], title: str | None) -> Heading:
+    """Name the first solution, with its verdict, or the number of those that are compared."""
+    solution = cycles[0].solution
     first = solution.phases[0].phase
-    names = [result.phase.name for result in solution.phases]
-    shown = " → ".join(names[:6]) + (f" → … ({len(names)} phases)" if len(names) > 6 else "")
+    names = list(dict.fromkeys(_name(own.solution.phases[0].phase) for own in cycles))
+    if len(cycles) > 1:
+        judged = [verdict(own.solution) for own in cycles]
+        worst = max(judged, key=lambda one: ("good", "unproved", "bad").index(one.colour))
+        return Heading(title or " and ".join(names), f"{len(cycles)} solutions", worst.text, worst.colour, ())
+    phases = [result.phase.name for result in solution.phases]
+    shown = " → ".join(phases[:6]) + (f" → … ({len(phases)} phases)" if len(phases) > 6 else "")
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
-    if cycles.periods > 1:
-        facts[0] = ("Duration", f"{cycles.periods} × {cycles.period:.4g} s")
+    if cycles[0].periods > 1:
+        facts[0] = ("Duration", f"{cycles[0].periods} × {cycles[0].period:.4g} s")
     facts.append(("Iterations", str(solution.iterations)))
-    judged = verdict(solution)
-    return Heading(title or _name(first), shown, judged.text, judged.colour, tuple(facts))
+    judged_one = verdict(solution)
+    return Heading(title or _name(first), shown, judged_one.text, judged_one.colour, tuple(facts))

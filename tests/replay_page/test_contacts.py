@@ -20,7 +20,7 @@ from robotraj.solution.cycles.gait_cycles import gait_cycles
 
 def data_of(path) -> dict:
     (packed,) = re.findall(r'id="data">([^<]*)<', path.read_text())
-    return json.loads(gzip.decompress(base64.b64decode(packed)))
+    return json.loads(gzip.decompress(base64.b64decode(packed)))["runs"][0]
 
 
 def test_forces_act_at_the_foot_that_stands(walk):
@@ -93,7 +93,9 @@ def test_the_page_of_a_gait_has_its_periods_its_contacts_and_their_curves(walk, 
     assert [phase["name"] for phase in data["phases"]] == ["step", "step (mirrored)"] * 2
     assert [trace["frame"] for trace in data["scene"]["traces"]] == ["left_foot", "right_foot"]
     assert data["impacts"] == pytest.approx([0.7, 1.4, 2.1, 2.8])
-    assert data["hidden"][:3] == ["root_x", "root_z", "root_pitch"]
+    groups = {group["name"]: group for group in data["groups"]}
+    assert groups["left"]["labels"] == ["left_hip", "left_knee", "left_foot"]
+    assert groups["root"]["root"] and groups["root"]["labels"][:3] == ["root_x", "root_z", "root_pitch"]
     *_, force = data["charts"]
     assert (force["title"], force["symbol"]) == ("Normal force of contacts", "fₙ")
     assert [series["label"] for series in force["series"]] == ["left_foot", "right_foot"]
@@ -114,7 +116,8 @@ def test_one_period_of_a_gait_ends_with_its_impact(walk, tmp_path):
 
 def test_a_plan_without_contacts_has_none_of_this(double_pendulum, wave_plan, tmp_path):
     data = data_of(replay(wave_plan(double_pendulum, 1.0), tmp_path / "page.html"))
-    assert (data["held"], data["impacts"], data["colors"], data["hidden"]) == ([], [], {}, [])
+    assert (data["held"], data["impacts"], data["colors"]) == ([], [], {})
+    assert [group["name"] for group in data["groups"]] == ["joints"]
     assert (data["scene"]["contacts"], data["scene"]["clearance"]) == (None, [])
 
 

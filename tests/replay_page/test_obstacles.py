@@ -23,12 +23,12 @@ def planned() -> rt.Solution:
 
 
 def test_obstacles_are_drawn_where_they_are() -> None:
-    from robotraj.replay_page.scene.scene import scene_of
+    from robotraj.replay_page.scene.scene import scenes_of
     from robotraj.solution.cycles.gait_cycles import gait_cycles
 
     solution = planned()
-    scene = scene_of(solution.phases[0].phase.robot, gait_cycles(solution, 1), 30, None)
-    commands = gzip.decompress(scene.commands)
+    _, packed = scenes_of([solution.phases[0].phase.robot], [gait_cycles(solution, 1)], 30, None)
+    commands = gzip.decompress(packed)
     for path in (b"obstacles/obstacle 0", b"obstacles/obstacle 1", b"obstacle 2"):
         assert path in commands
     # The one on the tool is below the tool's joint.

@@ -14,7 +14,7 @@ from robotraj.replay_page.write import replay
 
 def data_of(path) -> dict:
     (packed,) = re.findall(r'id="data">([^<]*)<', path.read_text())
-    return json.loads(gzip.decompress(base64.b64decode(packed)))
+    return json.loads(gzip.decompress(base64.b64decode(packed)))["runs"][0]
 
 
 @pytest.fixture(scope="module")

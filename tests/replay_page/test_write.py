@@ -40,6 +40,12 @@ def data_of(path) -> dict:
     return json.loads(gzip.decompress(base64.b64decode(Elements(path.read_text()).texts["data"])))
 
 
+def run_of(path) -> dict:
+    """The only solution of a page."""
+    (run,) = data_of(path)["runs"]
+    return run
+
+
 def test_five_seconds_of_ur5_take_less_than_five_megabytes(ur5, wave_plan, tmp_path):
     path = replay(wave_plan(ur5, 5.0), tmp_path / "ur5.html")
     assert path == tmp_path / "ur5.html"
@@ -102,21 +108,23 @@ def test_names_with_slashes_and_tags_cannot_break_the_page(double_pendulum, wave
     plan.phases[0].phase.name = "</script><b>up"
     elements = Elements(replay(plan, tmp_path / "page.html").read_text())
     assert "b" not in [tag for tag, _ in elements.found]
-    assert data_of(tmp_path / "page.html")["phases"][0]["name"] == "</script><b>up"
+    assert run_of(tmp_path / "page.html")["phases"][0]["name"] == "</script><b>up"
 
 
 def test_a_system_gets_its_curves_and_no_viewer(block_plan, tmp_path):
     path = replay(block_plan, tmp_path / "block.html", speed=0.5)
     data = data_of(path)
-    assert data["scene"] is None
+    (run,) = data["runs"]
+    assert run["scene"] is None
     assert data["speed"] == 0.5
-    assert [c["title"] for c in data["charts"]] == ["States", "Controls"]
-    assert path.stat().st_size < 100_000
+    assert [c["title"] for c in run["charts"]] == ["States", "Controls"]
+    assert run["groups"] == [{"name": "variables", "root": False, "labels": ["x", "v", "u"]}]
+    assert path.stat().st_size < 200_000
 
 
 def test_traces_follow_the_frames_asked_for(ur5, wave_plan, tmp_path):
     plan = wave_plan(ur5, 2.0)
-    traces = lambda **options: data_of(replay(plan, tmp_path / "page.html", **options))["scene"]["traces"]  # noqa: E731
+    traces = lambda **options: run_of(replay(plan, tmp_path / "page.html", **options))["scene"]["traces"]  # noqa: E731
     assert [t["frame"] for t in traces()] == ["tool0"]
     assert [t["frame"] for t in traces(traces=["forearm_link", "tool0"])] == ["forearm_link", "tool0"]
     assert [t["frame"] for t in traces(traces="forearm_link")] == ["forearm_link"]
@@ -125,8 +133,8 @@ def test_traces_follow_the_frames_asked_for(ur5, wave_plan, tmp_path):
 
 
 def test_the_camera_frames_the_robot_over_the_whole_motion(double_pendulum, wave_plan, tmp_path):
-    small = data_of(replay(wave_plan(double_pendulum, 4.0, amplitude=0.1), tmp_path / "a.html"))["scene"]["hull"]
-    large = data_of(replay(wave_plan(double_pendulum, 4.0, amplitude=1.5), tmp_path / "b.html"))["scene"]["hull"]
+    small = run_of(replay(wave_plan(double_pendulum, 4.0, amplitude=0.1), tmp_path / "a.html"))["scene"]["hull"]
+    large = run_of(replay(wave_plan(double_pendulum, 4.0, amplitude=1.5), tmp_path / "b.html"))["scene"]["hull"]
     assert np.all(np.ptp(large, axis=0) >= np.ptp(small, axis=0) - 1e-3)
     assert np.ptp(large, axis=0).max() > 1.3 * np.ptp(small, axis=0)[np.argmax(np.ptp(large, axis=0))]
 
@@ -157,6 +165,32 @@ def test_bad_input_is_named_before_anything_is_written(ur5, wave_plan, tmp_path,
     with pytest.raises(InputError, match=message):
         replay(wave_plan(ur5, 1.0), tmp_path / path, **options)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("count", "options", "message"),
+    [
+        (0, {}, "1 to 4 solutions; got 0"),
+        (5, {}, "1 to 4 solutions; got 5"),
+        (2, {"labels": ["one"]}, "one name for each of the 2"),
+        (2, {"labels": "ab"}, "one name for each of the 2"),
+    ],
+)
+def test_the_number_of_solutions_and_of_their_labels_is_checked(block_plan, tmp_path, count, options, message):
+    with pytest.raises(InputError, match=message):
+        replay([block_plan] * count, tmp_path / "page.html", **options)
+
+
+def test_several_solutions_share_a_page_and_their_meshes(ur5, wave_plan, tmp_path):
+    one, two = wave_plan(ur5, 2.0), wave_plan(ur5, 3.0, seed=1)
+    alone = replay(one, tmp_path / "one.html").stat().st_size
+    path = replay([one, two, one], tmp_path / "three.html", labels=["slow", "fast", "again"])
+    runs = data_of(path)["runs"]
+    assert [run["label"] for run in runs] == ["slow", "fast", "again"]
+    assert [run["end"] for run in runs] == pytest.approx([2.0, 3.0, 2.0])
+    assert len({run["tint"] for run in runs}) == 3
+    assert [run["scene"]["root"] for run in runs] == [["meshcat", f"solution {k}"] for k in (1, 2, 3)]
+    assert path.stat().st_size < 1.4 * alone
 
 
 def test_a_directory_is_no_file(ur5, wave_plan, tmp_path):

@@ -79,6 +79,20 @@ def motion_of(model: pin.Model, solution: Planned | GaitCycles, fps: int) -> Sce
     return SceneMotion(stamps, q, local[:, :, :3, 3], _quaternions(local[:, :, :3, :3]), world)
 
 
+def centre_of_mass(model: pin.Model, motion: SceneMotion) -> dict[str, list[float]] | None:
+    """Return times ``t`` (m,) [s] and places ``p`` (m, 3) [m], row by row, one a frame; None without mass."""
+    if not sum(inertia.mass for inertia in model.inertias[1:]) > 0.0:
+        return None
+    # Phase boundaries are no frames, so samples are picked by their number.
+    picks = np.unique(np.append(np.arange(0, len(motion.times), FINEST), len(motion.times) - 1))
+    data = model.createData()
+    places = np.array([pin.centerOfMass(model, data, motion.q[k]) for k in picks])
+    return {
+        "t": [float(f"{t:.7g}") for t in motion.times[picks]],
+        "p": [float(f"{x:.5g}") for x in places.ravel()],
+    }
+
+
 def _quaternions(rotation: Array) -> Array:
     """Convert rotations (m, n, 3, 3) to quaternions (x, y, z, w), neighbours in time on one hemisphere."""
     m, n = rotation.shape[:2]

@@ -8,7 +8,6 @@ import meshcat
 import numpy as np
 import pinocchio as pin
 from meshcat.animation import AnimationClip
-from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 
 from robotraj.dynamics.obstacles.base import Obstacle
@@ -25,9 +24,15 @@ COLOR = (0.85, 0.55, 0.30, 1.0)
 
 
 def draw_obstacles(
-    viewer: meshcat.Visualizer, robot: Robot, cycles: GaitCycles, paths: Sequence[str], times: Array, fps: int
-) -> dict[NodePath, AnimationClip]:
-    """Draw the obstacles of every ``CollisionFree``, each once; return the clips of those that move.
+    viewer: meshcat.Visualizer,
+    robot: Robot,
+    cycles: GaitCycles,
+    paths: Sequence[str],
+    times: Array,
+    fps: int,
+    start: float,
+) -> dict[str, AnimationClip]:
+    """Draw the obstacles of every ``CollisionFree``, each once; return the clips of those that move, by their nodes.
 
     Parameters
     ----------
@@ -39,6 +44,8 @@ def draw_obstacles(
     times : ndarray (m,)
         Times of the animation [s].
     fps : int
+    start : float
+        Time of the animation's first frame [s].
     """
     clips = {}
     for number, obstacle in enumerate(_obstacles(cycles)):
@@ -55,7 +62,7 @@ def draw_obstacles(
         viewer[path].set_transform(placement)
         draw(viewer[path], part, COLOR)
         if obstacle.moves:
-            clips[NodePath(("meshcat",)).append(path)] = _clip(obstacle, times, fps)
+            clips[path] = _clip(obstacle, times, fps, start)
     return clips
 
 
@@ -69,14 +76,14 @@ def _obstacles(cycles: GaitCycles) -> Iterator[Obstacle]:
                     yield obstacle
 
 
-def _clip(obstacle: Obstacle, times: Array, fps: int) -> AnimationClip:
+def _clip(obstacle: Obstacle, times: Array, fps: int, start: float) -> AnimationClip:
     """Return the motion of an obstacle as keys."""
     positions, rotations = obstacle.poses(times)
     quaternions = np.array([pin.Quaternion(np.array(rotation)).coeffs() for rotation in rotations])
     flips = np.cumsum(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0) % 2 == 1
     quaternions[1:][flips] *= -1.0
     chosen, clip = keys(positions, quaternions), AnimationClip(fps=fps)
-    frames = (times - times[0]) * fps
+    frames = (times - start) * fps
     for name, kind, values in (("position", "vector3", positions), ("quaternion", "quaternion", quaternions)):
         clip.tracks[name] = PackedTrack(name, kind, frames[chosen], values[chosen])
     return clip

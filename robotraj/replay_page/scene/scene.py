@@ -13,14 +13,13 @@ from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
 from trimesh import creation
 
-from robotraj._util.printing import OneLine
-from robotraj._util.values import dataclass
 from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.footholds import contact_frames
+from robotraj.replay_page.scene.collision_shapes import collision_shapes
 from robotraj.replay_page.scene.ground import GroundView, ground_of
-from robotraj.replay_page.scene.motion import SceneMotion, keys, motion_of
+from robotraj.replay_page.scene.motion import SceneMotion, centre_of_mass, keys, motion_of
 from robotraj.replay_page.scene.obstacles import draw_obstacles
 from robotraj.replay_page.scene.shapes import tube
 from robotraj.replay_page.scene.visuals import Visual, visuals_of
@@ -31,56 +30,66 @@ from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
 GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)
-ROOT = NodePath(("meshcat",))
 STILL = 1e-9
 """Change of a pose [m, and unitless quaternion] below which a joint has no track."""
 
 
-@dataclass(frozen=True)
-class Scene(OneLine):
-    """The data of the page's 3D view.
-
-    Attributes
-    ----------
-    commands : bytes
-        The recorded meshcat commands, gzip.
-    description : dict
-        For the page's script: node path of each joint, bounding box, ground, traces.
-    """
-
-    commands: bytes
-    description: dict[str, object]
-
-
-def scene_of(robot: Robot, cycles: GaitCycles, fps: int, traces: Sequence[str] | None) -> Scene:
-    """Record a robot's solution as meshcat commands.
+def scenes_of(
+    robots: Sequence[Robot | None], cycles: Sequence[GaitCycles], fps: int, traces: Sequence[str] | None
+) -> tuple[list[dict[str, object] | None], bytes]:
+    """Record the motions of several solutions as meshcat commands.
 
     Parameters
     ----------
-    robot : Robot
-        ``.model``, ``.visual_model``, ``.frame(name)``.
-    cycles : GaitCycles
+    robots : sequence of Robot or None
+        None for a system, which has no scene.
+    cycles : sequence of GaitCycles
     fps : int
         Animation keys per second; more are added where the motion is curved.
     traces : sequence of str or None
         Frames whose path is drawn. By default those of the contacts, or without contacts the tip of the longest chain.
+
+    Returns
+    -------
+    scenes : list of dict or None
+        For the page's script: node path of each joint, outermost points, ground, traces, centre of mass, contacts.
+    commands : bytes
+        The commands, gzip.
     """
+    window = RecordingWindow()
+    animation = Animation(default_framerate=fps)
+    start = min(own.phases[0].t0 for own in cycles)
+    scenes = [
+        None if robot is None else _scene(window, animation, f"solution {k + 1}", robot, own, fps, traces, start)
+        for k, (robot, own) in enumerate(zip(robots, cycles, strict=True))
+    ]
+    window.send(meshcat.commands.SetAnimation(animation, play=False, repetitions=1))
+    return scenes, window.packed()
+
+
+def _scene(
+    window: RecordingWindow,
+    animation: Animation,
+    root: str,
+    robot: Robot,
+    cycles: GaitCycles,
+    fps: int,
+    traces: Sequence[str] | None,
+    start: float,
+) -> dict[str, object]:
+    """Record one solution below the node ``root``; frames of the animation count from ``start`` [s]."""
     model = robot.model
     feet = list(contact_frames(cycles).values())
     names = (feet or [tip_frame(model)]) if traces is None else list(traces)
     frames = [robot.frame(name) for name in names]
     motion = motion_of(model, cycles, fps)
     visuals = visuals_of(model, robot.visual_model)
-    window = RecordingWindow()
-    viewer = meshcat.Visualizer(window=window)
+    viewer = meshcat.Visualizer(window=window)[root]
     paths = joint_paths(model)
     for joint in range(1, model.njoints):
         viewer[paths[joint]].set_transform(_matrix(motion.position[0, joint], motion.quaternion[0, joint]))
-    for number, visual in enumerate(visuals):
-        node = viewer[f"{paths[visual.joint]}/visual {number} {_safe(visual.name)}"]
-        node.set_transform(visual.placement)
-        for k, (part, color) in enumerate(visual.parts):
-            draw(node[f"part {k}"], part, color)
+    _draw_shapes(viewer, paths, "visual", visuals)
+    _draw_shapes(viewer, paths, "collision", collision_shapes(robot.collision_model))
     hull = _hull(visuals, motion)
     low, high = hull.min(axis=0), hull.max(axis=0)
     ground = ground_of(cycles, low, high)
@@ -90,22 +99,29 @@ def scene_of(robot: Robot, cycles: GaitCycles, fps: int, traces: Sequence[str] |
     # A contact's trace has the contact's colour.
     colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]
     pairs = zip(frames, colors, strict=True)
-    drawn = [_trace(viewer, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
-    animation = _animation(motion, paths, fps)
-    animation.clips |= draw_obstacles(viewer, robot, cycles, paths, motion.times, fps)
-    window.send(meshcat.commands.SetAnimation(animation, play=False, repetitions=1))
+    drawn = [_trace(viewer, root, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
+    clips = _clips(motion, paths, fps, start) | draw_obstacles(viewer, robot, cycles, paths, motion.times, fps, start)
+    animation.clips |= {NodePath(("meshcat", root)).append(path): clip for path, clip in clips.items()}
     stature = _stature(visuals, motion)
-    description = _description(model, motion, paths, hull, ground, drawn) | {
+    return _description(model, root, motion, paths, hull, ground, drawn) | {
         "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,
         "stature": round(stature, 4),
+        "center": centre_of_mass(model, motion),
         "contacts": contact_scene(cycles, robot, stature),
         "clearance": clearance_scene(cycles),
     }
-    return Scene(window.packed(), description)
+
+
+def _draw_shapes(viewer: meshcat.Visualizer, paths: list[str], kind: str, shapes: Sequence[Visual]) -> None:
+    for number, shape in enumerate(shapes):
+        node = viewer[f"{paths[shape.joint]}/{kind} {number} {_safe(shape.name)}"]
+        node.set_transform(shape.placement)
+        for k, (part, color) in enumerate(shape.parts):
+            draw(node[f"part {k}"], part, color)
 
 
 def joint_paths(model: pin.Model) -> list[str]:
-    """Path of each joint's node below ``/meshcat``, parents before children; entry 0 is the world's."""
+    """Path of each joint's node below the solution's, parents before children; entry 0 is the world's."""
     paths = ["robot"]
     for joint in range(1, model.njoints):
         paths.append(f"{paths[model.parents[joint]]}/{joint} {_safe(model.names[joint])}")
@@ -123,11 +139,17 @@ def tip_frame(model: pin.Model) -> str:
 
 
 def _description(
-    model: pin.Model, motion: SceneMotion, paths: list[str], hull: Array, ground: GroundView, traces: Sequence[object]
+    model: pin.Model,
+    root: str,
+    motion: SceneMotion,
+    paths: list[str],
+    hull: Array,
+    ground: GroundView,
+    traces: Sequence[object],
 ) -> dict[str, object]:
     return {
-        "joints": {model.names[j]: f"meshcat/{paths[j]}".split("/") for j in range(1, model.njoints)},
-        "start": float(motion.times[0]),
+        "root": ["meshcat", root],
+        "joints": {model.names[j]: f"meshcat/{root}/{paths[j]}".split("/") for j in range(1, model.njoints)},
         "hull": np.round(hull, 4).tolist(),
         "ground": {"level": ground.level, "surface": ground.surface is not None},
         "traces": [trace for trace in traces if trace is not None],
@@ -165,10 +187,10 @@ def _stature(visuals: Sequence[Visual], motion: SceneMotion) -> float:
     return float(np.ptp(np.concatenate(clouds), axis=0).max())
 
 
-def _animation(motion: SceneMotion, paths: list[str], fps: int) -> Animation:
+def _clips(motion: SceneMotion, paths: list[str], fps: int, start: float) -> dict[str, AnimationClip]:
     """Return one clip for each joint that moves, with tracks of its position and orientation if they change."""
-    animation = Animation(default_framerate=fps)
-    frames = (motion.times - motion.times[0]) * fps
+    clips = {}
+    frames = (motion.times - start) * fps
     for joint in range(1, len(paths)):
         position, quaternion = motion.position[:, joint], motion.quaternion[:, joint]
         chosen = keys(position, quaternion)
@@ -180,12 +202,13 @@ def _animation(motion: SceneMotion, paths: list[str], fps: int) -> Animation:
             if np.ptp(values, axis=0).max() > STILL:
                 clip.tracks[name] = PackedTrack(name, kind, frames[chosen], values[chosen])
         if clip.tracks:
-            animation.clips[ROOT.append(paths[joint])] = clip
-    return animation
+            clips[paths[joint]] = clip
+    return clips
 
 
 def _trace(
     viewer: meshcat.Visualizer,
+    root: str,
     motion: SceneMotion,
     frame: pin.Frame,
     number: int,
@@ -208,7 +231,7 @@ def _trace(
     times = [float(f"{t:.7g}") for t in motion.times[kept]]
     return {
         "frame": frame.name,
-        "path": f"meshcat/{path}/past".split("/"),
+        "path": f"meshcat/{root}/{path}/past".split("/"),
         "times": times,
         "color": [round(255 * c) for c in color],
     }

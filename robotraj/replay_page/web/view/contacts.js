@@ -40,12 +40,12 @@ class Arrow {
 }
 
 class ContactsView {
-  // The viewer's scene has world coordinates; colors are those of the contacts by name.
-  constructor(viewer, scene, colors) {
+  // The root of a solution has world coordinates; colors are those of the contacts by name.
+  constructor(root, scene, colors) {
     const T = MeshCat.THREE;
     this.data = scene.contacts;
     this.group = new T.Group();
-    viewer.scene.add(this.group);
+    root.add(this.group);
     this.curves = scene.clearance.map((curve) => this.addCurve(curve, scene)).filter(Boolean);
     this.cones = [];
     if (!this.data) return;

@@ -1,0 +1,131 @@
+"use strict";
+// What the charts show: the group of joints, single curves, the solution in focus and the window of time.
+
+const [ABSENT, FAINT, THIN, STRONG] = [0, 1, 2, 3];
+const DASHES = [[], [9, 4], [3, 3], [12, 3, 3, 3], [6, 2.5], [12, 3, 3, 3, 3, 3], [1.5, 3]];
+const FEW = 7;
+const ALL = -1;
+
+class CurveSelection {
+  // Curves of at most `FEW` joints are all shown at first; otherwise one group.
+  constructor(runs, palette) {
+    Object.assign(this, { runs, palette, run: 0, isolated: null, marked: null, others: true, hidden: new Set() });
+    this.groups = mergedGroups(runs);
+    // A map, since a joint may have the name of a property that every object has.
+    this.contactColors = new Map(runs.flatMap((run) => Object.entries(run.colors)));
+    this.full = [Math.min(...runs.map((r) => r.start)), Math.max(...runs.map((r) => r.end))];
+    this.window = [...this.full];
+    const joints = this.groups.filter((group) => !group.root);
+    const count = new Set(joints.flatMap((group) => group.labels)).size;
+    this.group = count <= FEW || joints.length < 2 ? ALL : this.groups.indexOf(joints[0]);
+    if (this.groups.length === 1) this.group = 0;
+    this.few = count <= FEW;
+    this.listeners = [];
+  }
+
+  listen(act) {
+    this.listeners.push(act);
+  }
+
+  set(changes) {
+    const before = { ...this };
+    Object.assign(this, changes);
+    if (Object.keys(changes).some((name) => before[name] !== this[name])) this.listeners.forEach((act) => act(changes));
+  }
+
+  get span() {
+    return Math.max(this.window[1] - this.window[0], 1e-12);
+  }
+
+  groupOf(label) {
+    return this.groups.findIndex((group) => group.labels.includes(label));
+  }
+
+  inGroup(label) {
+    const own = this.groupOf(label);
+    if (this.group === ALL) return own < 0 || !this.groups[own].root;
+    return own === this.group;
+  }
+
+  // How strongly a curve is drawn.
+  weight(label) {
+    if (this.isolated !== null) return label === this.isolated ? STRONG : ABSENT;
+    if (this.hidden.has(label)) return ABSENT;
+    if (!this.inGroup(label)) {
+      const own = this.groups[this.groupOf(label)];
+      const apart = this.group === ALL || this.groups[this.group].root || (own && own.root) || !this.others;
+      return apart ? (label === this.marked ? FAINT : ABSENT) : label === this.marked ? THIN : FAINT;
+    }
+    if (this.marked !== null && this.marked !== label && this.inGroup(this.marked)) return FAINT;
+    return this.group === ALL && !this.few && label !== this.marked ? THIN : STRONG;
+  }
+
+  // Colour and dash tell the curves of a group apart; the dash tells solutions apart where there are several.
+  look(label, run) {
+    const own = this.groups[this.groupOf(label)];
+    const number = Math.max(0, own ? own.labels.indexOf(label) : 0);
+    const contacts = this.contactColors;
+    const given = contacts.get(label);
+    const color = given || this.palette[number % this.palette.length];
+    const dash = this.runs.length > 1 ? run : given ? [...contacts.keys()].indexOf(label) : number;
+    return { color, dash: DASHES[dash % DASHES.length] };
+  }
+
+  toggle(label) {
+    const hidden = new Set(this.hidden);
+    hidden[hidden.has(label) ? "delete" : "add"](label);
+    this.set({ hidden });
+  }
+
+  isolate(label) {
+    this.set({ isolated: this.isolated === label ? null : label });
+  }
+
+  // Show a window of time; it keeps inside the motion and is at least a thousandth of it.
+  show(from, to) {
+    const whole = this.full[1] - this.full[0];
+    const span = Math.min(whole, Math.max(to - from, whole / 1000));
+    const middle = (from + to) / 2;
+    const start = Math.min(Math.max(middle - span / 2, this.full[0]), this.full[1] - span);
+    this.set({ window: [start, start + span] });
+  }
+
+  // Zoom about a time by a factor above 1 to see less.
+  zoom(factor, about) {
+    const [a, b] = this.window;
+    this.show(about - (about - a) / factor, about + (b - about) / factor);
+  }
+
+  pan(seconds) {
+    this.show(this.window[0] + seconds, this.window[1] + seconds);
+  }
+}
+
+function mergedGroups(runs) {
+  const found = new Map();
+  for (const { groups } of runs) {
+    for (const { name, root, labels } of groups) {
+      const own = found.get(name) || { name, root, labels: [] };
+      own.labels.push(...labels.filter((label) => !own.labels.includes(label)));
+      found.set(name, own);
+    }
+  }
+  return [...found.values()];
+}
+
+// Charts of all solutions, joined by their titles: series, and for each solution its pieces.
+function mergedCharts(runs) {
+  const found = new Map();
+  runs.forEach((run, number) => {
+    for (const { title, symbol, series, pieces } of run.charts) {
+      const own = found.get(title) || { title, symbol, series: [], runs: runs.map(() => []) };
+      const places = series.map((one) => {
+        const known = own.series.findIndex((s) => s.label === one.label);
+        return known < 0 ? own.series.push(one) - 1 : known;
+      });
+      own.runs[number] = pieces.map((piece) => ({ ...piece, of: piece.of.map((k) => places[k]) }));
+      found.set(title, own);
+    }
+  });
+  return [...found.values()];
+}
