@@ -103,7 +103,7 @@ def test_notebooks_show_tables_and_the_replay(solution: rt.Solution) -> None:
     assert phase.count("<tr>") == len(str(solution.problem.phases[0]).splitlines()) - 1
     assert "effort limit" in phase and "<b>links</b>" in solution.problem._repr_html_()
     page = solution._repr_html_()
-    assert page.startswith("<iframe sandbox='allow-scripts'") and "&lt;canvas" not in page[:200]
+    assert page.startswith("<iframe sandbox='allow-scripts allow-downloads'") and "&lt;canvas" not in page[:200]
     assert "&lt;!DOCTYPE html&gt;" in page and "'" not in page.split("srcdoc='", 1)[1].split("'></iframe>", 1)[0]
 
 

@@ -5,7 +5,7 @@ class Bars {
   constructor(host, selection, onSeek) {
     Object.assign(this, { host, selection, onSeek });
     this.rows = element("div", undefined, "rows");
-    this.names = element("ul", undefined, "phase-names");
+    this.names = Object.assign(element("ul", undefined, "phase-names"), { tabIndex: 0 });
     host.append(this.rows, this.names);
     this.build();
     this.listen();

@@ -8,7 +8,8 @@ class Legend {
     const head = table.createTHead().insertRow();
     head.append(element("th", "curve"));
     this.columns = charts.map((chart) => {
-      const cell = element("th", chart.symbol);
+      const unit = this.unitOf(chart);
+      const cell = element("th", unit ? `${chart.symbol} [${unit}]` : chart.symbol);
       cell.title = chart.title;
       head.append(cell);
       return cell;
@@ -19,6 +20,13 @@ class Legend {
     for (const label of labels) this.addRow(label);
     host.append(table);
     this.refresh();
+  }
+
+  // The unit that all curves of a chart share; it stands in the head of the column then.
+  unitOf(chart) {
+    const own = this.selection.groups.filter((group) => !group.root).flatMap((group) => group.labels);
+    const units = new Set(chart.series.filter((s) => own.includes(s.label)).map((s) => s.unit));
+    return units.size === 1 ? [...units][0] : "";
   }
 
   addRow(label) {
@@ -39,7 +47,9 @@ class Legend {
       const series = chart.series.findIndex((s) => s.label === label);
       if (series < 0) continue;
       const number = element("span");
-      cell.append(number, " ", element("small", chart.series[series].unit));
+      const { unit } = chart.series[series];
+      cell.append(number);
+      if (unit !== this.unitOf(chart)) cell.append(" ", element("small", unit));
       this.cells.push({ cell, number, chart, series, row });
     }
     row.addEventListener("pointerenter", () => selection.set({ marked: label }));
@@ -69,6 +79,7 @@ class Legend {
       row.hidden = !shown;
       row.classList.toggle("off", selection.hidden.has(label));
       row.classList.toggle("marked", selection.marked === label);
+      name.firstChild.replaceWith(this.swatch(label));
       name.setAttribute("aria-pressed", String(!selection.hidden.has(label)));
     }
     this.columns.forEach((column, k) => {

@@ -20,6 +20,7 @@ class CurveSelection {
     this.group = count <= FEW || joints.length < 2 ? ALL : this.groups.indexOf(joints[0]);
     if (this.groups.length === 1) this.group = 0;
     this.few = count <= FEW;
+    this.fewLabels = [...joints, ...this.groups.filter((group) => group.root)].flatMap((group) => group.labels);
     this.listeners = [];
   }
 
@@ -60,15 +61,17 @@ class CurveSelection {
     return this.group === ALL && !this.few && label !== this.marked ? THIN : STRONG;
   }
 
-  // Colour and dash tell the curves of a group apart; the dash tells solutions apart where there are several.
+  // Colour and dash tell curves apart. Where all groups are drawn, the colour is the group's and the dash the joint's,
+  // unless there are few. The dash is the solution's where there are several.
   look(label, run) {
-    const own = this.groups[this.groupOf(label)];
-    const number = Math.max(0, own ? own.labels.indexOf(label) : 0);
-    const contacts = this.contactColors;
-    const given = contacts.get(label);
-    const color = given || this.palette[number % this.palette.length];
-    const dash = this.runs.length > 1 ? run : given ? [...contacts.keys()].indexOf(label) : number;
-    return { color, dash: DASHES[dash % DASHES.length] };
+    const group = this.groupOf(label);
+    const own = Math.max(0, group < 0 ? 0 : this.groups[group].labels.indexOf(label));
+    const contact = [...this.contactColors.keys()].indexOf(label);
+    const few = Math.max(0, this.fewLabels.indexOf(label));
+    const all = this.group === ALL && this.isolated === null;
+    const [tone, dash] = contact >= 0 ? [0, contact] : this.few ? [few, few] : all ? [group, own] : [own, own];
+    const color = contact >= 0 ? this.contactColors.get(label) : this.palette[tone % this.palette.length];
+    return { color, dash: DASHES[(this.runs.length > 1 ? run : dash) % DASHES.length] };
   }
 
   toggle(label) {

@@ -95,7 +95,7 @@ async function start() {
     const run = runs[selection.run];
     proof.fill(run.proof, run.status);
     meshes.fill(run.proof);
-    for (const [name, host] of Object.entries(texts)) host.replaceChildren(element("pre", run.proof[name] || "None."));
+    for (const [name, host] of Object.entries(texts)) host.replaceChildren(Object.assign(element("pre", run.proof[name] || "None."), { tabIndex: 0 }));
   };
   fillPanels();
   tabs.show(0);

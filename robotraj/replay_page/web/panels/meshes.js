@@ -32,7 +32,7 @@ class MeshPanel {
       row.append(Object.assign(element("th", String(k + 1)), { scope: "row" }));
       for (const name of COLUMNS) row.insertCell().textContent = mesh[name] === null ? "–" : scientific(mesh[name]);
     });
-    const scroller = element("div", undefined, "scroller");
+    const scroller = Object.assign(element("div", undefined, "scroller"), { tabIndex: 0 });
     scroller.append(table);
     return scroller;
   }

@@ -148,7 +148,7 @@ def test_a_system_shows_its_curves_without_a_view(block_plan, browser, tmp_path)
     assert not page.locator("#view").is_visible()
     assert page.evaluate("() => robotraj.poses()") == {}
     rows = [text.split() for text in page.locator("#legend tbody tr").all_inner_texts()]
-    assert rows == [["x", "0.875", "m"], ["v", "0.500", "m/s"], ["u", "−1.000", "N"]]
+    assert rows == [["x", "0.875", "m"], ["v", "0.500", "m/s"], ["u", "−1.000"]]
     browser.check(path)
 
 
