@@ -197,6 +197,66 @@ class SphereTree:
     def shortened(self, path: Array, speeds: Array, seed: int, rounds: int, margin: float, resolution: float) -> Array:
         """Return a path (m n,) in which random parts are replaced by straight lines, of all joints or of one."""
 
+class NearestPlanes:
+    """Planes between the nearest shapes of groups of pairs, in configurations whose joints are placed elsewhere.
+
+    Parameters
+    ----------
+    joints : ndarray
+        (m,): the joint of every sphere, 0 for the world.
+    spheres : ndarray
+        (4 m,): as of ``SphereTree``.
+    kinds, shapes, triangles, corners : ndarray
+        As of ``SphereTree``.
+    first, second : ndarray
+        (p,): the sphere of every pair, and its shape or second sphere; group after group.
+    groups : ndarray
+        (4 g,): of every group the end of its pairs, the number of planes, 1 where second shapes are spheres, and the
+        joint that carries both shapes, 0 for the world.
+    rotations : ndarray
+        (9 g,): rotation of that joint at which normals are returned, row after row.
+
+    Raises
+    ------
+    ValueError
+        An array has a wrong length, a group has too few pairs, or a shape or a joint is unknown.
+    """
+
+    def __init__(
+        self,
+        joints: Indices,
+        spheres: Array,
+        kinds: Indices,
+        shapes: Array,
+        triangles: Indices,
+        corners: Array,
+        first: Indices,
+        second: Indices,
+        groups: Indices,
+        rotations: Array,
+    ) -> None: ...
+    def find(self, places: Array, poses: Array, count: int) -> tuple[Array, Indices, Array]:
+        """Return distances [m], nearest pairs and planes.
+
+        Parameters
+        ----------
+        places : ndarray
+            (12 j count,): rotation, row after row, and position of every joint in each configuration, the world first.
+        poses : ndarray
+            (12 k count,): the same of every shape.
+        count : int
+            Number of configurations.
+
+        Returns
+        -------
+        ndarray (p,)
+            Distances of all pairs in the first configuration [m].
+        ndarray (r count,)
+            The nearest pairs of every group, the nearest first, configuration after configuration.
+        ndarray (4 r count,)
+            Their normals and offsets [m].
+        """
+
 class Tape:
     """A scalar graph as a list of instructions. Made by ``native.tape_of``.
 

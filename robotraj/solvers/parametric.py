@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.collocation.symbols import phase_scalars
@@ -53,10 +54,16 @@ class Numbers:
         Fixed columns of the NLP.
     scalars : tuple of int
         Places of fixed scalars among start time, duration and parameters of the phase.
+    places : tuple of int
+        Their places among the constants of a point function, from the last.
+    readers : frozenset of PointFunctions
+        The point functions whose constants they are.
     """
 
     columns: Indices
     scalars: tuple[int, ...]
+    places: tuple[int, ...]
+    readers: frozenset[PointFunctions]
 
     def values(self, nlp: Nlp) -> Array:
         """Return the numbers of an NLP (m + scalars,), in physical units.
@@ -88,24 +95,34 @@ class Numbers:
         for place, value in zip(self.scalars, values[columns.size :], strict=True):
             every[place] = Scalar(None, float(value))
         layout = replace(layout, t0=every[0], duration=every[1], parameters=tuple(every[2:]))
-        blocks = tuple(self.with_constants(nlp, block, values) for block in nlp.blocks)
+        blocks = tuple(self.with_constants(block, values) for block in nlp.blocks)
         return replace(nlp, variables=variables, guess=guess, layouts=(layout,), blocks=blocks)
 
-    def with_constants(self, nlp: Nlp, block: Block, values: Array) -> Block:
-        """Return a block with other fixed scalars, which are the last constants of its point function.
-
-        A block with other constants, such as those of supporting planes, keeps them.
-        """
-        known = [(i, scalar.value) for i, scalar in enumerate(phase_scalars(nlp.layouts[0])) if scalar.column is None]
-        if not self.scalars or len(block.constants) < len(known):
+    def with_constants(self, block: Block, values: Array) -> Block:
+        """Return a block with other fixed scalars; one that does not read them is returned unchanged."""
+        if block.stage not in self.readers:
             return block
-        fixed = np.array([value for _, value in known])
-        if not np.all(block.constants[-len(known) :] == fixed[:, None]):
-            return block
-        constants, places = block.constants.copy(), [i for i, _ in known]
-        for place, value in zip(self.scalars, values[self.columns.size :], strict=True):
-            constants[places.index(place) - len(places)] = value
+        constants = block.constants.copy()
+        constants[list(self.places)] = values[self.columns.size :, None]
         return replace(block, constants=constants)
+
+
+def numbers_of(formulation: Formulation, columns: Indices, scalars: Sequence[int]) -> Numbers:
+    """Return the numbers of an NLP: its fixed columns and scalars, and the functions that read the scalars.
+
+    Fixed scalars are the last constants of a point function. One with other constants, such as those of supporting
+    planes, does not read them.
+    """
+    nlp, form = formulation.nlp, formulation.form.blocks if isinstance(formulation, Reduction) else ()
+    blocks = [*nlp.blocks, *(part.block for part in formulation.program.blocks), *form]
+    known = [(i, scalar.value) for i, scalar in enumerate(phase_scalars(nlp.layouts[0])) if scalar.column is None]
+    fixed, order = np.array([value for _, value in known]), [i for i, _ in known]
+    readers = {
+        block.stage
+        for block in blocks
+        if scalars and len(block.constants) >= len(known) and np.all(block.constants[-len(known) :] == fixed[:, None])
+    }
+    return Numbers(columns, tuple(scalars), tuple(order.index(i) - len(order) for i in scalars), frozenset(readers))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,19 +153,10 @@ class Parametric:
         known, numbers = self.formulation, self.numbers
         nlp, program = known.nlp, known.program
         offsets = self.offsets + self.matrix @ (values - self.base)
-        count = program.lower.size
-        sizes = [
-            1,
-            count,
-            count,
-            program.shift.size,
-            known.values.size,
-            *(block.shift.size for block in program.blocks),
-        ]
-        constant, lower, upper, shift, eliminated, *rest = np.split(offsets, np.cumsum(sizes))
+        constant, lower, upper, shift, eliminated, *rest = np.split(offsets, self._ends)
         blocks = tuple(
-            replace(part, shift=own, block=numbers.with_constants(nlp, part.block, values))
-            for part, own in zip(program.blocks, rest, strict=False)
+            replace(part, shift=own, block=numbers.with_constants(part.block, values)) if changes else part
+            for part, own, changes in zip(program.blocks, rest, self._changing, strict=False)
         )
         program = replace(
             program,
@@ -161,11 +169,27 @@ class Parametric:
         changed = numbers.changed(nlp, values)
         if not isinstance(known, Reduction):
             return replace(known, nlp=changed, program=program, values=eliminated)
-        form = replace(
-            known.form, blocks=tuple(numbers.with_constants(nlp, each, values) for each in known.form.blocks)
-        )
+        form = replace(known.form, blocks=tuple(numbers.with_constants(each, values) for each in known.form.blocks))
         slots = replace(known.slots, offset=rest[-1])
         return replace(known, nlp=changed, program=program, values=eliminated, form=form, slots=slots)
+
+    @cached_property
+    def _ends(self) -> Indices:
+        """Ends of the parts of the offsets (``_offsets``), all but the last."""
+        program, known = self.formulation.program, self.formulation
+        count = program.lower.size
+        own = [block.shift.size for block in program.blocks]
+        return np.cumsum([1, count, count, program.shift.size, known.values.size, *own])
+
+    @cached_property
+    def _changing(self) -> list[bool]:
+        """Whether the shift or the constants of each block of the program depend on the numbers."""
+        depends, blocks = np.diff(self.matrix.indptr) > 0, self.formulation.program.blocks
+        own = np.split(depends, self._ends)[5 : 5 + len(blocks)]
+        return [
+            bool(np.any(part)) or block.block.stage in self.numbers.readers
+            for part, block in zip(own, blocks, strict=True)
+        ]
 
 
 def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int] = ()) -> Parametric:
@@ -187,7 +211,7 @@ def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int
     """
     from scipy.sparse import csr_array
 
-    numbers = Numbers(columns, tuple(scalars))
+    numbers = numbers_of(formulation, columns, scalars)
     base, steps, offsets = numbers.values(formulation.nlp), numbers.steps(formulation.nlp), _offsets(formulation)
     parts = []
     for j, step in enumerate(steps):

@@ -172,3 +172,17 @@ def test_a_time_limit_ends_a_solve(pendulum: Any) -> None:
     outcome = written.build().solve(start, -BOUND, BOUND, time_limit=0.0)
     assert outcome.status == "time limit"
     assert outcome.iterations == 0
+
+
+def test_an_iteration_that_would_exceed_the_time_limit_does_not_begin(pendulum: Any) -> None:
+    written = pendulum.write()
+    start = np.zeros(written.linear.shape[1])
+
+    def slow(iteration: int, *_: float) -> bool:
+        time.sleep(0.1)
+        return False
+
+    # Two iterations of 0.1 s end at 0.2 s, and a third one would end at 0.3 s.
+    outcome = written.build().solve(start, -BOUND, BOUND, time_limit=0.28, callback=slow)
+    assert outcome.status == "time limit"
+    assert outcome.iterations <= 2

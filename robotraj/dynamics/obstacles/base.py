@@ -113,7 +113,7 @@ class Obstacle(OneLine, ABC):
         if not self.moves:
             position, rotation = self._fixed
             return np.broadcast_to(position, (count, 3)), np.broadcast_to(rotation, (count, 3, 3))
-        positions, rotations = self._motion.map(count)(np.reshape(times, (1, -1)))
+        positions, rotations = self._motion_at(count)(np.reshape(times, (1, -1)))
         columns = np.array(rotations).reshape(3, count, 3)
         return np.array(positions).T, columns.transpose(1, 0, 2)
 
@@ -146,6 +146,19 @@ class Obstacle(OneLine, ABC):
         for part in (position, rotation):
             part.setflags(write=False)
         return position, rotation
+
+    def _motion_at(self, count: int) -> ca.Function:
+        """Return ``_motion`` for a number of times; a control loop evaluates the same number at every step."""
+        known = self._last_motion_at.get(count)
+        if known is None:
+            known = self._motion.map(count)
+            self._last_motion_at.clear()
+            self._last_motion_at[count] = known
+        return known
+
+    @cached_property
+    def _last_motion_at(self) -> dict[int, ca.Function]:
+        return {}
 
     @cached_property
     def _motion(self) -> ca.Function:

@@ -17,6 +17,7 @@ NB_MODULE(_native, m) {
   robotraj::native::bind_chains(m);
   robotraj::native::bind_collision(m);
   robotraj::native::bind_ldl(m);
+  robotraj::native::bind_nearest_planes(m);
   robotraj::native::bind_stage_system(m);
   robotraj::native::bind_vectors(m);
   robotraj::native::bind_solver(m);

@@ -43,8 +43,8 @@ Array = NDArray[np.float64]
 
 INTERVALS = 50
 """Number of intervals of the default mesh."""
-RETURNING = 0.1
-"""Share of the deadline reserved for checking and returning the iterate."""
+FORGOTTEN = 0.9
+"""Decrease, from step to step, of the time that is reserved for checking and returning the iterate."""
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
 """Statuses after which the iterate is the start of the next solve."""
 FEASIBLE = 1e-4
@@ -68,7 +68,8 @@ class Replanner:
     mesh : Mesh, optional
         50 Hermite-Simpson intervals by default.
     deadline : float, optional
-        Wall-clock seconds of a step; none by default. The solver reads the clock once an iteration.
+        Wall-clock seconds of a step; none by default. The solver begins no iteration that would not end in time if it
+        took as long as the one before, and leaves the time that earlier steps took to check and return the iterate.
     guess : InitialGuess or Solution, optional
         Guess of the first plan.
     solver : InteriorPoint, optional
@@ -128,6 +129,7 @@ class Replanner:
         self._plan = self.first.phases[0]
         start = origin.formulation.start(origin.w)
         program = origin.formulation.program
+        self._returning = 0.0
         self._scale = of_program(origin.compiled.native, start, program, self._solver.initial_barrier, origin.nlp)
 
     def step(
@@ -175,7 +177,7 @@ class Replanner:
             formulation = with_constants(formulation, self._planes.constants(formulation.nlp, self._w))
         with self._compiled.alone:
             refresh(self._compiled.native, formulation.program)
-            left = np.inf if self.deadline is None else (1.0 - RETURNING) * self.deadline
+            left = np.inf if self.deadline is None else self.deadline - self._returning
             found = self._compiled.native.solve(
                 formulation.start(self._w),
                 formulation.program.lower,
@@ -187,16 +189,20 @@ class Replanner:
                 lam=self._lam,
             )
         status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+        solved = time.perf_counter()
         w = formulation.columns(found.y)
-        violation = _violation(formulation, w)
+        outputs = formulation.nlp.outputs(w)
+        violation = _violation(formulation, w, outputs)
         fresh = violation <= FEASIBLE
         if fresh or (status in UNFINISHED and np.isfinite(violation)):
             # The next step continues from an unfinished iterate. From the earlier one it would not finish either.
             self._w, self._lam = w, found.lam
         if fresh:
-            trajectory = extract(formulation.nlp, w)[0]
+            trajectory = extract(formulation.nlp, w, outputs)[0]
             self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, trajectory)
-        return Replan(float(t), self._plan, fresh, status, violation, found.iterations, time.perf_counter() - began)
+        ended = time.perf_counter()
+        self._returning = max(ended - solved, FORGOTTEN * self._returning)
+        return Replan(float(t), self._plan, fresh, status, violation, found.iterations, ended - began)
 
     @property
     def _options(self) -> Options:
@@ -223,11 +229,11 @@ def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
     return rows, origin_of(found.multipliers)
 
 
-def _violation(formulation: Formulation, w: Array) -> float:
+def _violation(formulation: Formulation, w: Array, outputs: Sequence[Array]) -> float:
     """Return the largest violation of a scaled row or bound, NaN for an iterate that is no number."""
     nlp = formulation.nlp
     rows, variables = nlp.rows, nlp.variables
-    values = nlp.values(w)
+    values = nlp.values(w, outputs)
     of_rows = np.maximum(rows.lower - values, values - rows.upper) * nlp.row_scale
     of_bounds = np.maximum(variables.lower - w, w - variables.upper) / nlp.scale
     return max(0.0, float(np.max(of_rows, initial=0.0)), float(np.max(of_bounds, initial=0.0)))

@@ -1,7 +1,7 @@
 """Rows on distances in a fixed number, whose planes follow the motion from solve to solve.
 
 Every knot of a phase has rows for each joint that carries shapes, and for each two joints whose shapes may touch. A
-row is the plane between the two shapes that are nearest there along the last motion (``supporting_planes.py``). Planes
+row is the plane between the two shapes that are nearest there along the last motion (``nearest_planes.py``). Planes
 are constants, so that a control loop changes them before each solve without building the program again.
 
 Moving obstacles have their poses at the times of the knots. A measured start that is too near is no conflict: the
@@ -26,7 +26,7 @@ from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.clearance.clearance_rows import SLACK, with_distances
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of, key_of
-from robotraj.transcription.clearance.supporting_planes import planes
+from robotraj.transcription.clearance.nearest_planes import NearestPlanes
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.table import Entry, ScalarTable
 
@@ -87,26 +87,17 @@ class PlaneRows:
         self._free = np.flatnonzero(np.any(nlp.variables.lower[columns] < nlp.variables.upper[columns], axis=1))
         self._columns = columns
         self._rows = _grouped(self._pairs)
-        # Rows with obstacles, then rows of two links: their knots, and the positions on which they depend.
-        count = sum(own.pairs[0] < self._pairs.against for own in self._rows)
-        self._kinds = [kind for kind in (range(count), range(count, len(self._rows))) if len(kind)]
-        self._at = [np.concatenate([self._knots_of(self._rows[k]) for k in kind]) for kind in self._kinds]
-        self._reads = [np.concatenate([self._read_by(self._rows[k]) for k in kind]) for kind in self._kinds]
+        self._nearest = self._found_in(self._pairs)
 
-    def _knots_of(self, own: _PlaneGroup) -> Indices:
-        return np.repeat(self._free, own.count)
-
-    def _read_by(self, own: _PlaneGroup) -> NDArray[np.bool_]:
-        """Return whether each row depends on each position, (rows, nq)."""
-        reads = np.isin(np.arange(self._columns.shape[1]), own.function.positions)
-        return np.tile(reads, (len(self._free) * own.count, 1))
+    def _found_in(self, pairs: ClearancePairs) -> NearestPlanes:
+        return NearestPlanes(pairs, [own.pairs for own in self._rows], [own.count for own in self._rows])
 
     def added(self, nlp: Nlp) -> Nlp:
         """Add the rows to the NLP, with planes along its guess."""
         pairs, table, blocks = self._pairs, ScalarTable.after(nlp.rows), []
         lower, fractions = pairs.margin + SLACK, self._fractions[self._free]
         for own, constants in zip(self._rows, self._constants(nlp, nlp.guess), strict=True):
-            at = self._knots_of(own)
+            at = np.repeat(self._free, own.count)
             columns = self._columns[at][:, own.function.positions]
             entry = table.numbers([Entry(0, "clearance", _label(pairs, own), "m")])
             numbers = table.add_above(
@@ -141,6 +132,7 @@ class PlaneRows:
                 f"obstacles= must be {count} obstacles in the world, as in the problem; got {obstacles!r}."
             )
         self._pairs = self._pairs.with_obstacles(obstacles)
+        self._nearest = self._found_in(self._pairs)
 
     def constants(self, nlp: Nlp, w: Array) -> dict[PointFunctions, Array]:
         """Return the constants of every point function, with planes along w (n_w,) at the times of the NLP."""
@@ -148,28 +140,24 @@ class PlaneRows:
         return {own.function.stage: each for own, each in zip(self._rows, found, strict=True)}
 
     def _constants(self, nlp: Nlp, w: Array) -> list[Array]:
-        pairs, free = self._pairs, self._free
-        spheres, q = pairs.spheres, w[self._columns]
+        pairs, free, centre = self._pairs, self._free, self._pairs.spheres.centre
+        q = w[self._columns]
         elapsed = self._fractions * _duration(nlp.layouts[0], w)
-        times = nlp.layouts[0].t0.value + elapsed
         # The first knot is the measured state, which differs from that of w.
         q[0] = nlp.variables.lower[self._columns[0]]
-        distances = pairs.distances(q, times)
-        short = np.maximum(pairs.margin + SLACK - distances[0], 0.0)
-        share, left = np.maximum(1.0 - elapsed / RECOVERY, 0.0), distances[free]
-        found: list[Array] = []
-        for kind, at, reads in zip(self._kinds, self._at, self._reads, strict=True):
-            chosen = [_nearest(left, self._rows[k]) for k in kind]
-            every = np.concatenate(chosen)
-            given = planes(pairs, every, np.where(reads, q[at], pairs.robot.neutral), times[at])
-            given[:, 3] -= short[every] * share[at]
-            centres = [spheres.centre[pairs.first[every]]]
-            if every[0] >= pairs.against:
-                centres.append(spheres.centre[pairs.second[every]])
-            sizes = np.cumsum([len(part) for part in chosen])[:-1]
-            parts = np.split(np.column_stack([*centres, given]), sizes)
-            found += [np.ascontiguousarray(part.T) for part in parts]
-        return found
+        found = self._nearest.along(q, nlp.layouts[0].t0.value + elapsed)
+        short = np.maximum(pairs.margin + SLACK - found.first_distances, 0.0)
+        share = np.maximum(1.0 - elapsed[free] / RECOVERY, 0.0)
+        constants: list[Array] = []
+        for own, nearest, planes in zip(self._rows, found.pairs, found.planes, strict=True):
+            chosen, given = nearest[free], planes[free]
+            given[..., 3] -= short[chosen] * share[:, None]
+            centres = [centre[pairs.first[chosen]]]
+            if own.pairs[0] >= pairs.against:
+                centres.append(centre[pairs.second[chosen]])
+            joined = np.concatenate([*centres, given], axis=2)
+            constants.append(np.ascontiguousarray(joined.reshape(len(free) * own.count, -1).T))
+        return constants
 
 
 def _grouped(pairs: ClearancePairs) -> list[_PlaneGroup]:
@@ -183,14 +171,6 @@ def _grouped(pairs: ClearancePairs) -> list[_PlaneGroup]:
         if function.positions.size:
             rows.append(_PlaneGroup(function, np.array(own), min(NEAREST, len(own))))
     return rows
-
-
-def _nearest(every: Array, own: _PlaneGroup) -> Indices:
-    """Return the nearest pairs of every knot, knot after knot, by the distances of all pairs."""
-    distances = every[:, own.pairs]
-    if own.count == 1:
-        return np.asarray(own.pairs[distances.argmin(axis=1)])
-    return np.asarray(own.pairs[np.argpartition(distances, own.count - 1, axis=1)[:, : own.count]].ravel())
 
 
 def _label(pairs: ClearancePairs, own: _PlaneGroup) -> str:

@@ -60,11 +60,14 @@ std::vector<int> sizes(const Indices& array, const char* name) {
 class Check {
  public:
   Check(nb::object callback, double time_limit)
-      : callback_(std::move(callback)), time_limit_(time_limit), began_(Clock::now()), looked_(began_) {}
+      : callback_(std::move(callback)), time_limit_(time_limit), began_(Clock::now()), last_(began_), looked_(began_) {}
 
   void operator()(int iteration, double objective, double infeasibility) {
     const auto now = Clock::now();
-    if (seconds(now - began_) > time_limit_) throw Stop{"time limit"};
+    // The next iteration may take as long as the last one; the first one follows a start of unknown length.
+    const double next = iteration > 0 ? seconds(now - last_) : 0.0;
+    if (seconds(now - began_) + next > time_limit_) throw Stop{"time limit"};
+    last_ = now;
     // Ctrl-C is looked for now and then: taking the interpreter's lock may mean waiting for another thread.
     if (callback_.is_none() && seconds(now - looked_) < 0.05) return;
     looked_ = now;
@@ -89,7 +92,7 @@ class Check {
 
   nb::object callback_;
   double time_limit_;
-  Clock::time_point began_, looked_;
+  Clock::time_point began_, last_, looked_;
 };
 
 using Optional = std::optional<Doubles>;

@@ -13,6 +13,7 @@ void bind_sparse(nanobind::module_& m);
 void bind_chains(nanobind::module_& m);
 void bind_collision(nanobind::module_& m);
 void bind_ldl(nanobind::module_& m);
+void bind_nearest_planes(nanobind::module_& m);
 void bind_stage_system(nanobind::module_& m);
 void bind_vectors(nanobind::module_& m);
 void bind_solver(nanobind::module_& m);

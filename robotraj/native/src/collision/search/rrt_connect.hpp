@@ -3,7 +3,7 @@
 // Source: Kuffner and LaValle, RRT-Connect: An Efficient Approach to Single-Query Path Planning, ICRA 2000.
 #pragma once
 
-#include "straight_motion.hpp"
+#include "collision/straight_motion.hpp"
 
 #include <cstdint>
 #include <vector>
