@@ -6,6 +6,7 @@ from . import (
     guess,
     indirect,
     planning,
+    problem_files,
     robot,
     solution,
     solvers,
@@ -45,6 +46,7 @@ from .problem.objectives.expressions import Lagrange, Mayer
 from .problem.phase import Phase
 from .problem.problem import Problem
 from .problem.state import State
+from .problem_files.load import load_problem
 from .replay_page.write import replay
 from .robot.known_robots.catalogue import catalogue
 from .robot.limits import Limits
@@ -116,6 +118,7 @@ __all__ = [
     "interval_limits",
     "links",
     "load",
+    "load_problem",
     "load_solution",
     "multistart",
     "objectives",
@@ -123,6 +126,7 @@ __all__ = [
     "plan",
     "planning",
     "precompile",
+    "problem_files",
     "refinement",
     "replay",
     "retime",

@@ -8,12 +8,16 @@ from typing import Annotated
 import typer
 
 from robotraj.cli.commands.cache import cache
+from robotraj.cli.commands.compare import compare_files
 from robotraj.cli.commands.compile import compile_functions
 from robotraj.cli.commands.demo import demo
+from robotraj.cli.commands.export import export_file
+from robotraj.cli.commands.init import write_problem
 from robotraj.cli.commands.plan import plan_motion
 from robotraj.cli.commands.profile import profile
 from robotraj.cli.commands.replay import replay_file
 from robotraj.cli.commands.robots import robots
+from robotraj.cli.commands.schema import print_schema
 from robotraj.cli.commands.show import show
 from robotraj.cli.commands.validate import validate_file
 from robotraj.cli.exits import EXIT_CODES, Group
@@ -52,9 +56,13 @@ def main(
 
 
 app.command("demo", short_help="Plan a built-in demo, prove it, write its replay.")(demo)
-app.command("plan", short_help="Plan from rest to rest between two configurations.", epilog=EXIT_CODES)(plan_motion)
+app.command("init", short_help="Write a problem file of a robot, to plan and to change.")(write_problem)
+app.command("plan", short_help="Plan from rest to rest, or the problem of a file.", epilog=EXIT_CODES)(plan_motion)
 app.command("validate", short_help="Prove a saved solution by simulation.", epilog=EXIT_CODES)(validate_file)
 app.command("replay", short_help="Write a saved solution as one HTML file.")(replay_file)
+app.command("export", short_help="Write a saved solution for other programs and controllers.")(export_file)
+app.command("compare", short_help="Show the differences of two saved solutions.")(compare_files)
+app.command("schema", short_help="Show what problem files may state.")(print_schema)
 app.command("compile", short_help="Compile the functions of plans before they are made.")(compile_functions)
 app.command("cache", short_help="Show or clear the compiled functions.")(cache)
 app.command("profile", short_help="Show where a saved solution's time went.")(profile)

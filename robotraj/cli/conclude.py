@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import field
 from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -12,6 +15,7 @@ from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json
 from robotraj.replay_page.write import replay
+from robotraj.solution.errors import NoSolutionFound
 from robotraj.solution.solution import Solution
 from robotraj.witness.report import Report
 from robotraj.witness.validation import validate
@@ -19,12 +23,12 @@ from robotraj.witness.validation import validate
 
 @dataclass(frozen=True)
 class Files:
-    """Paths of the files of a solution; None for files that are not written."""
+    """Paths of the files of a solution, None for files that are not written, and the options of ``rt.replay``."""
 
     html: Path | None = None
     save: Path | None = None
     plot: Path | None = None
-    periods: int = 1
+    replay: Mapping[str, Any] = field(default_factory=dict)
 
     def write(self, solution: Solution) -> list[Path]:
         """Write the files and list their absolute paths."""
@@ -36,13 +40,18 @@ class Files:
                 solution.plot().savefig(file, format=self.plot.suffix[1:])
             written.append(self.plot)
         if self.html is not None:
-            written.append(replay(solution, self.html, periods=self.periods))
+            written.append(replay(solution, self.html, **self.replay))
         return written
 
 
-def conclude(solution: Solution, files: Files, *, as_json: bool = False) -> None:
-    """Print a solution and its proof, write its files, and exit with 4 if the proof failed."""
-    report = validate(solution)
+def conclude(
+    solution: Solution, files: Files, *, as_json: bool = False, validation: Mapping[str, Any] | None = None
+) -> None:
+    """Print a solution and its proof, write its files, and exit with 4 if the proof failed.
+
+    ``validation`` holds options of ``rt.validate``.
+    """
+    report = validate(solution, **(validation or {}))
     if as_json:
         say_json(described(solution, report, files.write(solution)))
     else:
@@ -52,6 +61,20 @@ def conclude(solution: Solution, files: Files, *, as_json: bool = False) -> None
             say(f"wrote {path}")
     if not report.passed:
         raise typer.Exit(ExitCode.NOT_PROVED)
+
+
+def planned(make: Callable[[], Solution], files: Files, as_json: bool) -> Solution:
+    """Plan; where no motion is found, write the files and describe the last iterate before the error goes on."""
+    try:
+        return make()
+    except NoSolutionFound as error:
+        written = files.write(error.solution)
+        if as_json:
+            say_json(described(error.solution, None, written))
+        else:
+            for path in written:
+                say(f"wrote {path}")
+        raise
 
 
 def described(solution: Solution, report: Report | None, written: list[Path]) -> dict[str, object]:

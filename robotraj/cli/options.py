@@ -51,11 +51,25 @@ PlotOption = Annotated[
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 TimeLimitOption = Annotated[
-    float, typer.Option("--time-limit", min=0.001, help="Processor seconds after which the plan stops.")
+    float | None,
+    typer.Option(
+        "--time-limit",
+        min=0.001,
+        help="Processor seconds after which the plan stops; 60 for a robot, else that of the problem file.",
+    ),
 ]
 MemoryLimitOption = Annotated[
     float | None,
     typer.Option("--memory-limit", min=1.0, help="Resident memory [MB] of the process after which the plan stops."),
+]
+ProblemArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="ROBOT|FILE.toml",
+        callback=check_robot,
+        autocompletion=complete_robot,
+        help="A name that 'robotraj robots' lists, a URDF file, or a problem file.",
+    ),
 ]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]
 RobotArgument = Annotated[

@@ -47,4 +47,4 @@ def demo(
     solution = chosen.plan()
     if chosen.analysis is not None:
         say(f"{chosen.analysis(solution)}\n")
-    conclude(solution, Files(target, save, plot, chosen.periods))
+    conclude(solution, Files(target, save, plot, {"periods": chosen.periods}))

@@ -1,36 +1,49 @@
-"""``robotraj plan``: from rest to rest between two configurations."""
+"""``robotraj plan``: from rest to rest between two configurations, or the problem of a file."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from robotraj._util.errors import InputError
 from robotraj.cli.minimise import Minimise
 from robotraj.cli.options import (
     HtmlOption,
     JsonOption,
     MemoryLimitOption,
     PlotOption,
-    RobotArgument,
+    ProblemArgument,
     SaveOption,
     TimeLimitOption,
 )
-from robotraj.cli.terminal import say, say_json
-from robotraj.solution.errors import NoSolutionFound
+from robotraj.cli.problem_file import is_problem_file, plan_problem_file, refuse_options
+from robotraj.cli.terminal import say
+
+if TYPE_CHECKING:
+    from robotraj.solution.solution import Solution
+
+
+ROBOT_OPTIONS = (
+    "to", "start", "duration", "objective", "intervals", "tolerance", "velocity", "effort", "limits", "compiled"
+)  # fmt: skip
+"""Options of a motion of a robot; a problem file states them itself."""
+ROBOT_TIME = 60.0
+"""Default of ``--time-limit`` for a robot; a problem file has its own."""
 
 
 def plan_motion(
-    robot: RobotArgument,
+    context: typer.Context,
+    robot: ProblemArgument,
     to: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--to",
             "--end",
             metavar="Q",
             help="Last configuration [rad, m]: '0,1.57,0' or 'elbow=1.57,wrist=0'.",
         ),
-    ],
+    ] = None,
     start: Annotated[
         str | None,
         typer.Option("--start", "--from", metavar="Q", help="First configuration; the neutral one if not given."),
@@ -57,23 +70,25 @@ def plan_motion(
     compiled: Annotated[
         bool, typer.Option("--compiled", help="Evaluate by compiled C, from the cache or compiled first.")
     ] = False,
-    time_limit: TimeLimitOption = 60.0,
+    time_limit: TimeLimitOption = None,
     memory_limit: MemoryLimitOption = None,
     html: HtmlOption = None,
     save: SaveOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Plan a motion from rest to rest between two configurations, prove it and write the requested files.
+    """Plan a motion from rest to rest between two configurations, or a problem file; prove it and write its files.
 
     Example: robotraj plan ur5 --to 1,-1,1,0,0,0 --duration 0.5:3 --objective duration --html ur5.html
 
+    Example: robotraj init ur5 && robotraj plan problem.toml
+
     A plan that is not solved is also written, so that its last iterate can be inspected.
 
-    Problems of your own are Python scripts: write one with rt.Phase and rt.plan, and run it with python.
+    Problems with expressions of your own are Python scripts: use rt.Phase and rt.plan, and run them with python.
     """
     from robotraj.cli.arguments import configuration_of, limits_of, rest_to_rest
-    from robotraj.cli.conclude import Files, conclude, described
+    from robotraj.cli.conclude import Files, conclude, planned
     from robotraj.native.engines.compiled import Compiled
     from robotraj.planning.plan import plan
     from robotraj.robot.load import load
@@ -81,6 +96,18 @@ def plan_motion(
     from robotraj.transcription.schemes.lobatto import HermiteSimpson
     from robotraj.transcription.schemes.mesh import Mesh
 
+    if is_problem_file(robot):
+        sources = {name: context.get_parameter_source(name) for name in ROBOT_OPTIONS}
+        given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
+        refuse_options([f"--{name.replace('_', '-')}" for name in given], robot)
+        outputs = {"html": html, "save": save, "plot": plot}
+        plan_problem_file(robot, outputs, {"memory_limit": memory_limit}, time_limit, as_json)
+        return
+    if to is None:
+        raise InputError(
+            f"--to is missing: the last configuration of {robot!r}, as in --to 0,1.57,0. "
+            f"'robotraj init {robot}' writes a problem file to start from."
+        )
     mover = load(robot)
     phase = rest_to_rest(
         mover,
@@ -99,16 +126,9 @@ def plan_motion(
         mesh = Mesh(intervals, HermiteSimpson(control=control))
     engine = Compiled() if compiled else None
     files = Files(html, save, plot)
-    try:
-        solution = plan(
-            phase, mesh, tolerance=tolerance, engine=engine, time_limit=time_limit, memory_limit=memory_limit
-        )
-    except NoSolutionFound as error:
-        written = files.write(error.solution)
-        if as_json:
-            say_json(described(error.solution, None, written))
-        else:
-            for path in written:
-                say(f"wrote {path}")
-        raise
-    conclude(solution, files, as_json=as_json)
+    limit = ROBOT_TIME if time_limit is None else time_limit
+
+    def solved() -> Solution:
+        return plan(phase, mesh, tolerance=tolerance, engine=engine, time_limit=limit, memory_limit=memory_limit)
+
+    conclude(planned(solved, files, as_json), files, as_json=as_json)

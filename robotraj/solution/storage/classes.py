@@ -113,39 +113,51 @@ from robotraj.transcription.schemes.radau import RadauIIA
 from robotraj.transcription.schemes.shooting import MultipleShooting, SingleShooting
 
 # fmt: off
-CLASSES: Mapping[str, type] = {
+OF_PROBLEMS: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
         # problems
-        State, Between, Limits, AtEnd, AtStart, GroundClearance, ClearancePoint, CollisionShapes, FollowPath,
+        State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FollowPath,
         FramePose, FramePosition, SwingApex, FrameAxis, MotorPower, SpeedTorqueCurve, PayloadScenarios, CarriedBody,
         OneOf, PoseRegion, FrameAcceleration, FrameSpeed, CircularPath, LinearPath, JointCentering, Manipulability,
         DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity,
         PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage,
-        SameParameter, Mirror, Periodic, Liftoff, Touchdown, Sum, Duration, Effort, Lagrange, Mayer, ForceRate,
+        SameParameter, Mirror, Periodic, Liftoff, Touchdown, Duration, Effort, Lagrange, Mayer, ForceRate,
         CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking, CostOfTransport, AbsolutePower,
         MechanicalWork,
-        # robots, contacts, terrain
-        Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ForwardDynamics, InverseDynamics, Kinematics,
-        FlatFoot, ImplicitContact, LineContact, LoopClosure, PointContact, Linearised, SecondOrder, FourCorners,
-        PressureAndTorsion, JointDamping, LinkLength, BodyMass, Payload, Flat, HeightMap, Slope, Steps,
+        # dynamics, contacts, terrain
+        ForwardDynamics, InverseDynamics, Kinematics, FlatFoot, ImplicitContact, LineContact, LoopClosure,
+        PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, LinkLength, BodyMass,
+        Payload, Flat, HeightMap, Slope, Steps,
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
         DurationRatio, SwingArc, FootholdArc, TimedArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
-        # solutions
-        PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Goals, Proof, ContinuationRecord, MeshStep,
-        Violation, Multipliers, AddedRow,
         # settings
-        Restarts, Settings, VirtualMachine, Compiled, Native, InteriorPoint, Ipopt, BernsteinBounds,
+        Goals, Restarts, VirtualMachine, Compiled, Native, InteriorPoint, Ipopt, BernsteinBounds,
         ConstraintGeneration, Equidistribute, RaiseOrder, SplitOrRaise, SplitAndMerge, Mesh, MovingMesh,
         ConstantControl, LinearControl, PolynomialControl, OwnQuadrature, TrapezoidalQuadrature,
         CompressedHermiteSimpson, FifthDegree, GaussLegendre, HermiteSimpson, LobattoIIIA, RadauIIA, Trapezoidal,
         MultipleShooting, SingleShooting, Adaptive, RungeKutta4,
     )
 }
-"""Classes by name. No name is defined twice in the package."""
+"""What users give for a problem and its settings, by name; files of problems in TOML name the same classes."""
+
+OF_PLANS: Mapping[str, type] = {
+    kind.__name__: kind
+    for kind in (
+        # robots, and what binding a constraint adds
+        Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ClearancePoint, Sum,
+        # solutions
+        PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Proof, ContinuationRecord, MeshStep, Violation,
+        Multipliers, AddedRow, Settings,
+    )
+}
+"""What loading and planning add, by name."""
 # fmt: on
+
+CLASSES: Mapping[str, type] = {**OF_PROBLEMS, **OF_PLANS}
+"""Classes by name. No name is defined twice in the package."""
 
 ENUMS: Mapping[str, type[Enum]] = {"Status": Status}
 
@@ -217,7 +229,7 @@ def fits(value: object, annotation: str) -> bool:
 
     Names that are neither plain types nor classes of the allow-list accept every value.
     """
-    return any(_fits_one(value, part) for part in _split(annotation, "|"))
+    return any(_fits_one(value, part) for part in split(annotation, "|"))
 
 
 def _fits_one(value: object, part: str) -> bool:
@@ -227,7 +239,7 @@ def _fits_one(value: object, part: str) -> bool:
         right = isinstance(value, _PLAIN[name]) and not (isinstance(value, bool) and name in ("int", "float"))
         if isinstance(value, np.ndarray) and name == "Array":
             return value.dtype.kind in "fiub"
-        return right and (not inside or _entries_fit(value, _split(inside, ",")))
+        return right and (not inside or _entries_fit(value, split(inside, ",")))
     if name == "Callable":
         return callable(value)
     if name in _BASES:
@@ -245,7 +257,7 @@ def _entries_fit(value: object, kinds: list[str]) -> bool:
     return len(kinds) == len(value) and all(fits(entry, kind) for entry, kind in zip(value, kinds, strict=True))
 
 
-def _split(annotation: str, separator: str) -> list[str]:
+def split(annotation: str, separator: str) -> list[str]:
     """Split an annotation at a separator outside brackets."""
     parts, depth = [""], 0
     for letter in annotation:

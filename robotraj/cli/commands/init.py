@@ -1,0 +1,44 @@
+"""``robotraj init``: a first problem file of a robot."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robotraj._util.errors import InputError
+from robotraj._util.paths import output_path, whole_file
+from robotraj.cli.options import JsonOption, RobotArgument
+from robotraj.cli.terminal import say, say_json
+
+
+def write_problem(
+    robot: RobotArgument,
+    out: Annotated[Path, typer.Argument(metavar="[OUT.toml]", help="Where to.")] = Path("problem.toml"),
+    root: Annotated[
+        str, typer.Option(help="fixed: a motion from rest to rest; planar or floating: a gait on two or four feet.")
+    ] = "fixed",
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Write a commented problem file of a robot that plans as it stands.
+
+    Example: robotraj init ur5 && robotraj plan problem.toml
+    """
+    from robotraj.problem_files.starter import starter
+    from robotraj.robot.load import load
+
+    target = output_path(out, (".toml",), "the problem file")
+    if target.exists() and not force:
+        raise InputError(f"{str(out)!r} exists; name another file, or replace it with --force.")
+    path = Path(robot).expanduser()
+    source = os.path.relpath(path, target.parent) if path.is_file() else robot
+    text = starter(load(robot, root=root), source, out.name)
+    with whole_file(target) as partial:
+        partial.write_text(text, encoding="utf-8")
+    if as_json:
+        say_json({"written": [str(target)]})
+    else:
+        say(f"wrote {target}\nplan it with: robotraj plan {out}")

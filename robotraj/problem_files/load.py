@@ -1,0 +1,169 @@
+"""``load_problem``: read a problem from a TOML file."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj.planning.plan import plan
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.problem_files.kinds import GAITS
+from robotraj.problem_files.lines import Misplaced, Place, line_of, lines_of, named
+from robotraj.problem_files.narrowing import narrowed
+from robotraj.problem_files.parameters import parameters_of
+from robotraj.problem_files.problem_file import ProblemFile
+from robotraj.problem_files.reader import Data, Reader
+from robotraj.problem_files.robots import robots_of
+from robotraj.replay_page.write import replay
+from robotraj.robot.robot import Robot
+from robotraj.witness.validation import validate
+
+if TYPE_CHECKING or sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_PLACE = re.compile(r" \(at line (\d+), column \d+\)")
+
+TABLES = ("robot", "robots", "define", "phases", "links", "gait", "plan", "validate", "replay", "output")
+OUTPUTS = ("html", "save", "plot")
+OF_CALLERS = ("problem", "settings", "check", "progress", "continuation")
+"""Parameters of ``rt.plan`` that a file does not set."""
+
+
+def load_problem(path: str | os.PathLike[str]) -> ProblemFile:
+    """Read a problem, the options of its plan and the files that it writes.
+
+    The tables of the file mirror the classes and functions of robotraj; ``docs/problem-files.md`` lists them, and
+    ``robotraj schema`` prints them. ``robotraj init`` writes a first file.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file. Relative paths in it start at its folder.
+
+    Returns
+    -------
+    ProblemFile
+        ``file.plan()`` plans the motion.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it is no TOML, or a value is invalid; the message names line and key.
+
+    Examples
+    --------
+    >>> file = load_problem("problem.toml")
+    >>> solution = file.plan()
+    """
+    source = Path(path).expanduser().absolute()
+    try:
+        text = source.read_bytes().decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"The problem file {str(path)!r} cannot be read: {error}.") from error
+    text = text.replace("\r\n", "\n")
+    try:
+        data = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        found = _PLACE.search(str(error))
+        at = f", line {found[1]}" if found else ""
+        raise InputError(f"{source.name}{at}: this is no TOML: {_PLACE.sub('', str(error))}.") from error
+    try:
+        return _read(source, data)
+    except Misplaced as error:
+        line = line_of(error.place, lines_of(text))
+        where = [source.name, f"line {line}" if line else "", named(error.place)]
+        raise InputError(f"{', '.join(part for part in where if part)}: {error}") from error
+
+
+def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
+    for key in data:
+        if key not in TABLES:
+            raise Misplaced((key,), str(unknown_name("table", key, TABLES)))
+    defined = _table(data, "define")
+    reader = Reader(source.parent, defined, {})
+    robots = robots_of(data, reader)
+    reader = replace(reader, robots=robots)
+    if ("phases" in data) == ("gait" in data):
+        raise Misplaced((), "a problem has either [[phases]] or a [gait].")
+    problem = _gait(_table(data, "gait"), reader, robots) if "gait" in data else _problem(data, reader, robots)
+    only = next(iter(robots.values())) if len(robots) == 1 else None
+    reader = replace(reader, robot=only)
+    return ProblemFile(
+        source,
+        problem,
+        reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS),
+        reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
+        reader.arguments(replay, _table(data, "replay"), ("replay",), without=("solution", "path")),
+        _output(_table(data, "output"), source.parent),
+    )
+
+
+def _table(data: Mapping[str, Data], name: str) -> dict[str, Data]:
+    table = data.get(name, {})
+    if not isinstance(table, dict):
+        raise Misplaced((name,), f"is a table, [{name}]; got {table!r}.")
+    return table
+
+
+def _robot(data: dict[str, Data], place: Place, robots: Mapping[str, Robot]) -> tuple[Robot, dict[str, Data]]:
+    """Return the robot of a phase or gait, and its data without the robot."""
+    rest = {key: entry for key, entry in data.items() if key != "robot"}
+    name = data.get("robot")
+    if name is None:
+        if len(robots) != 1:
+            raise Misplaced(place, f"names its robot: robot = one of {', '.join(map(repr, robots))}.")
+        return next(iter(robots.values())), rest
+    if name not in robots:
+        raise Misplaced((*place, "robot"), str(unknown_name("robot", name, robots)))
+    return robots[name], rest
+
+
+def _problem(data: Mapping[str, Data], reader: Reader, robots: Mapping[str, Robot]) -> Problem:
+    stated = data["phases"]
+    if not isinstance(stated, list) or not all(isinstance(each, dict) for each in stated):
+        raise Misplaced(("phases",), "is a list of tables, [[phases]].")
+    phases = [_phase(each, ("phases", i), reader, robots) for i, each in enumerate(stated)]
+    accepted = parameters_of(Problem)["links"].accepted
+
+    def make(data: Data) -> Problem:
+        return Problem(phases, reader.value(data, accepted, ("links",)))
+
+    return narrowed(make, data.get("links", []), ("links",) if "links" in data else ("phases",))
+
+
+def _phase(data: dict[str, Data], place: Place, reader: Reader, robots: Mapping[str, Robot]) -> Phase:
+    robot, rest = _robot(data, place, robots)
+    own = reader.for_robot(robot)
+
+    def make(data: Data) -> Phase:
+        return Phase(robot, **own.arguments(Phase, data, place, without=("subject",)))
+
+    return narrowed(make, rest, place)
+
+
+def _gait(data: dict[str, Data], reader: Reader, robots: Mapping[str, Robot]) -> Problem:
+    place: Place = ("gait",)
+    robot, rest = _robot(data, place, robots)
+    own, name = reader.for_robot(robot), data.get("type")
+    write: Any = GAITS.get(name) if isinstance(name, str) else None
+    if write is None:
+        raise Misplaced((*place, "type") if "type" in data else place, str(unknown_name("gait", name, GAITS)))
+    return narrowed(lambda data: write(robot, **own.arguments(write, data, place, without=("robot",))), rest, place)
+
+
+def _output(data: dict[str, Data], folder: Path) -> dict[str, Path]:
+    for key, value in data.items():
+        if key not in OUTPUTS:
+            raise Misplaced(("output", key), str(unknown_name("output", key, OUTPUTS)))
+        if not isinstance(value, str):
+            raise Misplaced(("output", key), f"is the path of a file; got {value!r}.")
+    return {key: folder / value for key, value in data.items()}

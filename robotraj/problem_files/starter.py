@@ -1,0 +1,199 @@
+"""A first problem file of a robot, with comments: a motion from rest to rest, or the step of a gait."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.gait.feet import feet_of
+from robotraj.gait.standing import stand
+from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+STRIDE = {"rad": 0.6, "m": 0.2}
+"""Distance that a joint moves at most in the first motion, by its unit."""
+SHARE = 0.4
+"""Largest part of the way to a limit that a joint moves."""
+PACE = 3.0
+"""Duration of the first motion, relative to that at the velocity limits."""
+GAITS = {2: "walk", 4: "trot"}
+"""Gait by the number of feet."""
+STEP = 0.2
+"""Length of a step relative to the height of the centre of mass."""
+
+HEAD = """\
+# {title}
+#
+# Plan it, prove it and write its replay:  robotraj plan {name}
+# What else may stand here:                robotraj schema, or docs/problem-files.md
+
+[robot]
+source = {source} # a name that 'robotraj robots' lists, or the path of a URDF file
+{root}# locked = {{ {joint} = 0.0 }} # joints that do not move [rad, m]
+# limits = {{ velocity = 2.0 }} # in place of the URDF's [rad/s, m/s]
+"""
+
+MOTION = """
+[[phases]]
+name = {label}
+duration = {duration} # [s]; [{least}, {most}] leaves it free between these
+objective = "Effort" # the integral of the squared torques
+# objective = [{{ type = "Effort" }}, {{ type = "Duration", weight = 10.0 }}] # a weighted sum
+# limits = {{ velocity = 2.0, effort = {{ {joint} = 50.0 }} }} # of this phase alone
+
+[phases.start]
+v = 0.0 # at rest
+
+[phases.start.q] # [rad, m]; joints that are not named are free
+{start}
+
+[phases.end]
+v = 0.0
+
+[phases.end.q]
+{end}
+
+# What must hold throughout. AtStart and AtEnd hold a constraint at one end only.
+# [[phases.constraints]]
+# type = "GroundClearance"
+# frames = [{frame}]
+# height = 0.02 # [m]
+
+# [[phases.constraints]]
+# type = "CollisionFree"
+# margin = 0.01 # [m]
+# obstacles = [{{ type = "Box", sides = [0.1, 0.1, 0.1], position = [5.0, 5.0, 5.0] }}]
+
+# A second phase begins with [[phases]], and a link joins them:
+# [[links]]
+# type = "Continuity"
+# first = 0
+# second = 1
+"""
+
+GAIT = """
+[gait]
+type = {gait} # a function of rt.gait: walk, run, trot, crawl, jump, stairs ...
+feet = [{feet}] # frames of the feet
+step_length = {length} # [m]
+duration = {duration} # [s] of a step
+clearance = {clearance} # lift of a swinging foot [m]
+contact = {{ type = "PointContact", friction = 0.6 }} # FlatFoot for soles: length and width [m]
+"""
+
+TAIL = """
+[plan]
+# Left open, the mesh is refined until the motion is proved between its points.
+# mesh = {{ intervals = 40, scheme = "HermiteSimpson" }} # this mesh, nothing proved
+# tolerance = 1e-6 # of the error between the knots
+time_limit = {limit} # processor seconds
+
+[output]
+html = {page} # the replay; save = "x.npz" keeps the solution, plot = "x.png" draws the curves
+"""
+
+
+def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
+    """Write a problem file that plans as it stands.
+
+    A robot with a fixed root moves from its neutral configuration to one nearby, from rest to rest; joints without
+    motors start at their neutral position and end anywhere. A robot with a moving root walks or trots.
+
+    Parameters
+    ----------
+    robot : Robot
+    source : str
+        Name or path that ``rt.load`` read, as the file will state it.
+    name : str
+        Name of the file, for its comments.
+
+    Raises
+    ------
+    InputError
+        The root moves, and the robot has neither two nor four feet.
+    """
+    fixed = robot.root == "fixed"
+    joint = _key(robot.joint_names[0])
+    root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
+    title = f"A first motion of {robot.name}" if fixed else f"A gait of {robot.name}"
+    head = HEAD.format(title=title, name=name, source=json.dumps(source), root=root, joint=joint)
+    middle = _motion(robot, joint) if fixed else _gait(robot)
+    page = json.dumps(re.sub(r"\W+", "_", robot.name) + ".html")
+    return head + middle + TAIL.format(limit=60.0 if fixed else 600.0, page=page)
+
+
+def _motion(robot: Robot, joint: str) -> str:
+    end, moved = _nearby(robot)
+    duration = 1.0
+    for i in moved:
+        fastest = robot.limits.velocity[i]
+        if 0.0 < fastest < math.inf:
+            duration = max(duration, PACE * abs(end[i] - robot.neutral[i]) / fastest)
+    duration = math.ceil(10.0 * duration) / 10.0
+    names = robot.position_names
+    driven = [i for i, each in enumerate(names) if each in robot.actuated]
+    frame = robot.end_effector or robot.frame_names[-1]
+    return MOTION.format(
+        label=json.dumps(f"first motion of {robot.name}"),
+        duration=duration,
+        least=0.5 * duration,
+        most=5.0 * duration,
+        joint=joint,
+        start=_pairs(names, robot.neutral, range(len(names))),
+        end=_pairs(names, end, driven),
+        frame=json.dumps(frame),
+    )
+
+
+def _nearby(robot: Robot) -> tuple[Array, list[int]]:
+    """Return a configuration whose driven joints are moved towards the farther limit, and the moved joints.
+
+    The strides are halved until the motors can hold the configuration.
+    """
+    limits, neutral = robot.limits, robot.neutral
+    driven = [i for i, name in enumerate(robot.position_names) if name in robot.actuated]
+    end = neutral.copy()
+    data = robot.model.createData()
+    for halved in range(6):
+        for i in driven:
+            up, down = limits.position_upper[i] - neutral[i], neutral[i] - limits.position_lower[i]
+            way = min(STRIDE.get(robot.units[i], STRIDE["m"]), SHARE * max(up, down)) / 2.0**halved
+            end[i] = round(neutral[i] + (way if up >= down else -way), 4)
+        held = np.abs(pin.computeGeneralizedGravity(robot.model, data, end))
+        if all(held[i] <= 0.9 * limits.effort[i] for i in driven if limits.effort[i] > 0.0):
+            break
+    return end, driven
+
+
+def _gait(robot: Robot) -> str:
+    feet = feet_of(robot, None)
+    if len(feet) not in GAITS:
+        raise InputError(
+            f"{robot.name!r} has {len(feet)} feet ({', '.join(feet)}); a first gait is written for 2 or 4. Use a fixed "
+            "root, and change the file."
+        )
+    standing = stand(robot, feet)
+    height = float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2])
+    return GAIT.format(
+        gait=json.dumps(GAITS[len(feet)]),
+        feet=", ".join(json.dumps(foot) for foot in feet),
+        length=round(STEP * height, 3),
+        duration=round(1.3 * math.sqrt(height / 9.81), 2),
+        clearance=round(0.1 * height, 3),
+    )
+
+
+def _pairs(names: tuple[str, ...], values: Array, chosen: list[int] | range) -> str:
+    return "\n".join(f"{_key(names[i])} = {float(values[i]):.10g}" for i in chosen)
+
+
+def _key(name: str) -> str:
+    """Write a name as a TOML key."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
