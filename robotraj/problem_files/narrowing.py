@@ -57,8 +57,6 @@ def _removable(make: Callable[[Any], object], data: Any) -> Place:
     part = data
     while isinstance(part, dict | list):
         keys = list(part) if isinstance(part, dict) else [i for i, each in enumerate(part) if isinstance(each, dict)]
-        if len(keys) == 1 and place:
-            return place
         for key in keys:
             if time.process_time() - began > SECONDS:
                 return place

@@ -148,7 +148,7 @@ class Reader:
             return self._made((*place, "between"), ends, lambda: between(lower, upper))
         if "type" in data:
             kind: Maker | None = kind_named(data["type"], accepted, (*place, "type"))
-        elif accepted.has("Limits"):
+        elif accepted.has("Limits") and not accepted.has("Mapping"):
             return self._limits(data, place)
         else:
             kind = only_kind(accepted)

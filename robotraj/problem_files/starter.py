@@ -23,6 +23,10 @@ SHARE = 0.4
 """Largest part of the way to a limit that a joint moves."""
 PACE = 3.0
 """Duration of the first motion, relative to that at the velocity limits."""
+LOAD = 0.8
+"""Part of an effort limit that the first motion uses at most."""
+LONGEST = 60.0
+"""Duration that is not exceeded [s]."""
 GAITS = {2: "walk", 4: "trot"}
 """Gait by the number of feet."""
 STEP = 0.2
@@ -36,8 +40,9 @@ HEAD = """\
 
 [robot]
 source = {source} # a name that 'robotraj robots' lists, or the path of a URDF file
-{root}# locked = {{ {joint} = 0.0 }} # joints that do not move [rad, m]
+{root}# gravity = [0.0, 0.0, -9.81] # [m/s^2]
 # limits = {{ velocity = 2.0 }} # in place of the URDF's [rad/s, m/s]
+# Also: actuated and locked joints, a payload, the pose of the base.
 """
 
 MOTION = """
@@ -62,20 +67,16 @@ v = 0.0
 
 # What must hold throughout. AtStart and AtEnd hold a constraint at one end only.
 # [[phases.constraints]]
-# type = "GroundClearance"
-# frames = [{frame}]
-# height = 0.02 # [m]
+# type = "FrameSpeed"
+# frame = {frame}
+# linear = 1.0 # [m/s]
 
 # [[phases.constraints]]
 # type = "CollisionFree"
 # margin = 0.01 # [m]
 # obstacles = [{{ type = "Box", sides = [0.1, 0.1, 0.1], position = [5.0, 5.0, 5.0] }}]
 
-# A second phase begins with [[phases]], and a link joins them:
-# [[links]]
-# type = "Continuity"
-# first = 0
-# second = 1
+# A second phase begins with [[phases]]; it is joined to the first one by [[links]] of type "Continuity".
 """
 
 GAIT = """
@@ -123,7 +124,7 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     joint = _key(robot.joint_names[0])
     root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
     title = f"A first motion of {robot.name}" if fixed else f"A gait of {robot.name}"
-    head = HEAD.format(title=title, name=name, source=json.dumps(source), root=root, joint=joint)
+    head = HEAD.format(title=title, name=name, source=json.dumps(source), root=root)
     middle = _motion(robot, joint) if fixed else _gait(robot)
     page = json.dumps(re.sub(r"\W+", "_", robot.name) + ".html")
     return head + middle + TAIL.format(limit=60.0 if fixed else 600.0, page=page)
@@ -131,12 +132,7 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
 
 def _motion(robot: Robot, joint: str) -> str:
     end, moved = _nearby(robot)
-    duration = 1.0
-    for i in moved:
-        fastest = robot.limits.velocity[i]
-        if 0.0 < fastest < math.inf:
-            duration = max(duration, PACE * abs(end[i] - robot.neutral[i]) / fastest)
-    duration = math.ceil(10.0 * duration) / 10.0
+    duration = math.ceil(10.0 * _duration(robot, end, moved)) / 10.0
     names = robot.position_names
     driven = [i for i, each in enumerate(names) if each in robot.actuated]
     frame = robot.end_effector or robot.frame_names[-1]
@@ -167,9 +163,34 @@ def _nearby(robot: Robot) -> tuple[Array, list[int]]:
             way = min(STRIDE.get(robot.units[i], STRIDE["m"]), SHARE * max(up, down)) / 2.0**halved
             end[i] = round(neutral[i] + (way if up >= down else -way), 4)
         held = np.abs(pin.computeGeneralizedGravity(robot.model, data, end))
-        if all(held[i] <= 0.9 * limits.effort[i] for i in driven if limits.effort[i] > 0.0):
+        if all(held[i] <= LOAD * limits.effort[i] for i in driven if limits.effort[i] > 0.0):
             break
     return end, driven
+
+
+def _duration(robot: Robot, end: Array, moved: list[int]) -> float:
+    """Return a duration of at least 1 s in which a smooth motion stays well within the limits [s]."""
+    way, limits, data = end - robot.neutral, robot.limits, robot.model.createData()
+    duration = 1.0
+    for i in moved:
+        if 0.0 < limits.velocity[i] < math.inf:
+            duration = max(duration, PACE * abs(way[i]) / limits.velocity[i])
+    while duration < LONGEST and not _within(robot, data, way, duration, moved):
+        duration *= 1.25
+    return duration
+
+
+def _within(robot: Robot, data: pin.Data, way: Array, duration: float, moved: list[int]) -> bool:
+    """Whether the motors can follow the path q0 + way (10 s^3 - 15 s^4 + 6 s^5), s = t / duration."""
+    for s in np.linspace(0.0, 1.0, 21):
+        place = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        rate = 30.0 * s**2 * (1.0 - s) ** 2 / duration
+        second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration**2
+        tau = pin.rnea(robot.model, data, robot.neutral + place * way, rate * way, second * way)
+        tau = tau + robot.damping * rate * way + robot.friction * np.sign(way)
+        if any(abs(tau[i]) > LOAD * robot.limits.effort[i] > 0.0 for i in moved):
+            return False
+    return True
 
 
 def _gait(robot: Robot) -> str:

@@ -1,0 +1,114 @@
+"""A fault of a problem file is reported with its line, its key and near names."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import robotraj as rt
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+UR5 = (EXAMPLES / "05_ur5.toml").read_text()
+PICK = (EXAMPLES / "23_pick_and_place.toml").read_text()
+WALK = (EXAMPLES / "11_five_link_walking.toml").read_text()
+
+FAULTS = [
+    (UR5, 'source = "ur5"', 'source = "ur55"', "robot.source", "There is no robot named 'ur55'. Did you mean 'ur5'"),
+    (UR5, "source =", "sorce =", "robot.sorce", "There is no key of load named 'sorce'. Did you mean 'source'"),
+    (UR5, "[robot]", "[robto]", "robto", "There is no table named 'robto'. Did you mean 'robot'"),
+    (UR5, "-0.6, 1.2], v", "-0.6], v", "phases[0].end.q", "The end position has 5 values; it needs 6"),
+    (UR5, "1.2], v = 0 }", "99], v = 0 }", "phases[0].end.q", "outside its position limit"),
+    (UR5, '"tool0"]\nheight', '"tool1"]\nheight', "phases[0].constraints[0].frames[2]", "Did you mean 'tool0'"),
+    (UR5, '"GroundClearance"', '"GroundClearence"', "phases[0].constraints[0].type", "Did you mean 'GroundClearance'"),
+    (UR5, "height =", "hight =", "phases[0].constraints[0].hight", "Did you mean 'height'"),
+    (UR5, "height = 0.05", 'height = "high"', "phases[0].constraints[0].height", "the height is high"),
+    (UR5, "duration = 1.0", "duration = -1.0", "phases[0].duration", "give seconds above 0"),
+    (UR5, "duration = 1.0", "", "phases[0]", "Phase lacks 'duration'"),
+    (UR5, '"Effort"', '"Efort"', "phases[0].objective", "Did you mean 'Effort'"),
+    (UR5, '"Effort"', '[{ type = "Effort", weight = "a" }]', "phases[0].objective[0].weight", "a finite number"),
+    (UR5, '"Effort"', '{ type = "Effort", weights = { elbow = 1 } }', "phases[0].objective.weights.elbow", "elbow_jo"),
+    (UR5, "intervals = 50", "intervals = 50.5", "plan.mesh.intervals", "takes a whole number or a list of numbers"),
+    (UR5, "intervals = 50", "intervals = 0", "plan.mesh.intervals", "at least 1 interval"),
+    (UR5, '"HermiteSimpson"', '"Hermite"', "plan.mesh.scheme", "Did you mean 'HermiteSimpson'"),
+    (UR5, "[plan]", '[plan]\ntolerance = "small"', "plan.tolerance", "takes a number or 'none'; got 'small'"),
+    (UR5, "[plan]", "[plan]\ncheck = false", "plan.check", "There is no key of plan named 'check'"),
+    (
+        UR5,
+        "objective",
+        "limits = { velocity = { elbow = 2.0 } }\nobjective",
+        "phases[0].limits.velocity.elbow",
+        "elbow_",
+    ),
+    (UR5, "end = { q", "end = { w", "phases[0].end.w", "There is no key of State named 'w'"),
+    (UR5, "q = [1.1, -0.8", "q = [nan, -0.8", "phases[0].end.q", "is NaN"),
+    (UR5, "q = [1.1,", "q = [{ between = [2, 1] },", "phases[0].end.q[0].between", "the lower bound lies above"),
+    (UR5, "q = [1.1,", "q = [{ between = 2 },", "phases[0].end.q[0].between", "takes [lower, upper]; got 2"),
+    (UR5, "[[phases.constraints]]", "[phases.constraints]", "phases[0].constraints", "takes a list of Constraint"),
+    (UR5, "html =", "htm =", "output.htm", "Did you mean 'html'"),
+    (UR5, "traces =", "trace =", "replay.trace", "Did you mean 'traces'"),
+    (UR5, 'name = "ur5', 'robot = "x"\nname = "ur5', "phases[0].robot", "There is no robot named 'x'"),
+    (PICK, '["post"]', '["psot"]', "define.clear.obstacles[0]", "Did you mean 'post'"),
+    (PICK, "second = 2", "second = 7", "links[1]", "the problem has phases 0 to 2"),
+    (PICK, "mass = 2.0", "mass = -2.0", "robots.loaded.payload[0].mass", "it must be finite and above 0"),
+    (PICK, '"loaded"', '"laoded"', "phases[1].robot", "Did you mean 'loaded'"),
+    (PICK, 'robot = "loaded"', "", "phases[1]", "names its robot: robot = one of 'empty', 'loaded'"),
+    (PICK, 'frame = "tool0", mass', 'frame = "tool7", mass', "robots.loaded.payload[0].frame", "Did you mean 'tool0'"),
+    (PICK, "sides = [0.1, 0.1, 0.3]", "sides = [0.1, 0.1]", "define.post.sides", "give 3 finite numbers"),
+    (WALK, '"walk"', '"wlak"', "gait.type", "Did you mean 'walk'"),
+    (WALK, "clearance = 0.0", "clearance = -1.0", "gait.clearance", "give metres from 0 on"),
+    (WALK, "clearance = 0.0", "double_support = 2.0", "gait.double_support", "from 0 to less than 1"),
+    (WALK, "friction = 2.0", "friction = -2.0", "gait.contact.friction", "give a positive number"),
+    (WALK, "clearance = 0.0", 'feet = ["a", "left_foot"]', "gait.feet[0]", "There is no frame named 'a'"),
+]
+
+
+def message_of(text: str, folder: Path) -> str:
+    path = folder / "problem.toml"
+    path.write_text(text)
+    with pytest.raises(rt.InputError) as caught:
+        rt.load_problem(path)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(("text", "old", "new", "key", "message"), FAULTS, ids=[f"{f[3]} {f[2]}" for f in FAULTS])
+def test_a_fault_is_reported_with_line_and_key(
+    text: str, old: str, new: str, key: str, message: str, tmp_path: Path
+) -> None:
+    assert old in text
+    wrong = text.replace(old, new, 1)
+    found = message_of(wrong, tmp_path)
+    match = re.match(r"problem\.toml, line (\d+), (.*?): (.*)", found, re.DOTALL)
+    assert match and match[2] == key, found
+    assert message in match[3]
+    line = wrong.splitlines()[int(match[1]) - 1]
+    # The reported line is that of the change, or the header of the table that lacks a key.
+    last = re.sub(r"\[\d+\]$", "", key).rpartition(".")[2]
+    assert last in line or (new and new.splitlines()[-1] in line), line
+
+
+def test_a_file_that_is_no_toml_is_reported_with_its_line(tmp_path: Path) -> None:
+    assert message_of(UR5.replace("[[phases]]", "[[phases"), tmp_path).startswith(
+        "problem.toml, line 6: this is no TOML"
+    )
+
+
+def test_a_file_without_a_robot_or_a_motion_says_what_is_missing(tmp_path: Path) -> None:
+    assert "names no robot: add [robot]" in message_of("[plan]\n", tmp_path)
+    assert "either [[phases]] or a [gait]" in message_of('[robot]\nsource = "block"\n', tmp_path)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(rt.InputError, match="cannot be read"):
+        rt.load_problem(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize(
+    "solver",
+    ['{ type = "Ipopt", options = { hsllib = "x.so" } }', '{ type = "Compiled", compiler = "sh" }'],
+)
+def test_a_file_runs_no_command_and_loads_no_library(solver: str, tmp_path: Path) -> None:
+    key = "engine" if "Compiled" in solver else "solver"
+    assert f"plan.{key}" in message_of(UR5.replace("[plan]", f"[plan]\n{key} = {solver}"), tmp_path)
