@@ -44,7 +44,7 @@ GROUPS: Sequence[tuple[str, str]] = (
 
 
 @dataclass(frozen=True)
-class Entry:
+class SchemaEntry:
     """A table of the file, or a class that ``type`` names.
 
     Attributes
@@ -67,9 +67,9 @@ class Entry:
         ]
 
 
-def entries() -> Mapping[str, list[Entry]]:
+def entries() -> Mapping[str, list[SchemaEntry]]:
     """Return every table and class by heading, in the order of the documentation."""
-    found: dict[str, list[Entry]] = {"Tables": _tables()}
+    found: dict[str, list[SchemaEntry]] = {"Tables": _tables()}
     found["Gaits"] = [_entry(name, maker, ("robot",)) for name, maker in sorted(GAITS.items())]
     for name, kind in KINDS.items():
         folder = kind.__module__.removeprefix("robotraj.") + "."
@@ -79,7 +79,7 @@ def entries() -> Mapping[str, list[Entry]]:
     return {title: found[title] for title in order if title in found}
 
 
-def entry_named(name: str) -> Entry:
+def entry_named(name: str) -> SchemaEntry:
     """Return a table, gait or class.
 
     Raises
@@ -107,7 +107,7 @@ def reference() -> str:
     return "\n".join(lines)
 
 
-def _tables() -> list[Entry]:
+def _tables() -> list[SchemaEntry]:
     """Return the tables of a file."""
     files = tuple(Parameter(name, "str", None, _PATH) for name in OUTPUTS)
     tables: list[tuple[str, Maker, Sequence[str]]] = [
@@ -121,15 +121,15 @@ def _tables() -> list[Entry]:
         ("[replay]", replay, ("solution", "path")),
     ]
     found = [_entry(name, maker, without) for name, maker, without in tables]
-    return [*found, Entry("[output]", "Files that are written, beside the problem file.", files)]
+    return [*found, SchemaEntry("[output]", "Files that are written, beside the problem file.", files)]
 
 
 _PATH = parameters_of(replay)["path"].accepted
 
 
-def _entry(name: str, maker: Maker, without: Sequence[str]) -> Entry:
+def _entry(name: str, maker: Maker, without: Sequence[str]) -> SchemaEntry:
     kept = tuple(each for each in parameters_of(maker).values() if each.name not in without)
-    return Entry(name, _summary(maker), kept)
+    return SchemaEntry(name, _summary(maker), kept)
 
 
 def _summary(maker: Maker) -> str:

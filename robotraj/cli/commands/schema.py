@@ -30,14 +30,14 @@ def print_schema(
     Example: robotraj schema GroundClearance
     """
     from robotraj._util.printing import table, wrapped
-    from robotraj.problem_files.schema import Entry, entries, entry_named, reference
+    from robotraj.problem_files.schema import SchemaEntry, entries, entry_named, reference
 
     if as_markdown:
         say(reference())
         return
     groups = {"": [entry_named(name)]} if name is not None else entries()
 
-    def plain(entry: Entry) -> dict[str, object]:
+    def plain(entry: SchemaEntry) -> dict[str, object]:
         keys = [{"key": key, "takes": takes, "default": default} for key, takes, default in entry.rows()]
         return {"name": entry.name, "summary": entry.summary, "keys": keys}
 
