@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,6 +20,8 @@ from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
 
+ASKED_LIMITS = "# limits = { velocity = 2.0 } # in place of the URDF's [rad/s, m/s]\n"
+GIVEN_LIMITS = "\n[robot.limits] # the URDF's limits lock these joints; inf lifts a limit\n"
 STRIDE = {"rad": 0.6, "m": 0.2}
 """Distance that a joint moves at most in the first motion, by its unit."""
 SHARE = 0.4
@@ -41,9 +46,8 @@ HEAD = """\
 [robot]
 source = {source} # a name that 'robotraj robots' lists, or the path of a URDF file
 {root}# gravity = [0.0, 0.0, -9.81] # [m/s^2]
-# limits = {{ velocity = 2.0 }} # in place of the URDF's [rad/s, m/s]
 # Also: actuated and locked joints, a payload, the pose of the base.
-"""
+{limits}"""
 
 MOTION = """
 [[phases]]
@@ -120,14 +124,34 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     InputError
         The root moves, and the robot has neither two nor four feet.
     """
-    fixed = robot.root == "fixed"
+    fixed, locked = robot.root == "fixed", robot.limits.faults(robot.actuated)
+    free = _lifted(robot, locked)
+    robot = replace(robot, limits=robot.limits.with_(**free))
+    limits = GIVEN_LIMITS + "".join(_limit(name, values) for name, values in free.items()) if locked else ASKED_LIMITS
     joint = _key(robot.joint_names[0])
     root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
     title = f"A first motion of {robot.name}" if fixed else f"A gait of {robot.name}"
-    head = HEAD.format(title=title, name=name, source=json.dumps(source), root=root)
+    head = HEAD.format(title=title, name=name, source=json.dumps(source), root=root, limits=limits)
     middle = _motion(robot, joint) if fixed else _gait(robot)
     page = json.dumps(re.sub(r"\W+", "_", robot.name) + ".html")
     return head + middle + TAIL.format(limit=60.0 if fixed else 600.0, page=page)
+
+
+def _lifted(robot: Robot, locked: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, Any]]:
+    """Return limits in place of those that lock joints: half a turn or 1 m to both sides, and no others."""
+    units = dict(zip(robot.velocity_names, robot.units, strict=True))
+    free: dict[str, dict[str, Any]] = {}
+    for joint, faults in locked.items():
+        side = round(math.pi, 4) if units[joint] == "rad" else 1.0
+        for quantity in faults:
+            free.setdefault(quantity, {})[joint] = [-side, side] if quantity == "position" else math.inf
+    return free
+
+
+def _limit(quantity: str, values: Mapping[str, Any]) -> str:
+    """Write limits of one quantity; JSON has no infinity, and TOML writes it as inf."""
+    pairs = ", ".join(f"{_key(joint)} = {str(value)}" for joint, value in values.items())
+    return f"{quantity} = {{ {pairs} }}\n"
 
 
 def _motion(robot: Robot, joint: str) -> str:

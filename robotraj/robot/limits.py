@@ -183,18 +183,21 @@ class Limits(OneLine):
         actuated : iterable of str, optional
             Joints with a motor (default: all); a joint without one may have an effort limit of 0.
         """
-        motors = set(self.joints if actuated is None else actuated)
         sentences = []
-        for i, joint in enumerate(self.joints):
-            faults = self._faults(i, joint in motors)
-            if faults:
-                cures = ", ".join(f"'{name}': {{{joint!r}: {_EXAMPLE[name]}}}" for name in faults)
-                sentences.append(
-                    f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give others "
-                    f"with rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none with "
-                    "Phase(limits=None)."
-                )
+        for joint, faults in self.faults(actuated).items():
+            cures = ", ".join(f"'{name}': {{{joint!r}: {_EXAMPLE[name]}}}" for name in faults)
+            sentences.append(
+                f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give others "
+                f"with rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none with "
+                "Phase(limits=None)."
+            )
         return tuple(sentences)
+
+    def faults(self, actuated: Iterable[str] | None = None) -> dict[str, dict[str, str]]:
+        """Return the limits that lock or contradict a joint: a description by quantity, for each such joint."""
+        motors = set(self.joints if actuated is None else actuated)
+        found = {joint: self._faults(i, joint in motors) for i, joint in enumerate(self.joints)}
+        return {joint: faults for joint, faults in found.items() if faults}
 
     def _faults(self, i: int, motor: bool) -> dict[str, str]:
         faults: dict[str, str] = {}

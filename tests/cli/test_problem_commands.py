@@ -115,7 +115,7 @@ def test_a_proof_that_fails_by_the_files_own_tolerance_exits_with_4(here: Path) 
     assert run("plan", "problem.toml").exit_code == 4
 
 
-@pytest.mark.parametrize("robot", ["block", "ur5", "acrobot", "cartpole"])
+@pytest.mark.parametrize("robot", ["block", "ur5", "acrobot", "cartpole", "double_pendulum"])
 def test_a_first_problem_plans_as_it_stands(here: Path, robot: str) -> None:
     assert "plan it with: robotraj plan problem.toml" in succeed("init", robot)
     said = succeed("plan", "problem.toml", "--json")

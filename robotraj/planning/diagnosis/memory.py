@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from resource import RUSAGE_SELF, getrusage
 
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh
@@ -17,9 +18,12 @@ MB = 1e6
 
 
 def resident() -> float:
-    """Return the resident memory of this process [MB]."""
-    with open("/proc/self/statm", encoding="ascii") as file:
-        pages = int(file.read().split()[1])
+    """Return the resident memory of this process [MB]; the largest so far on macOS, which does not tell the present."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            pages = int(file.read().split()[1])
+    except FileNotFoundError:
+        return getrusage(RUSAGE_SELF).ru_maxrss / MB
     return pages * os.sysconf("SC_PAGE_SIZE") / MB
 
 

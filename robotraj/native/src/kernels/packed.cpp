@@ -8,8 +8,14 @@ const std::vector<const Kernels*>& kernels() {
   static const std::vector<const Kernels*> found = [] {
     std::vector<const Kernels*> each;
 #ifdef ROBOTRAJ_X86_KERNELS
-    if (__builtin_cpu_supports("x86-64-v4")) each.push_back(&avx512_kernels);
-    if (__builtin_cpu_supports("x86-64-v3")) each.push_back(&avx2_kernels);
+    // The levels x86-64-v3 and v4 by their features, whose names all compilers know.
+    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+                    __builtin_cpu_supports("bmi2");
+    const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                    __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                    __builtin_cpu_supports("avx512vl");
+    if (v4) each.push_back(&avx512_kernels);
+    if (v3) each.push_back(&avx2_kernels);
 #endif
     each.push_back(&plain_kernels);
     return each;
