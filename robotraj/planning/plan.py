@@ -40,6 +40,7 @@ from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:
     from robotraj.planning.continuation import ContinuationStep
+    from robotraj.replay_page.live.live_window import LiveWindow
 
 
 @unforked()
@@ -61,6 +62,7 @@ def plan(
     memory_limit: float | None = None,
     check: bool = True,
     progress: bool | None = None,
+    watch: bool | LiveWindow = False,
 ) -> Solution:
     """Transcribe a problem, solve it and check the solution.
 
@@ -118,6 +120,10 @@ def plan(
         Raise an error where no solution was found; otherwise return the last iterate with its status.
     progress : bool, optional
         Show iterations; by default only on a terminal.
+    watch : bool or LiveWindow
+        Show the iterate on its way to the solution, with its residuals, on a page of this machine's browser. A thread
+        serves it until the plan ends; the address is printed. A window of your own has methods ``open(page)``,
+        ``send(event)`` and ``close()``.
 
     Returns
     -------
@@ -207,7 +213,13 @@ def plan(
         from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
 
         warn_of_self_collision(problem)
-    with watching(settings.solver, progress) as shown, ExitStack() as stack:
+    with watching(settings.solver, progress) as terminal, ExitStack() as stack:
+        live = None
+        if watch is not False:
+            from robotraj.planning.live.live_plan import live_plan
+
+            live = stack.enter_context(live_plan(problem, watch, terminal))
+        shown = live or terminal
         given_limits = time_limit is not None or memory_limit is not None
         show = PlanLimits(time_limit or np.inf, memory_limit or np.inf, shown) if given_limits else shown
         stack.enter_context(limited((lambda: show.left) if isinstance(show, PlanLimits) else None))
@@ -237,8 +249,10 @@ def plan(
             if found is None:
                 raise
             solution = found
-    if isinstance(show, PlanLimits) and show.reached is not None:
-        solution = _stopped(solution, show)
+        if isinstance(show, PlanLimits) and show.reached is not None:
+            solution = _stopped(solution, show)
+        if live is not None:
+            live.end(solution)
     solution = replace(solution, continuation=records, settings=settings)
     if solution.success and unheld:
         warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.")

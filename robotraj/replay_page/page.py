@@ -13,6 +13,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
 SCRIPTS = (
+    "page/elements.js",
     "page/theme.js",
     "charts/scale.js",
     "charts/selection.js",
@@ -25,6 +26,7 @@ SCRIPTS = (
     "panels/tabs.js",
     "panels/proof.js",
     "panels/meshes.js",
+    "view/stage.js",
     "view/camera.js",
     "view/contacts.js",
     "view/layers.js",
@@ -38,9 +40,21 @@ SCRIPTS = (
 )
 STYLES = ("styles/themes.css", "styles/page.css", "styles/charts.css", "styles/small.css")
 
+LIVE_SCRIPTS = (
+    "page/elements.js",
+    "page/theme.js",
+    "charts/scale.js",
+    "view/stage.js",
+    "view/camera.js",
+    "live/live_view.js",
+    "live/residuals.js",
+    "live/live.js",
+)
+LIVE_STYLES = ("styles/themes.css", "styles/page.css", "styles/live.css")
+
 POLICY = (
     "default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
-    "connect-src data: blob:; base-uri 'none'; form-action 'none'"
+    "connect-src {sources}; base-uri 'none'; form-action 'none'"
 )
 """Content-security policy: only the scripts of the page run, identified by hash, and no external source is loaded.
 
@@ -81,9 +95,6 @@ def page(heading: Heading, description: dict[str, object], commands: bytes | Non
     commands : bytes or None
         meshcat commands from ``RecordingWindow.packed``. With None the page has no 3D view.
     """
-    text = json.dumps(description, separators=(",", ":"), allow_nan=False).encode()
-    viewer = _inline(_meshcat("dist/main.min.js")) if commands is not None else ""
-    script = _inline("\n".join(_own(name) for name in SCRIPTS))
     fields = {
         "title": html.escape(f"{heading.title} · {heading.subtitle}" if heading.subtitle else heading.title),
         "heading": html.escape(heading.title),
@@ -94,15 +105,51 @@ def page(heading: Heading, description: dict[str, object], commands: bytes | Non
             f"<div><dt>{html.escape(label)}</dt><dd>{html.escape(value)}</dd></div>" for label, value in heading.facts
         ),
         "layout": "with-view" if commands is not None else "curves-only",
-        "style": "\n".join(_own(name) for name in STYLES),
+    }
+    return _filled("template.html", fields, SCRIPTS, STYLES, "data: blob:", description, commands)
+
+
+def live_page(title: str, subtitle: str, description: dict[str, object], commands: bytes | None) -> str:
+    """Fill the template of the page that shows a plan while it is made; it may read from its own server.
+
+    Parameters
+    ----------
+    title, subtitle : str
+    description, commands
+        As for ``page``.
+    """
+    fields = {
+        "title": html.escape(title),
+        "heading": html.escape(title),
+        "subtitle": html.escape(subtitle),
+        "layout": "with-view" if commands is not None else "curves-only",
+    }
+    return _filled("live/template.html", fields, LIVE_SCRIPTS, LIVE_STYLES, "'self' data: blob:", description, commands)
+
+
+def _filled(
+    template: str,
+    fields: dict[str, str],
+    scripts: tuple[str, ...],
+    styles: tuple[str, ...],
+    sources: str,
+    description: dict[str, object],
+    commands: bytes | None,
+) -> str:
+    """Fill a template with texts, and with the scripts, styles and data that every page has."""
+    text = json.dumps(description, separators=(",", ":"), allow_nan=False).encode()
+    viewer = _inline(_meshcat("dist/main.min.js")) if commands is not None else ""
+    script = _inline("\n".join(_own(name) for name in scripts))
+    fields = fields | {
+        "style": "\n".join(_own(name) for name in styles),
         "licences": html.escape(_licences()) if commands is not None else "",
-        "policy": POLICY.format(hashes=" ".join(map(_hash, (viewer, script)))),
+        "policy": POLICY.format(hashes=" ".join(map(_hash, (viewer, script))), sources=sources),
         "viewer": viewer,
         "script": script,
         "data": _base64(gzip.compress(text, 9, mtime=0)),
         "commands": _base64(commands) if commands is not None else "",
     }
-    parts = _own("template.html").split("{{")
+    parts = _own(template).split("{{")
     filled = [parts[0]]
     for part in parts[1:]:
         name, rest = part.split("}}", 1)

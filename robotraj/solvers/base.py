@@ -21,19 +21,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Iteration:
-    """One iteration of a solver: number, objective and largest violation of a scaled row."""
-
-    number: int
-    objective: float
-    infeasibility: float
-
-
-Progress = Callable[[Iteration], None]
-"""A callback that a solver calls once an iteration."""
-
-
 @dataclass(frozen=True, eq=False)
 class Origin:
     """Data of a solve, kept for solves of similar problems.
@@ -47,6 +34,31 @@ class Origin:
 
     nlp: Nlp
     w: Array
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """One iteration of a solver.
+
+    Attributes
+    ----------
+    number : int
+        0 for the start of a solve.
+    objective : float
+    infeasibility : float
+        Largest violation of a scaled row.
+    read : callable, optional
+        Returns the iterate. It may be called only inside the callback, since the solver goes on to work in its memory.
+    """
+
+    number: int
+    objective: float
+    infeasibility: float
+    read: Callable[[], Origin] | None = field(default=None, compare=False, repr=False)
+
+
+Progress = Callable[[Iteration], None]
+"""A callback that a solver calls once an iteration."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,13 +76,18 @@ def largest_violation(native: Program, start: NDArray[np.float64], program: Writ
     return float(max(np.max(np.abs(rows[:equalities]), initial=0.0), np.max(outside, initial=0.0)))
 
 
-def report(progress: Progress | None) -> Callable[[int, float, float], bool] | None:
+def report(
+    progress: Progress | None, native: Program, formulation: Formulation
+) -> Callable[[int, float, float], bool] | None:
     """Turn a progress callback into one that never stops the solver."""
     if progress is None:
         return None
 
+    def read() -> Origin:
+        return Origin(formulation.nlp, formulation.columns(native.iterate))
+
     def call(number: int, objective: float, infeasibility: float) -> bool:
-        progress(Iteration(number, objective, infeasibility))
+        progress(Iteration(number, objective, infeasibility, read))
         return False
 
     return call

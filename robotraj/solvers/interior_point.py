@@ -231,7 +231,7 @@ class InteriorPoint(Solver):
                 program.upper,
                 self._options(first, factor, patience, formulation),
                 objective_scale=scale,
-                callback=report(progress),
+                callback=report(progress, native, formulation),
                 time_limit=np.inf if left is None else left,
                 **known,
             )

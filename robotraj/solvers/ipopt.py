@@ -169,7 +169,7 @@ class Ipopt(Solver):
         began = time.perf_counter()
         n_w = len(nlp.variables)
         lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
-        callback = IterationCallback(n_w, lower, upper, progress)
+        callback = IterationCallback(n_w, lower, upper, progress, lambda w: Origin(nlp, w * nlp.scale))
         w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)
         # A call makes a constant objective sparse again, which nlpsol refuses.
         objective = ca.densify(functions.objective(w, p))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 import casadi as ca
 import numpy as np
 
-from robotraj.solvers.base import Iteration, Progress
+from robotraj.solvers.base import Iteration, Origin, Progress
 
 
 class IterationCallback(ca.Callback):
@@ -24,6 +24,8 @@ class IterationCallback(ca.Callback):
         Bounds of the scaled rows.
     progress : callable or None
         Called once an iteration.
+    origin : callable
+        Turns a scaled iterate into the data of the solve.
 
     Attributes
     ----------
@@ -35,12 +37,19 @@ class IterationCallback(ca.Callback):
         Error of ``progress``, to be raised after the solve.
     """
 
-    def __init__(self, n_w: int, lower: np.ndarray, upper: np.ndarray, progress: Progress | None) -> None:
+    def __init__(
+        self,
+        n_w: int,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        progress: Progress | None,
+        origin: Callable[[np.ndarray], Origin],
+    ) -> None:
         ca.Callback.__init__(self)
         n_g = len(lower)
         self._lower, self._upper = lower, upper
         self._sizes = {"x": n_w, "f": 1, "g": n_g, "lam_x": n_w, "lam_g": n_g, "lam_p": 0}
-        self._progress = progress
+        self._progress, self._origin = progress, origin
         self._count = 0
         self.last: np.ndarray | None = None
         self.stop = False
@@ -74,7 +83,8 @@ class IterationCallback(ca.Callback):
             if self._progress is not None:
                 g = np.array(named["g"]).ravel()
                 broken = np.maximum(self._lower - g, g - self._upper)
-                self._report(Iteration(self._count, float(named["f"]), float(np.max(broken, initial=0.0))))
+                violation = float(np.max(broken, initial=0.0))
+                self._report(Iteration(self._count, float(named["f"]), violation, lambda: self._origin(point)))
             self._count += 1
         return [int(self.stop)]
 

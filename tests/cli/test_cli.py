@@ -223,6 +223,15 @@ def test_exit_codes_are_documented(command: str) -> None:
         assert "2 bad input, 3 not solved, 4 solved but not proved" in " ".join(said.split())
 
 
+def test_watching_a_plan_prints_its_address_and_needs_no_screen(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    result = run("plan", "two_link_arm", "--to", "elbow=1", "--duration", "5", "--watch", "--json")
+    assert result.exit_code == 0
+    assert "Watch the plan at http://127.0.0.1:" in result.stderr
+    assert json.loads(result.stdout)["proved"]
+
+
 def test_json_is_the_whole_output(here: Path) -> None:
     words = ("plan", "block", "--to", "1", "--duration", "2:4")
     data = json.loads(succeed(*words, "--json", "--save", "a", "--html", "a.html"))

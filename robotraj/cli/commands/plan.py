@@ -76,6 +76,7 @@ def plan_motion(
     save: SaveOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Show iterates and residuals in a browser.")] = False,
 ) -> None:
     """Plan a motion from rest to rest between two configurations, or a problem file; prove it and write its files.
 
@@ -101,7 +102,7 @@ def plan_motion(
         given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
         refuse_options([f"--{name.replace('_', '-')}" for name in given], robot)
         outputs = {"html": html, "save": save, "plot": plot}
-        plan_problem_file(robot, outputs, {"memory_limit": memory_limit}, time_limit, as_json)
+        plan_problem_file(robot, outputs, {"memory_limit": memory_limit, "watch": watch}, time_limit, as_json)
         return
     if to is None:
         raise InputError(
@@ -129,6 +130,14 @@ def plan_motion(
     limit = ROBOT_TIME if time_limit is None else time_limit
 
     def solved() -> Solution:
-        return plan(phase, mesh, tolerance=tolerance, engine=engine, time_limit=limit, memory_limit=memory_limit)
+        return plan(
+            phase,
+            mesh,
+            tolerance=tolerance,
+            engine=engine,
+            time_limit=limit,
+            memory_limit=memory_limit,
+            watch=watch,
+        )
 
     conclude(planned(solved, files, as_json), files, as_json=as_json)

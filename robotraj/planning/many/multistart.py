@@ -187,7 +187,7 @@ def multistart(
     for name, value in (("objective_tolerance", objective_tolerance), ("trajectory_tolerance", trajectory_tolerance)):
         if not _is_size(value):
             raise InputError(f"rt.multistart needs {name}= of 0 or more; got {value!r}.")
-    for name in ("check", "progress"):
+    for name in ("check", "progress", "watch"):
         if name in options:
             raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
     check_options(options)

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from robotraj.guess.base import InitialGuess
     from robotraj.native.engines.base import Engine
     from robotraj.planning.continuation import ContinuationStep
+    from robotraj.replay_page.live.live_window import LiveWindow
     from robotraj.solution.proof import Goals
     from robotraj.solution.settings import Restarts, Settings
     from robotraj.solution.solution import Solution
@@ -46,3 +47,4 @@ class PlanOptions(GuessedChoices, total=False):
 
     check: bool
     progress: bool | None
+    watch: bool | LiveWindow

@@ -73,7 +73,7 @@ def sweep(
     ...     [round(solution.objective, 3) for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))]
     [12.0, 1.5]
     """
-    for name in ("check", "progress"):
+    for name in ("check", "progress", "watch"):
         if name in options:
             raise InputError(f"rt.sweep keeps failed plans and shows no iterations: leave {name}= out.")
     check_options(options)
@@ -119,7 +119,7 @@ def check_options(options: Mapping[str, object]) -> None:
     UnknownName
         Naming the options of ``rt.plan``.
     """
-    known = [name for name in signature(plan).parameters if name not in ("problem", "check", "progress")]
+    known = [name for name in signature(plan).parameters if name not in ("problem", "check", "progress", "watch")]
     for name in options:
         if name not in known:
             raise unknown_name("option of rt.plan", name, known)

@@ -11,7 +11,6 @@ import pinocchio as pin
 from meshcat.animation import Animation, AnimationClip
 from meshcat.path import Path as NodePath
 from numpy.typing import NDArray
-from trimesh import creation
 
 from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
@@ -19,6 +18,7 @@ from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.footholds import contact_frames
 from robotraj.replay_page.scene.collision_shapes import collision_shapes
 from robotraj.replay_page.scene.ground import GroundView, ground_of
+from robotraj.replay_page.scene.hull import hull_of, stature_of
 from robotraj.replay_page.scene.motion import SceneMotion, centre_of_mass, keys, motion_of
 from robotraj.replay_page.scene.obstacles import draw_obstacles
 from robotraj.replay_page.scene.shapes import tube
@@ -59,10 +59,12 @@ def scenes_of(
     window = RecordingWindow()
     animation = Animation(default_framerate=fps)
     start = min(own.phases[0].t0 for own in cycles)
-    scenes = [
-        None if robot is None else _scene(window, animation, f"solution {k + 1}", robot, own, fps, traces, start)
-        for k, (robot, own) in enumerate(zip(robots, cycles, strict=True))
-    ]
+    scenes: list[dict[str, object] | None] = []
+    for k, (robot, own) in enumerate(zip(robots, cycles, strict=True)):
+        tint = k if len(robots) > 1 else None
+        root = f"solution {k + 1}"
+        scene = None if robot is None else _scene(window, animation, root, robot, own, fps, traces, start, tint)
+        scenes.append(scene)
     window.send(meshcat.commands.SetAnimation(animation, play=False, repetitions=1))
     return scenes, window.packed()
 
@@ -76,8 +78,13 @@ def _scene(
     fps: int,
     traces: Sequence[str] | None,
     start: float,
+    tint: int | None,
 ) -> dict[str, object]:
-    """Record one solution below the node ``root``; frames of the animation count from ``start`` [s]."""
+    """Record one solution below the node ``root``.
+
+    Frames of the animation count from ``start`` [s]. ``tint`` is the number of the colour of its traces, if they have
+    one.
+    """
     model = robot.model
     feet = list(contact_frames(cycles).values())
     names = (feet or [tip_frame(model)]) if traces is None else list(traces)
@@ -90,19 +97,21 @@ def _scene(
         viewer[paths[joint]].set_transform(_matrix(motion.position[0, joint], motion.quaternion[0, joint]))
     _draw_shapes(viewer, paths, "visual", visuals)
     _draw_shapes(viewer, paths, "collision", collision_shapes(robot.collision_model))
-    hull = _hull(visuals, motion)
+    hull = hull_of(visuals, motion.world)
     low, high = hull.min(axis=0), hull.max(axis=0)
     ground = ground_of(cycles, low, high)
     if ground.surface is not None:
         draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
     size = float(np.linalg.norm(high - low))
-    # A contact's trace has the contact's colour.
+    # A contact's trace has the contact's colour, and one of several solutions has the solution's.
     colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]
+    if tint is not None:
+        colors = [tint] * len(names)
     pairs = zip(frames, colors, strict=True)
     drawn = [_trace(viewer, root, motion, model.frames[frame], k, rgb(c), size) for k, (frame, c) in enumerate(pairs)]
     clips = _clips(motion, paths, fps, start) | draw_obstacles(viewer, robot, cycles, paths, motion.times, fps, start)
     animation.clips |= {NodePath(("meshcat", root)).append(path): clip for path, clip in clips.items()}
-    stature = _stature(visuals, motion)
+    stature = stature_of(visuals, motion.world[0])
     return _description(model, root, motion, paths, hull, ground, drawn) | {
         "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,
         "stature": round(stature, 4),
@@ -163,28 +172,6 @@ def _safe(name: str) -> str:
 
 def _matrix(position: Array, quaternion: Array) -> Array:
     return np.asarray(pin.XYZQUATToSE3(np.concatenate([position, quaternion])).homogeneous)
-
-
-def _hull(visuals: Sequence[Visual], motion: SceneMotion) -> Array:
-    """Outermost points (k, 3) [m] of all visuals over the whole motion, at 80 instants, in 162 directions.
-
-    The extremes along the world's axes are among them; the camera frames these points.
-    """
-    picks = np.unique(np.linspace(0, len(motion.times) - 1, 80).astype(int))
-    clouds = []
-    for visual in visuals:
-        corners, frames = visual.corners(), motion.world[picks, visual.joint]
-        clouds.append(np.einsum("kij,nj->kni", frames[:, :3, :3], corners) + frames[:, None, :3, 3])
-    points = np.concatenate([cloud.reshape(-1, 3) for cloud in clouds])
-    directions = np.vstack([np.eye(3), -np.eye(3), creation.icosphere(subdivisions=2).vertices])
-    return points[np.unique(np.argmax(points @ directions.T, axis=0))]
-
-
-def _stature(visuals: Sequence[Visual], motion: SceneMotion) -> float:
-    """Longest side [m] of the box around all visuals at the start."""
-    frames = motion.world[0]
-    clouds = [v.corners() @ frames[v.joint, :3, :3].T + frames[v.joint, :3, 3] for v in visuals]
-    return float(np.ptp(np.concatenate(clouds), axis=0).max())
 
 
 def _clips(motion: SceneMotion, paths: list[str], fps: int, start: float) -> dict[str, AnimationClip]:

@@ -1,18 +1,6 @@
 "use strict";
 // The start: unpack the data, make the parts and join them.
 
-async function unpack(id) {
-  const text = byId(id).textContent.trim();
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-function complain(text) {
-  byId("complaint").textContent = text;
-  byId("complaint").hidden = false;
-}
-
 function addMarks(view, runs) {
   const add = (sign, color, text) => {
     const item = element("li");
@@ -25,7 +13,7 @@ function addMarks(view, runs) {
   if (runs.length > 1) runs.forEach((run) => add("●", run.tint, run.label));
   const drawnPaths = new Set();
   for (const { trace } of view.traces) {
-    if (!drawnPaths.has(trace.frame)) add("━", `rgb(${trace.color})`, `path of ${trace.frame}`);
+    if (runs.length === 1 && !drawnPaths.has(trace.frame)) add("━", `rgb(${trace.color})`, `path of ${trace.frame}`);
     drawnPaths.add(trace.frame);
   }
   for (const mark of (view.contacts.find(Boolean) || { marks: () => [] }).marks()) add(...mark);

@@ -1,24 +1,6 @@
 "use strict";
 // Light or dark: as the system has it, until the button chooses.
 
-const byId = (id) => document.getElementById(id);
-
-// An element with a text and a class.
-function element(kind, text, style) {
-  const made = document.createElement(kind);
-  if (text !== undefined) made.textContent = text;
-  if (style) made.className = style;
-  return made;
-}
-
-// A button; pressed is left undefined where it is not a switch.
-function button(text, title, pressed, act) {
-  const made = Object.assign(element("button", text), { type: "button", title });
-  if (pressed !== undefined) made.setAttribute("aria-pressed", String(pressed));
-  made.addEventListener("click", act);
-  return made;
-}
-
 class Theme {
   constructor(changed) {
     this.changed = changed;

@@ -20,7 +20,11 @@ class Layers {
     const scene = this.runs[k].scene;
     root.traverse((node) => {
       if (/^visual \d/.test(node.name)) this.things.robot.push(node);
-      if (/^collision \d/.test(node.name)) this.things.collision.push(node);
+      if (/^collision \d/.test(node.name)) {
+        this.things.collision.push(node);
+        // In front of the surface that the shape often shares with the link.
+        node.traverse((mesh) => mesh.isMesh && Object.assign(mesh.material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 }));
+      }
       if (/^obstacle \d/.test(node.name)) this.things.obstacles.push(node);
       if (node.name === "traces") this.things.paths.push(node);
     });

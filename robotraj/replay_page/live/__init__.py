@@ -1,0 +1,1 @@
+"""A plan while it is made: its iterates in a browser of this machine."""
