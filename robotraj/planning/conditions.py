@@ -18,6 +18,7 @@ from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.schemes.shooting import Shooting
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,14 +75,20 @@ def _calls_native(case: Case) -> bool:
 def _has_narrow_stages(case: Case) -> bool:
     """Whether the solver works by stages with few variables each.
 
-    Contacts, integral constraints, free roots, design parameters and few controls give a stage many variables.
+    Contacts, integral constraints, free roots, design parameters and few controls give a stage many variables. Schemes
+    of one step have no stages.
     """
     widening = (_is_augmented, _integrates, _is_wide_robot, _is_wide_system)
-    return _calls_native(case) and not any(wide(phase) for phase in case.problem.phases for wide in widening)
+    stepped = any(isinstance(scheme, OneStep) for mesh in case.meshes for scheme in mesh.given)
+    return (
+        _calls_native(case)
+        and not stepped
+        and not any(wide(phase) for phase in case.problem.phases for wide in widening)
+    )
 
 
 def _without_stages(case: Case) -> bool:
-    return any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in case.meshes for s in m.given)
+    return any(isinstance(m, MovingMesh) or isinstance(s, Shooting) for m in case.meshes for s in m.given)
 
 
 def _is_augmented(phase: Phase) -> bool:

@@ -19,6 +19,7 @@ from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import PlanLimits
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
+from robotraj.planning.separated_form import from_separated_form, separated_form
 from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
@@ -63,7 +64,8 @@ def solve(
     kept on the intervals that both meshes have. If the problem cannot be solved with further rows, the solution
     without them is returned. Its ``interval_violations`` lists the violated rows.
 
-    A problem that cannot be solved from its guess is solved from other ones (``robotraj.planning.restarts``).
+    A problem that cannot be solved from its guess is solved from other ones (``robotraj.planning.restarts``). A problem
+    in compressed form starts from the solution of its separated form (``robotraj.planning.separated_form``).
 
     Parameters
     ----------
@@ -78,6 +80,28 @@ def solve(
     lower : bool
         Whether limits of controls that the motion exceeds between the points are lowered there (``margins``).
     """
+    form = separated_form(problem, settings.mesh, guess)
+    if form is not None:
+        problem, meshes = form
+
+        def solve_separated(own: Settings) -> Solution:
+            return _solve_once(problem, guess, replace(own, mesh=meshes), progress, hold, lower)
+
+        def solve_compressed(first: Solution, own: Settings) -> Solution:
+            return _solve_once(problem, first, own, progress, hold, lower)
+
+        return from_separated_form(settings, solve_separated, solve_compressed)
+    return _solve_once(problem, guess, settings, progress, hold, lower)
+
+
+def _solve_once(
+    problem: Problem,
+    guess: InitialGuess | Solution | None,
+    settings: Settings,
+    progress: Progress | None,
+    hold: Callable[[Solution], bool] | None,
+    lower: bool,
+) -> Solution:
     if isinstance(progress, PlanLimits):
         progress.before_solve(problem, settings.mesh)
     began = time.perf_counter()

@@ -119,15 +119,19 @@ def earlier_multipliers(guess: InitialGuess | Solution | None, nlp: Nlp, extende
 
     estimated = transfer(guess.duals, nlp)
     if estimated is None:
-        return None
+        # The solver that keeps its program interpolates the multipliers of limits itself.
+        return known if known.origin is not None else None
     return LazyMultipliers(lambda: estimated.plain, (len(nlp.rows), len(nlp.variables)), known.origin)
 
 
 def lengthened(known: Multipliers, nlp: Nlp) -> Multipliers:
     """Return multipliers with zeros for the rows and columns that were added last.
 
-    They are computed when they are first read. Not every solver reads them, and they may take a further solve.
+    They are computed when they are first read. Not every solver reads them, and they may take a further solve. Those of
+    a larger NLP stay as they are.
     """
+    if known.sizes[0] > len(nlp.rows) or known.sizes[1] > len(nlp.variables):
+        return known
     return LazyMultipliers(partial(_extended, known, nlp), (len(nlp.rows), len(nlp.variables)), known.origin)
 
 

@@ -168,6 +168,8 @@ class Ipopt(Solver):
         # The time of their assembly belongs to building the problem.
         began = time.perf_counter()
         n_w = len(nlp.variables)
+        if multipliers is not None and multipliers.sizes != (len(nlp.rows), n_w):
+            multipliers = None
         lower, upper = nlp.rows.lower * nlp.row_scale, nlp.rows.upper * nlp.row_scale
         callback = IterationCallback(n_w, lower, upper, progress, lambda w: Origin(nlp, w * nlp.scale))
         w, p = ca.MX.sym("w", n_w), ca.MX.sym("p", 0)

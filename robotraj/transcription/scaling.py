@@ -6,7 +6,8 @@ that is nearly zero in the guess need not stay small, and scales of very differe
 problems. Variables that are zero in the guess keep SI units.
 Durations are scaled by the guess alone. Bounds such as 0 to 200 s do not measure a motion of 6 s, and in so large a
 unit the first steps reduce the duration to zero. A row is scaled by the largest gradient of its kind at the guess, in
-scaled variables. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
+scaled variables. Defects of stiff dynamics are scaled by at most ``STIFF``: a defect is an error of the state, whose
+size the gradient does not measure. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ TIGHT = 1e3
 """Largest bound by which a variable is scaled."""
 PLAIN = 1e2
 """Sizes from 1 / PLAIN to PLAIN SI units count as one unit."""
+STIFF = 1e2
+"""Largest gradient by which a defect is scaled. Solved to 1e-8, it is an error of 1e-6 of the state's scale."""
 ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "contact force", "contact moment"})
 """Quantities whose variables of one unit share the scale of the guess."""
 
@@ -126,7 +129,8 @@ def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: 
     magnitudes = row_magnitudes(blocks, linear, scale, guess)
     largest = np.zeros(len(rows.entries))
     np.maximum.at(largest, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
-    return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), LEAST, GREATEST)[rows.meaning]
+    greatest = np.where([entry.name == "defect" for entry in rows.entries], STIFF, GREATEST)
+    return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), LEAST, greatest)[rows.meaning]
 
 
 def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: Array) -> Array:

@@ -44,7 +44,11 @@ def completed(
 
 
 def explained(solution: Solution, solve_coarse: Solve) -> Solution:
-    """Return a failed solution with its cause: an undefined expression, or conflicts of limits."""
+    """Return a failed solution with its cause: an undefined expression, conflicts of limits, or its mesh.
+
+    A mesh may have no motion where the problem has one: the solver finds it infeasible, and a motion of the relaxed
+    problem meets every row on another mesh.
+    """
     if solution.success or solution.conflicts:
         return solution
     undefined = undefined_expression(solution)
@@ -52,7 +56,10 @@ def explained(solution: Solution, solve_coarse: Solve) -> Solution:
         return replace(solution, message=f"{undefined} ({solution.message})", status=Status.INVALID_NUMBER)
     if solution.status not in UNEXPLAINED:
         return solution
-    return replace(solution, conflicts=conflicts_of(solution.problem, solve_coarse, solution))
+    conflicts, meets_rows = _searched(solution.problem, solve_coarse, solution)
+    on_this_mesh = solution.status is Status.INFEASIBLE and meets_rows
+    status = Status.NOT_ON_THIS_MESH if on_this_mesh else solution.status
+    return replace(solution, conflicts=conflicts, status=status)
 
 
 def conflicts_of(
@@ -62,8 +69,16 @@ def conflicts_of(
 
     With ``agreed``, two searches must find the same conflicts at the ends; otherwise one search suffices.
     """
+    return _searched(problem, solve_coarse, start, agreed)[0]
+
+
+def _searched(
+    problem: Problem, solve_coarse: Solve, start: InitialGuess | Solution | None, agreed: bool = False
+) -> tuple[tuple[Conflict, ...], bool]:
+    """Return the first conflicts, and whether a motion of the relaxed problem meets every row."""
     found = unreached_ends(problem, agreed) or unheld_ends(problem)
     if found:
-        return found
+        return found, False
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)
-    return completed(problem, conflicts, motion, solve_coarse)
+    meets_rows = motion is not None and motion.success and not conflicts
+    return completed(problem, conflicts, motion, solve_coarse), meets_rows

@@ -3,7 +3,8 @@
     x_m = (x_0 + x_1) / 2 + h (f_0 - f_1) / 8,    x_1 - x_0 - h (f_0 + 4 f(x_m, u_m) + f_1) / 6 = 0
 
 It has half the states and defects of the separated form (``HermiteSimpson``), with the same solution. Since f is
-composed with itself, the rows are more nonlinear, and a solver takes many more iterations from a distant guess.
+composed with itself, the rows are more nonlinear, and a solver may not converge from a distant guess. ``rt.plan``
+therefore solves the separated form first, whose solution is the guess of the compressed one.
 Source: Kelly, SIAM Review 59 (2017), section 4; Betts, Practical Methods for Optimal Control (2010), section
 4.6.6.
 """
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import integrals
 from robotraj._util.values import dataclass
-from robotraj.transcription.schemes.lobatto import legendre_lobatto
+from robotraj.transcription.schemes.lobatto import HermiteSimpson, legendre_lobatto
 from robotraj.transcription.schemes.onestep import OneStep
 
 Array = NDArray[np.float64]
@@ -27,14 +28,19 @@ class CompressedHermiteSimpson(OneStep):
     """Hermite-Simpson with one defect per interval, order 4; rows of the phase hold at knots and mid-points.
 
     The dynamics must be explicit: a robot is planned by its forward dynamics. Solutions are those of
-    ``HermiteSimpson()`` with ``rt.dynamics.ForwardDynamics()``, whose iterations take a fraction of the time for arms.
-    Solvers need the fewest iterations by inverse dynamics, the default of ``HermiteSimpson()``.
+    ``HermiteSimpson()`` with ``rt.dynamics.ForwardDynamics()``, which is solved first. Solvers need the fewest
+    iterations by inverse dynamics, the default of ``HermiteSimpson()``.
 
     Parameters
     ----------
     control : Control
         A free mid-point by default.
     """
+
+    @property
+    def separated(self) -> HermiteSimpson:
+        """The separated form, with the state at the mid-point as an unknown."""
+        return HermiteSimpson(control=self.control)
 
     @property
     def piece_sites(self) -> Array:
