@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.placeholder_dynamics import MissingEquations
 from robotraj.dynamics.row import Row
@@ -22,6 +22,11 @@ from robotraj.robot.robot import Robot
 
 SLACK = 1e-6
 """Largest distance of a given end from a bound that counts as round-off [SI]."""
+
+OTHER_UNITS = {"rad": ("degrees", np.pi / 180.0, 2.0 * np.pi), "m": ("mm", 1e-3, 1.0)}
+"""For a unit the one that may be meant instead, its factor, and the least size at which a message names it."""
+UPSIDE_DOWN = -0.7
+"""Height of the unit z axis of a root below which it counts as upside down."""
 
 Ends = Mapping[Where, Bounds]
 """Bounds of the state at the start and at the end of a phase."""
@@ -87,6 +92,7 @@ def check_rows(table: RowTable, ends: Ends) -> None:
             )
         _check_against_limits(table, end, bounds, held[end])
         _check_expressions(table, end, bounds)
+        _warn_of_order(table, end, bounds)
 
 
 def _check_order(table: RowTable) -> None:
@@ -128,8 +134,43 @@ def _check_against_limits(table: RowTable, end: Where, bounds: Bounds, rows: Map
                 raise InputError(
                     f"Phase {table.phase!r}: the {end.value} {variable.quantity} of {variable.label!r} is "
                     f"{_with(value, variable.unit)}, outside its {row.name} {_range(row)}. "
-                    f"Move the {end.value}, or give other limits."
+                    f"Move the {end.value}, or give other limits.{_other_unit(low, high, row)}"
                 )
+
+
+def _other_unit(low: float, high: float, row: Row) -> str:
+    """Return a sentence on the unit of a fixed value that is within its limits in degrees or millimetres."""
+    base, *rest = row.unit.split("/")
+    if low != high or base not in OTHER_UNITS:
+        return ""
+    name, factor, least = OTHER_UNITS[base]
+    if abs(low) < least or not row.lower <= factor * low <= row.upper:
+        return ""
+    return f" The unit is {row.unit}: {low:g} {'/'.join((name, *rest))} are {factor * low:.6g} {row.unit}."
+
+
+def _warn_of_order(table: RowTable, end: Where, bounds: Bounds) -> None:
+    """Warn of a free root that is upside down, and upright with its quaternion in the order (w, x, y, z).
+
+    Warns
+    -----
+    UserWarning
+    """
+    names = [variable.name for variable in table.body.states]
+    if "q.root_qx" not in names:
+        return
+    first = names.index("q.root_qx")
+    given = bounds.lower[first : first + 4]
+    if not np.array_equal(given, bounds.upper[first : first + 4]) or not np.isfinite(given).all():
+        return
+    # The height of the root's z axis is 1 - 2 (x^2 + y^2), whichever entries are x and y.
+    as_given, swapped = (1.0 - 2.0 * float(np.sum(pair**2)) for pair in (given[:2], given[1:3]))
+    if as_given < UPSIDE_DOWN and swapped > -UPSIDE_DOWN:
+        values = ", ".join(f"{value:g}" for value in given)
+        warn(
+            f"Phase {table.phase!r}: at the {end.value}, the root with the quaternion (x, y, z, w) = ({values}) is upside "
+            "down. In the order (w, x, y, z) it would be upright; put w last."
+        )
 
 
 def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+import warnings
+
+import numpy as np
 import pinocchio as pin
 import pytest
 
@@ -44,3 +48,35 @@ def test_a_joint_that_moves_no_mass_is_refused_by_name() -> None:
     with pytest.raises(InputError, match=f"no mass moves with '{model.names[last]}'"):
         rt.Phase(robot, 1.0, limits=None)
     assert rt.Phase(robot, 1.0, limits=None, dynamics=Kinematics())
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "hint"),
+    [
+        ("ur5", rt.State(q=[90, 0, 0, 0, 0, 0], v=0), "The unit is rad: 90 degrees are 1.5708 rad."),
+        ("ur5", rt.State(q=0, v=[90, 0, 0, 0, 0, 0]), "The unit is rad/s: 90 degrees/s are 1.5708 rad/s."),
+        ("cartpole", rt.State(q=[1000, 0], v=0), "The unit is m: 1000 mm are 1 m."),
+    ],
+)
+def test_a_value_in_degrees_or_millimetres_is_refused_with_its_unit(name: str, end: rt.State, hint: str) -> None:
+    with pytest.raises(rt.InputError, match=re.escape(hint)):
+        rt.Phase(rt.load(name), 2.0, end, rt.State(q=0, v=0))
+
+
+def test_a_value_that_is_outside_in_any_unit_has_no_hint() -> None:
+    with pytest.raises(rt.InputError, match="outside its position limit") as error:
+        rt.Phase(rt.load("ur5"), 2.0, rt.State(q=0, v=0), rt.State(q=[1e4, 0, 0, 0, 0, 0], v=0))
+    assert "degrees" not in str(error.value)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.5])
+def test_a_root_whose_quaternion_has_w_first_is_warned_of(yaw: float) -> None:
+    robot = rt.load("solo12", root="floating")
+    upright, swapped = np.array(robot.neutral), np.array(robot.neutral)
+    upright[3:7] = 0.0, 0.0, np.sin(yaw / 2), np.cos(yaw / 2)
+    swapped[3:7] = np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)
+    with pytest.warns(UserWarning, match="at the start, the root .* is upside down.*w last"):
+        rt.Phase(robot, 1.0, rt.State(q=swapped, v=0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rt.Phase(robot, 1.0, rt.State(q=upright, v=0))
