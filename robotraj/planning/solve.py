@@ -19,8 +19,14 @@ from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.progress import PlanLimits
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
-from robotraj.planning.separated_form import from_separated_form, separated_form
-from robotraj.planning.warm_start import earlier_multipliers, earlier_program, earlier_rows, lengthened
+from robotraj.planning.warm_start import (
+    earlier_multipliers,
+    earlier_program,
+    earlier_rows,
+    from_separated_form,
+    lengthened,
+    separated_form,
+)
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
@@ -65,7 +71,7 @@ def solve(
     without them is returned. Its ``interval_violations`` lists the violated rows.
 
     A problem that cannot be solved from its guess is solved from other ones (``robotraj.planning.restarts``). A problem
-    in compressed form starts from the solution of its separated form (``robotraj.planning.separated_form``).
+    in compressed form starts from the solution of its separated form (``robotraj.planning.warm_start``).
 
     Parameters
     ----------

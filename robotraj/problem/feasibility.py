@@ -168,8 +168,8 @@ def _warn_of_order(table: RowTable, end: Where, bounds: Bounds) -> None:
     if as_given < UPSIDE_DOWN and swapped > -UPSIDE_DOWN:
         values = ", ".join(f"{value:g}" for value in given)
         warn(
-            f"Phase {table.phase!r}: at the {end.value}, the root with the quaternion (x, y, z, w) = ({values}) is upside "
-            "down. In the order (w, x, y, z) it would be upright; put w last."
+            f"Phase {table.phase!r}: at the {end.value}, the root with the quaternion (x, y, z, w) = ({values}) is "
+            "upside down. In the order (w, x, y, z) it would be upright; put w last."
         )
 
 
