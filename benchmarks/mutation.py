@@ -1,7 +1,8 @@
 """Mutation score by room, from a seeded sample: `python benchmarks/mutation.py [--each 10] [ROOM...]`.
 
 A mutant is a copy of the package with one operator or constant changed in one function. It is killed if a test of its
-room fails. Each file is written into a copy of the package that stands before the real one on the path.
+room fails. Each file is written into a copy of the package that stands before the real one on the path. The rows of the
+rooms that were run replace those in mutation.md.
 """
 
 from __future__ import annotations
@@ -33,6 +34,18 @@ LONGEST = 1800.0
 """Longest time of the tests without a change [s]."""
 PATIENCE = 3.0
 """Longest time of the tests of a mutant, over their time without a change; a mutant that hangs is killed."""
+
+TABLE = Path(__file__).with_suffix(".md")
+HEAD = """\
+# Mutation score by room
+
+Written by `python benchmarks/mutation.py --each 30`: a seeded sample of changed operators and constants, and how many
+of them the fast tests of the room notice. Survivors are listed below: each is a change that no test of its room
+notices, be it because it changes nothing that matters (a tolerance, a cache, a margin) or because a test is missing.
+
+| room | mutants | killed | score |
+|---|---|---|---|
+"""
 
 SWAPS: dict[type, type] = {
     ast.Add: ast.Sub,
@@ -101,13 +114,29 @@ def failure(copy: Path, tests: str, limit: float) -> str:
     return "" if done.returncode == 0 else done.stdout[-2000:] + done.stderr[-2000:]
 
 
+def write(rows: dict[str, str], survivors: dict[str, list[str]]) -> None:
+    """Write the table; rooms that were not run keep their rows and survivors."""
+    for line in TABLE.read_text(encoding="utf-8").splitlines() if TABLE.exists() else ():
+        cells = line.split("|")
+        if len(cells) > 2 and cells[1].strip() in ROOMS:
+            rows.setdefault(cells[1].strip(), line)
+        elif line.startswith("- robotraj/"):
+            room = next(room for room in ROOMS if line.startswith(f"- robotraj/{room}/"))
+            if room not in survivors:
+                survivors.setdefault(f"kept {room}", []).append(line)
+    lines = [rows[room] for room in ROOMS if room in rows]
+    left = [line for room in ROOMS for key in (room, f"kept {room}") for line in survivors.get(key, ())]
+    TABLE.write_text("\n".join([HEAD + "\n".join(lines), "", "Survivors:", "", *left]) + "\n", encoding="utf-8")
+
+
 def main() -> None:
-    """Print a row for each room, and its survivors below the table."""
+    """Print a row for each room and its survivors, and write both to the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("rooms", nargs="*", default=list(ROOMS))
     parser.add_argument("--each", type=int, default=10)
     given = parser.parse_args()
-    survivors = []
+    rows: dict[str, str] = {}
+    survivors: dict[str, list[str]] = {}
     print("| room | mutants | killed | score |\n|---|---|---|---|", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(ROOT / "robotraj", Path(folder) / "robotraj", ignore=shutil.ignore_patterns("__pycache__"))
@@ -119,6 +148,7 @@ def main() -> None:
                 raise SystemExit(f"{room}: its tests fail without a change: {how}")
             limit = PATIENCE * (time.monotonic() - start)
             killed, sample = 0, mutants(room, given.each)
+            survivors[room] = []
             for path, number in sample:
                 target = Path(folder) / path.relative_to(ROOT)
                 tree = ast.parse(path.read_text())
@@ -127,10 +157,11 @@ def main() -> None:
                 if failure(Path(folder), ROOMS[room], limit):
                     killed += 1
                 else:
-                    survivors.append(f"- {path.relative_to(ROOT)}:{done}")
+                    survivors[room].append(f"- {path.relative_to(ROOT)}:{done}")
                 target.write_text(path.read_text())
-            print(f"| {room} | {len(sample)} | {killed} | {100 * killed / len(sample):.0f} % |", flush=True)
-    print("\n".join(["", "Survivors:", "", *survivors]))
+            rows[room] = f"| {room} | {len(sample)} | {killed} | {100 * killed / len(sample):.0f} % |"
+            print("\n".join([rows[room], *survivors[room]]), flush=True)
+            write(rows.copy(), survivors.copy())
 
 
 if __name__ == "__main__":
