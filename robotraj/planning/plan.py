@@ -36,7 +36,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.strategy import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.schemes.shooting import Shooting
 
 if TYPE_CHECKING:
     from robotraj.planning.continuation import ContinuationStep
@@ -196,7 +196,7 @@ def plan(
     if memory_limit is not None:
         above_zero("memory_limit", memory_limit, "MB")
     meshes = (settings.mesh,) if isinstance(settings.mesh, Mesh) else settings.mesh
-    if any(isinstance(own.schemes[0], OneStep) for own in meshes):
+    if any(isinstance(own.schemes[0], Shooting) for own in meshes):
         from robotraj.planning.diagnosis.long_shooting import warn_of_long_shooting
 
         warn_of_long_shooting(problem, settings.mesh)

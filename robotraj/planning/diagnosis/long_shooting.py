@@ -1,9 +1,9 @@
-"""A warning before planning: a plan of an arm by a scheme of one step that would take over a minute.
+"""A warning before planning: a plan of an arm by shooting that would take over a minute.
 
 An iteration evaluates second derivatives of every interval. It takes (intervals) (variables of an interval) (operations
-of its integrator) operations. The variables of single shooting are the controls of all intervals. Those of the other
-schemes of one step are one state and the controls of one interval. The operations of forward dynamics are proportional
-to the number of joints.
+of its integrator) operations. The variables of single shooting are the controls of all intervals. Those of multiple
+shooting are one state and the controls of one interval. The operations of forward dynamics are proportional to the
+number of joints.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from robotraj._util.errors import warn
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.integrators import RungeKutta4
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
 
 LONG = 60.0
@@ -23,8 +22,6 @@ OPERATIONS = 380
 """Operations of the articulated-body algorithm for each joint."""
 STAGES = 4
 """Evaluations in a step of Runge-Kutta."""
-POINTS = 3
-"""Evaluations in an interval of compressed Hermite-Simpson."""
 ITERATIONS = 50
 """Iterations of a solve without a good guess."""
 SECONDS = 5e-8
@@ -32,16 +29,14 @@ SECONDS = 5e-8
 
 
 def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
-    """Return the estimated processor time [s] of the phases with a scheme of one step, 0 without any."""
+    """Return the estimated processor time [s] of the phases with shooting, 0 without any."""
     meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     total = 0.0
     for phase, own in zip(problem.phases, meshes, strict=True):
         scheme = own.schemes[0]
-        if phase.robot is None or not isinstance(scheme, OneStep):
+        if phase.robot is None or not isinstance(scheme, Shooting):
             continue
-        evaluations = POINTS
-        if isinstance(scheme, Shooting):
-            evaluations = STAGES * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
+        evaluations = STAGES * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
         nu, nx = phase.robot.nu, 2 * phase.robot.nv
         variables = own.count * nu if isinstance(scheme, SingleShooting) else nx + nu
         total += own.count * variables * evaluations * OPERATIONS * phase.robot.nv
@@ -49,7 +44,7 @@ def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
 
 
 def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None:
-    """Warn of a scheme of one step that would take over a minute, and name what takes less.
+    """Warn of shooting that would take over a minute, and name what takes less.
 
     Warns
     -----
@@ -58,7 +53,7 @@ def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None
     seconds = shooting_seconds(problem, mesh)
     if seconds > LONG:
         warn(
-            f"Shooting or compressed collocation on this mesh takes about {seconds:.0f} s of processor time "
+            f"Shooting on this mesh takes about {seconds:.0f} s of processor time "
             f"({seconds / LONG:.0f} minutes). Use collocation with inner points, such as mesh=rt.Mesh(20) or no mesh, "
             "or fewer intervals. time_limit= bounds the time."
         )

@@ -32,11 +32,10 @@ def test_short_shooting_and_collocation_are_not_warned_of() -> None:
     assert 10.0 < shooting_seconds(arm, rt.Mesh(20, rt.schemes.MultipleShooting())) < 60.0
 
 
-def test_compressed_collocation_of_an_arm_counts_and_that_of_a_pendulum_is_short() -> None:
-    scheme = rt.schemes.CompressedHermiteSimpson()
-    arm, swing = rt.Problem([reach("panda")]), rt.Problem([reach("pendulum")])
-    assert shooting_seconds(arm, rt.Mesh(100, scheme)) > 40.0
-    assert shooting_seconds(swing, rt.Mesh(100, scheme)) < 5.0
+def test_compressed_collocation_of_an_arm_is_short() -> None:
+    """It starts from its separated form: 60 intervals of a panda take 3 s."""
+    arm = rt.Problem([reach("panda")])
+    assert shooting_seconds(arm, rt.Mesh(100, rt.schemes.CompressedHermiteSimpson())) == 0.0
 
 
 def test_the_estimate_grows_with_the_square_of_the_pieces_of_single_shooting() -> None:
