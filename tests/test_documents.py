@@ -49,6 +49,8 @@ def test_the_blocks_of_a_document_run_in_turn(document: Path, tmp_path: Path, mo
     for line, code in python_blocks(document.read_text()):
         # The blank lines make a traceback show the document's own line.
         exec(compile("\n" * line + code, str(document), "exec"), names)
+    figures = re.findall(r"\]\(figures/([\w.]+)\)", document.read_text())
+    assert {path.name for path in tmp_path.glob("*.svg")} >= set(figures), "a figure is not drawn by its page"
 
 
 @pytest.mark.parametrize("document", [ROOT / "README.md", *PAGES], ids=place)

@@ -66,7 +66,10 @@ def mirror(app: Sphinx, config: Config) -> None:
     places = copies()
     for source, page in places.items():
         if source.suffix == ".md":
-            write(page, "---\norphan: true\n---\n\n" + rewritten(source.read_text(), source, page, places))
+            text = rewritten(source.read_text(), source, page, places)
+            # A bare table has the name of its file for a title.
+            title = "" if text.lstrip().startswith("# ") else f"# {source.stem.replace('_', ' ').capitalize()}\n\n"
+            write(page, title + text)
 
 
 def read(app: Sphinx, name: str, content: list[str]) -> None:

@@ -67,6 +67,9 @@ def run_example(stem: str) -> Tile:
     example = ROOT / "examples" / f"{stem}.py"
     runpy.run_path(str(example), run_name="__main__")
     last = shown[-1][1] if shown else (plans[-1] if plans else None)
+    robot = bool(shown) and shown[0][1].problem.phases[0].robot is not None
+    if shown and not robot:
+        shown[0][1].plot().savefig(f"{stem}.png", dpi=100)
     verdict = "proved" if passed and all(passed) else "solved" if all(plan.success for plan in plans) else "failed"
     return {
         "kind": "example",
@@ -78,7 +81,7 @@ def run_example(stem: str) -> Tile:
         "seconds": sum(seconds),
         "verdict": verdict,
         "replays": [path for path, _ in shown],
-        "moment": 0.45 * shown[0][1].duration if shown else None,
+        "moment": 0.45 * shown[0][1].duration if robot else None,
     }
 
 
