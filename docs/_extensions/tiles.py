@@ -46,7 +46,12 @@ def facts(tile: Tile) -> list[tuple[str, str]]:
         known = f", known to {tile['accuracy']:.0e}" if tile["accuracy"] else ", a closed form"
         rows += [("published", shown(tile["published"], 9) + known), ("relative error", f"{tile['error']:.1e}")]
         rows += [("source of the value", tile["source"])]
-    return [*rows, ("time to plan", f"{tile['seconds']:.2f} s"), ("verdict", tile["verdict"])]
+    return [
+        *rows,
+        ("processor time to plan", f"{tile['seconds']:.2f} s"),
+        ("verdict", tile["verdict"]),
+        ("commit", tile["commit"]),
+    ]
 
 
 def replays(tile: Tile) -> list[str]:
