@@ -11,8 +11,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-LOADED = {"img": "src", "script": "src", "link": "href", "iframe": "src", "source": "src"}
-"""Elements that make a browser fetch something, with the attribute that says what."""
+LINKS = {"a": "href", "img": "src", "script": "src", "link": "href", "iframe": "src", "source": "src"}
+"""Elements that link, or that make a browser fetch something, with the attribute that says what."""
 
 
 class Page(HTMLParser):
@@ -28,9 +28,8 @@ class Page(HTMLParser):
         """Note an element's name, link and source."""
         given = dict(attrs)
         self.anchors |= {given[name] or "" for name in ("id", "name") if name in given}
-        for name in {"a": ["href"], tag: [LOADED[tag]] if tag in LOADED else []}.get(tag, []):
-            if value := given.get(name):
-                self.links.append((tag, value))
+        if tag in LINKS and (value := given.get(LINKS[tag])):
+            self.links.append((tag, value))
 
 
 @cache

@@ -34,8 +34,9 @@ def take(page: Page, replay: Path, moment: float, picture: Path) -> None:
     page.evaluate("t => window.robotraj.seek(t)", moment)
     page.add_style_tag(content=QUIET)
     page.wait_for_timeout(1500)
-    box = page.locator("#view").bounding_box()
-    page.screenshot(path=picture, clip={"x": box["x"], "y": box["y"], "width": 600, "height": 480})
+    box = page.locator("#pane canvas").first.bounding_box()
+    size = {"width": min(600, box["width"]), "height": min(480, box["height"])}
+    page.screenshot(path=picture, clip={"x": box["x"], "y": box["y"]} | size)
 
 
 def main(folder: Path, wanted: list[str]) -> None:

@@ -1,0 +1,61 @@
+"""The tools of the site: links between files become links between pages, and a broken one is found."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "docs" / "_extensions")]
+
+import check_links  # noqa: E402
+import mirror  # noqa: E402
+
+PAGE = ROOT / "docs" / "how-to" / "arms.md"
+
+
+@pytest.mark.parametrize(
+    ("link", "leads"),
+    [
+        ("obstacles.md", "obstacles.md"),
+        ("../conventions.md#effort", "../conventions.md#effort"),
+        ("#goals", "#goals"),
+        ("https://example.org/a.md", "https://example.org/a.md"),
+        ("../../examples/05_ur5.py", "../generated/examples/05_ur5.md"),
+        ("../../benchmarks/cases.md", "../generated/benchmarks/cases.md"),
+        ("../../CONTRIBUTING.md#a-constraint", "../generated/contributing.md#a-constraint"),
+        ("../../LICENSE", f"{mirror.FORGE}/blob/main/LICENSE"),
+        ("../../robots", f"{mirror.FORGE}/tree/main/robots"),
+    ],
+)
+def test_a_link_leads_to_the_page_of_its_file(link: str, leads: str) -> None:
+    assert mirror.moved(link, PAGE, PAGE, mirror.copies()) == leads
+
+
+def test_links_in_code_are_no_links() -> None:
+    text = "[a](../../LICENSE)\n\n```text\n[a](../../LICENSE)\n```\n"
+    changed = mirror.rewritten(text, PAGE, PAGE, mirror.copies())
+    assert changed.count("](../../LICENSE)") == 1 and changed.startswith(f"[a]({mirror.FORGE}")
+
+
+def test_broken_links_missing_anchors_and_files_from_elsewhere_are_found(tmp_path: Path) -> None:
+    (tmp_path / "good.html").write_text('<h1 id="top">A</h1><a href="#top">up</a><a href="https://example.org">x</a>')
+    assert check_links.faults(tmp_path) == []
+    (tmp_path / "bad.html").write_text(
+        '<a href="none.html">1</a><a href="good.html#none">2</a><script src="https://example.org/a.js"></script>'
+    )
+    faults = check_links.faults(tmp_path)
+    assert len(faults) == 3
+    assert "does not exist" in faults[0] and "no such anchor" in faults[1] and "loads https" in faults[2]
+
+
+def test_the_gallery_has_forty_tiles_with_code_and_picture() -> None:
+    tiles = json.loads((ROOT / "docs" / "gallery" / "results.json").read_text())["tiles"]
+    assert len(tiles) >= 40
+    for tile in tiles:
+        assert (ROOT / tile["code"]).exists()
+        assert (ROOT / "docs" / "_static" / "gallery" / f"{tile['file']}.webp").exists(), tile["file"]
+        assert tile["verdict"] and tile["seconds"] > 0.0 and tile["commit"]
