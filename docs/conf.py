@@ -24,7 +24,7 @@ extensions = [
     "sphinx_design",
     "sphinx_copybutton",
 ]
-exclude_patterns = ["**.ipynb_checkpoints"]
+exclude_patterns = ["**.ipynb_checkpoints", "replays/*.png", "replays/*.json", "replays/*.log"]
 
 html_theme = "furo"
 html_title = "robotraj"

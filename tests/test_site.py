@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+
+import robotraj as rt
 
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "docs" / "_extensions")]
@@ -59,3 +64,25 @@ def test_the_gallery_has_forty_tiles_with_code_and_picture() -> None:
         assert (ROOT / tile["code"]).exists()
         assert (ROOT / "docs" / "_static" / "gallery" / f"{tile['file']}.webp").exists(), tile["file"]
         assert tile["verdict"] and tile["seconds"] > 0.0 and tile["commit"]
+
+
+def public_values() -> Iterator[tuple[str, object]]:
+    """Yield every public name with its value, and the methods of classes."""
+    for space in (rt, *(value for value in vars(rt).values() if isinstance(value, ModuleType))):
+        for name in getattr(space, "__all__", ()):
+            value = getattr(space, name)
+            yield name, value
+            if isinstance(value, type):
+                yield from ((f"{name}.{key}", entry) for key, entry in vars(value).items() if key[0] != "_")
+
+
+def test_nothing_but_entries_stands_in_the_sections_of_a_docstring() -> None:
+    """NumPy's sections go on to the next heading: a sentence after the parameters would become one of them."""
+    for name, value in public_values():
+        section = ""
+        lines = (inspect.getdoc(value) or "").splitlines()
+        for line, below in zip(lines, [*lines, ""][1:], strict=True):
+            if below and not below.strip("-"):
+                section = line
+            elif section in ("Parameters", "Attributes") and line[:1] not in ("", " ", "-"):
+                assert " : " in line or len(line.split()) <= 6, f"{name}: {line}"

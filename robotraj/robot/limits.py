@@ -131,6 +131,8 @@ class Limits(OneLine):
     ) -> Limits:
         """Return a copy with some limits replaced.
 
+        A number or a pair applies to all joints except the root, whose limits are set by name.
+
         Parameters
         ----------
         position : number, pair, mapping by joint, optional
@@ -138,8 +140,6 @@ class Limits(OneLine):
             and None: free.
         velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
             Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
-
-        A number or a pair applies to all joints except the root, whose limits are set by name.
 
         Raises
         ------

@@ -34,13 +34,13 @@ class FramePosition(Constraint):
 
     Numbers are equations, which are imposed with their rates at every knot; see ``PathConstraint``.
 
+    Wrap in ``rt.AtEnd`` or ``rt.AtStart`` to hold it at one end of the phase only.
+
     Parameters
     ----------
     frame : str
     position : sequence of 3
         Each entry a number, ``rt.between(lower, upper)`` or None, or a dict by ``"x"``, ``"y"``, ``"z"``.
-
-    Wrap in ``rt.AtEnd`` or ``rt.AtStart`` to hold it at one end of the phase only.
     """
 
     frame: str

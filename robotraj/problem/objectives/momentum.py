@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 class CentroidalMomentum(Integral):
     """Integral over the phase of sum_i w_i h_i^2, h = (linear, angular) momentum about the centre of mass, world axes.
 
+    Source: Orin, Goswami and Lee, Centroidal dynamics of a humanoid robot, Autonomous Robots 35 (2013).
+
     Parameters
     ----------
     angular : number or sequence of 3
         Weights of the angular momentum, 1 by default [1/(kg^2 m^4/s^2)].
     linear : number or sequence of 3
         Weights of the linear momentum, 0 by default [1/(kg^2 m^2/s^2)].
-
-    Source: Orin, Goswami and Lee, Centroidal dynamics of a humanoid robot, Autonomous Robots 35 (2013).
     """
 
     angular: float | Sequence[float] = 1.0

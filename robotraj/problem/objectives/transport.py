@@ -30,6 +30,8 @@ class CostOfTransport(EndCost):
     moving links. d is the displacement from start to end along a direction. Bound d from below by a start and an end,
     or by a constraint, since the ratio has no minimum around d = 0.
 
+    Source: Gabrielli and von Karman, Mechanical Engineering 72 (1950); Collins et al., Science 307 (2005).
+
     Parameters
     ----------
     frame : str, optional
@@ -38,8 +40,6 @@ class CostOfTransport(EndCost):
         Direction in the world, of any length; x by default.
     work : Integral
         ``rt.objectives.MechanicalWork()``, positive work, by default; or any other integral in J.
-
-    Source: Gabrielli and von Karman, Mechanical Engineering 72 (1950); Collins et al., Science 307 (2005).
     """
 
     frame: str | None = None

@@ -41,6 +41,9 @@ class MechanicalWork(Integral):
     ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh requires, or with ``tolerance=``. To
     check a plan, integrate |tau v| on a dense grid.
 
+    Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal
+    Control (2010), section 1.16, for slacks in place of absolute values.
+
     Parameters
     ----------
     weights : None, number, sequence or mapping by joint
@@ -52,9 +55,6 @@ class MechanicalWork(Integral):
         e > 0 [W]; None selects the exact form.
     speeds : mapping of str to str, optional
         For a System, the state that is the speed of each control: ``{"F": "v"}`` has the power F v.
-
-    Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal
-    Control (2010), section 1.16, for slacks in place of absolute values.
     """
 
     weights: WeightsLike = None

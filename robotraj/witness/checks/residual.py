@@ -37,6 +37,8 @@ class Residual:
     Both are zero at the collocation points up to the solver's tolerance; between them they measure the
     discretisation error.
 
+    dq/dt, dv/dt and dx/dt are derivatives of the planned polynomials.
+
     Attributes
     ----------
     dynamics : mapping of str to Peak
@@ -47,8 +49,6 @@ class Residual:
         Systems, by state: |dx/dt - f(x, z, u, p, t)|.
     jumps : mapping of str to Peak
         By state: largest gap at a knot between the polynomials of its two intervals, zero after convergence.
-
-    dq/dt, dv/dt and dx/dt are derivatives of the planned polynomials.
     """
 
     dynamics: Mapping[str, Peak]

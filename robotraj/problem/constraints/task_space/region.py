@@ -29,6 +29,8 @@ class PoseRegion(Constraint):
     between R_f e and R e is at most ``angle``, and the frame turns freely about e. Rotation without it: the angle of
     the rotation from R to R_f is at most ``angle``, trace(R' R_f) >= 1 + 2 cos(angle).
 
+    Wrap in ``rt.AtEnd`` for a goal with tolerances.
+
     Parameters
     ----------
     frame : str
@@ -40,8 +42,6 @@ class PoseRegion(Constraint):
         e, with the same components in the axes of the frame and of the pose.
     angle : float
         Largest angle [rad], from 0 to below pi.
-
-    Wrap in ``rt.AtEnd`` for a goal with tolerances.
     """
 
     frame: str

@@ -26,12 +26,12 @@ class JointCentering(Integral):
 
     The limits are those of the robot; joints without limits on both sides do not count.
 
+    Source: Liegeois, IEEE Transactions on Systems, Man, and Cybernetics 7 (1977).
+
     Parameters
     ----------
     weights : None, number, sequence or mapping by joint
         One weight for each position, 1 by default.
-
-    Source: Liegeois, IEEE Transactions on Systems, Man, and Cybernetics 7 (1977).
     """
 
     weights: WeightsLike = None

@@ -25,6 +25,8 @@ class Manipulability(Integral):
     sqrt(det(J J')) is Yoshikawa's manipulability. It is proportional to the volume of the ellipsoid of frame velocities
     for joint velocities of length 1. It is 0 at singular configurations, where e keeps the cost finite.
 
+    Source: Yoshikawa, International Journal of Robotics Research 4 (1985).
+
     Parameters
     ----------
     frame : str
@@ -32,8 +34,6 @@ class Manipulability(Integral):
         Whether the three rows of the linear and of the angular velocity count.
     smoothing : float
         e [m, 1], above 0.
-
-    Source: Yoshikawa, International Journal of Robotics Research 4 (1985).
     """
 
     frame: str
