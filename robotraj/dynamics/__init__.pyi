@@ -6,7 +6,8 @@ Start with ``dae.py``. The room may import ``robot`` and what lies below.
 from . import contacts, design, obstacles, terrain
 from .dae import Dynamics, TimeOrders
 from .point import Point, RobotPoint
-from .rigid_body import ForwardDynamics, InverseDynamics, RigidBody
+from .rigid_body import RigidBody
+from .rigid_body_forms import ForwardDynamics, InverseDynamics
 from .system import System, SystemDynamics
 from .variable import Named, Variable
 

@@ -18,7 +18,7 @@ import numpy as np
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import contact_terms_of, correct, hold, pinned
 from robotraj.dynamics.point import RobotPoint
@@ -47,11 +47,14 @@ class RigidBody(OneLine):
         Physical quantities of the robot that are parameters.
     contacts : tuple of BoundContact
         Contacts that hold throughout the phase.
+    softening : float
+        0 for the robot's own friction; see ``rigid_body_forms``.
     """
 
     robot: Robot
     design: Design | None = None
     contacts: tuple[BoundContact, ...] = ()
+    softening: float = 0.0
 
     @cached_property
     def states(self) -> tuple[Variable, ...]:
@@ -125,8 +128,12 @@ class RigidBody(OneLine):
         # Frictionless joints have no tanh in the graph.
         rough = np.flatnonzero(robot.friction).tolist()
         for i in rough:
-            force[i] -= robot.friction[i] * ca.tanh(v[i] / robot.friction_speed)
+            force[i] -= robot.friction[i] * self._saturation(v[i] / robot.friction_speed)
         return force
+
+    def _saturation(self, speed: ca.SX) -> ca.SX:
+        """Share of the dry friction, from -1 to 1, at a speed relative to ``friction_speed``."""
+        return speed / ca.sqrt(speed**2 + self.softening**2) if self.softening else ca.tanh(speed)
 
     def _point(
         self,
@@ -267,28 +274,3 @@ class ForwardRigidBody(RigidBody):
     def residual(self, point: RobotPoint) -> ca.SX:
         """No algebraic rows."""
         return ca.SX(0, 1)
-
-
-@dataclass(frozen=True)
-class InverseDynamics:
-    """Choose RNEA with the accelerations as unknowns: the default, with fewer operations; it supports contacts."""
-
-    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> InverseRigidBody:
-        """Bind to a robot."""
-        return InverseRigidBody(robot, design, tuple(contacts))
-
-
-@dataclass(frozen=True)
-class ForwardDynamics:
-    """Choose ABA: no algebraic unknowns, a denser and larger derivative."""
-
-    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> ForwardRigidBody:
-        """Bind to a robot.
-
-        Raises
-        ------
-        InputError
-            Contacts are given: their forces are algebraic variables, and this form has none.
-        """
-        refuse_contacts(contacts, "ForwardDynamics")
-        return ForwardRigidBody(robot, design)

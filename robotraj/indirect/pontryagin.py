@@ -23,7 +23,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.rigid_body import ForwardDynamics
+from robotraj.dynamics.rigid_body_forms import ForwardDynamics
 from robotraj.dynamics.system import System
 from robotraj.dynamics.variable import Named, Scalar
 from robotraj.indirect.arcs import Side

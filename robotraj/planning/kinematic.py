@@ -11,7 +11,7 @@ import numpy as np
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.kinematics import Kinematics
-from robotraj.dynamics.rigid_body import InverseDynamics
+from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import ends_of, guessed_duration
 from robotraj.guess.joint_motion import joint_motion

@@ -12,7 +12,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import with_fixed
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where

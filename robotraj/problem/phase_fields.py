@@ -18,7 +18,7 @@ from robotraj.robot.robot import Robot
 if TYPE_CHECKING:
     from robotraj.dynamics.design.quantity import Quantity
     from robotraj.dynamics.kinematics import Kinematics
-    from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+    from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
     from robotraj.problem.constraints.bounds import Between, Interval
     from robotraj.robot.limits import Limits
 

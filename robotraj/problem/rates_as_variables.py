@@ -12,7 +12,8 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.point import AnyPoint, Point
-from robotraj.dynamics.rigid_body import InverseDynamics, RigidBody
+from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Augmented, body_of, has
 from robotraj.robot.robot import Robot
@@ -117,7 +118,8 @@ class Jerks(Augmented):
     def _balance_rate(self, names: Sequence[str]) -> ca.Function:
         robot = _robot(self.inner)
         inner = body_of(self.inner)
-        body = InverseDynamics().of(robot, inner.design if isinstance(inner, RigidBody) else None)
+        assert isinstance(inner, RigidBody)
+        body = InverseDynamics(inner.softening).of(robot, inner.design)
         q = ca.SX.sym("q", robot.nq)
         v, a, j = (ca.SX.sym(name, robot.nv) for name in "vaj")
         tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)

@@ -14,7 +14,7 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.holding import anchors
 from robotraj.dynamics.point import RobotPoint
-from robotraj.dynamics.rigid_body import InverseDynamics
+from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.robot.tangent import rate_matrix
 

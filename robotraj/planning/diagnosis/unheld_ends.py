@@ -20,7 +20,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.dynamics.point import RobotPoint
-from robotraj.dynamics.rigid_body import InverseDynamics
+from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.constraints.bounds import Bounds

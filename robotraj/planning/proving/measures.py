@@ -33,6 +33,8 @@ SMALL = 1e-2
 """Least size of an objective to which its errors are relative."""
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
 """Bounds on the growth of the number of intervals for the convergence of the objective."""
+MOST_GROWTH_BENDING = 2.0
+"""The upper bound where controls bend sharply in a few intervals, which the next mesh divides anyway."""
 CLEARLY = 1.4
 """Least ratio of the numbers of intervals of two meshes whose objectives are compared."""
 SAFETY = 1.5
@@ -100,8 +102,8 @@ class Measured:
         if not np.isfinite(left):
             return LEAST_GROWTH
         if self.coarse:
-            # Intervals are added where the controls bend, and only as many elsewhere as a comparison needs.
-            return CLEARLY
+            # Intervals are added where the controls bend, and only as many elsewhere as the comparison needs.
+            return float(np.clip(left ** (1.0 / self.order), CLEARLY, MOST_GROWTH_BENDING))
         return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, MOST_GROWTH))
 
 

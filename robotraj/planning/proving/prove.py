@@ -14,7 +14,7 @@ from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.progress import PlanLimits
 from robotraj.planning.proving.measures import Measured, measured
-from robotraj.planning.proving.soft_friction import SPEEDS, needs_softening, softened
+from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, softened
 from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
@@ -165,16 +165,16 @@ class _Refining:
         return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth))
 
     def _with_soft_friction(self, guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Solution | None:
-        """Solve with dry friction that saturates at larger speeds; None without friction, or if all solves failed."""
+        """Solve with soft dry friction; None without friction, or if all solves failed."""
         if not self.sticking or isinstance(guess, Solution):
             return None
         limits = replace(self.settings.interval_limits, rounds=0)
         settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
         found: Solution | None = None
-        for factor in SPEEDS:
+        for softening in SOFTENING:
             own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
             try:
-                softer = self._solve(softened(self.problem, factor), found or guess, own)
+                softer = self._solve(softened(self.problem, softening), found or guess, own)
             except KeyboardInterrupt:
                 if not isinstance(self.progress, PlanLimits):
                     raise

@@ -28,7 +28,7 @@ from robotraj.dynamics.design.payload import Payload
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
 from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, HalfSpace, Sphere
-from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.height_map import HeightMap
 from robotraj.dynamics.terrain.slope import Slope

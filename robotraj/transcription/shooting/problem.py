@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.rigid_body import ForwardDynamics, InverseDynamics
+from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh

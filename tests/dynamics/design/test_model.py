@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.dynamics.design.binding import Design
-from robotraj.dynamics.rigid_body import InverseDynamics
+from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.symbolic import SymbolicModel
 from robotraj.witness.point import NumericPoint
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import casadi as ca
+import numpy as np
 import pytest
 
 import robotraj as rt
@@ -23,9 +25,48 @@ def test_integrals_over_motions_with_dry_friction_need_it(
     assert needs_softening(problem(name, objective)) is needed
 
 
-def test_only_the_speed_of_friction_is_changed() -> None:
-    given = problem("z1", rt.Effort())
+@pytest.mark.parametrize("dynamics", [rt.dynamics.InverseDynamics(), rt.dynamics.ForwardDynamics()])
+def test_only_the_curve_of_friction_is_changed(
+    dynamics: rt.dynamics.InverseDynamics | rt.dynamics.ForwardDynamics,
+) -> None:
+    (phase,) = problem("z1", rt.Effort()).phases
+    given = rt.Problem([phase.with_(dynamics=dynamics)])
     (soft,), (hard,) = (each.phases for each in (softened(given, 10.0), given))
-    assert soft.robot.friction_speed == 10 * hard.robot.friction_speed
-    assert (soft.robot.friction == hard.robot.friction).all()
-    assert soft.with_(subject=hard.subject).duration_bounds == hard.duration_bounds
+    assert soft.robot is hard.robot
+    assert soft.with_(dynamics=dynamics).duration_bounds == hard.duration_bounds
+    assert soft.dynamics.softening == 10.0
+
+
+@pytest.mark.parametrize("speed", [-3.0, -0.05, 0.0, 0.02, 1.0])
+def test_soft_friction_is_the_algebraic_curve_of_the_docstring(speed: float) -> None:
+    robot = rt.load("z1")
+    zero = np.zeros(robot.nv)
+    motion = [np.array(robot.neutral), np.full(robot.nv, speed), zero]
+
+    def balance(softening: float) -> np.ndarray:
+        body = rt.dynamics.InverseDynamics(softening).of(robot)
+        x, z, u = ca.SX.sym("x", 2 * robot.nv), ca.SX.sym("z", robot.nv), ca.SX.sym("u", robot.nv)
+        point = body.point(ca.SX(0), x, z, u, ca.SX(0, 1), ())
+        residual = ca.Function("residual", [x, z, u], [body.residual(point)])
+        return np.array(residual(np.append(motion[0], motion[1]), motion[2], zero)).ravel()
+
+    frictionless = balance(0.0) - robot.friction * np.tanh(speed / robot.friction_speed)
+    width = 4.0 * robot.friction_speed
+    expected = frictionless + robot.friction * speed / np.hypot(speed, width)
+    np.testing.assert_allclose(balance(4.0), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("softening", [-1.0, np.inf, np.nan, "soft"])
+def test_other_softenings_are_refused(softening: object) -> None:
+    for form in (rt.dynamics.InverseDynamics, rt.dynamics.ForwardDynamics):
+        with pytest.raises(rt.InputError, match="softening"):
+            form(softening)
+
+
+def test_rates_of_torque_balances_have_the_same_friction() -> None:
+    robot = rt.load("xarm7")
+    start, end = (0, -0.5, 0, 0.8, 0, 1.2, 0), (1.2, 0.3, -0.6, 1.6, 0.5, 0.6, 0.8)
+    soft = rt.dynamics.InverseDynamics(softening=10.0)
+    phase = rt.Phase(robot, 1.5, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.objectives.Jerk(), dynamics=soft)
+    solver = rt.InteriorPoint(tolerance=1e-6, max_iterations=100, fallback=None)
+    assert rt.plan(phase, rt.Mesh(20, rt.HermiteSimpson()), solver=solver, check=False).success

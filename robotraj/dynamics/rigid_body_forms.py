@@ -1,0 +1,81 @@
+"""The choice of a robot's equations of motion: the inverse or the forward form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robotraj._util.checks import is_number
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts
+from robotraj.dynamics.rigid_body import ForwardRigidBody, InverseRigidBody
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.design.binding import Design
+    from robotraj.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class InverseDynamics:
+    """Choose RNEA with the accelerations as unknowns: the default, with fewer operations; it supports contacts.
+
+    Parameters
+    ----------
+    softening : float
+        0 plans with the robot's dry friction F tanh(v / v_s). A larger c plans with F v / sqrt(v^2 + (c v_s)^2), which
+        is another friction: its solutions are guesses. See ``robotraj.planning.proving.soft_friction``.
+
+    Raises
+    ------
+    InputError
+        ``softening`` is negative or not finite.
+    """
+
+    softening: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_softening(self.softening)
+
+    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> InverseRigidBody:
+        """Bind to a robot."""
+        return InverseRigidBody(robot, design, tuple(contacts), self.softening)
+
+
+@dataclass(frozen=True)
+class ForwardDynamics:
+    """Choose ABA: no algebraic unknowns, a denser and larger derivative.
+
+    Parameters
+    ----------
+    softening : float
+        As for ``InverseDynamics``.
+
+    Raises
+    ------
+    InputError
+        ``softening`` is negative or not finite.
+    """
+
+    softening: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_softening(self.softening)
+
+    def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> ForwardRigidBody:
+        """Bind to a robot.
+
+        Raises
+        ------
+        InputError
+            Contacts are given: their forces are algebraic variables, and this form has none.
+        """
+        refuse_contacts(contacts, "ForwardDynamics")
+        return ForwardRigidBody(robot, design, softening=self.softening)
+
+
+def _check_softening(softening: object) -> None:
+    if not (is_number(softening) and 0.0 <= float(softening) < np.inf):  # type: ignore[arg-type]
+        raise InputError(f"softening={softening!r} must be a number from 0.")
