@@ -290,8 +290,9 @@ class Phase(OneLine):
         return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, more)
 
     def __repr__(self) -> str:
-        duration = duration_text(*self.duration_bounds)
-        return f"<{type(self).__name__} {self.name!r} of {self.subject.name}: {duration}, {len(self.rows.rows)} rows>"
+        duration, count = duration_text(*self.duration_bounds), len(self.rows.rows)
+        what = f"{count} constraint" if count == 1 else f"{count} constraints"
+        return f"<{type(self).__name__} {self.name!r} of {self.subject.name}: {duration}, {what}>"
 
     def __str__(self) -> str:
         return str(self._table)
