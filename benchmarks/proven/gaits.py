@@ -132,7 +132,7 @@ def one(make: Callable[[], rt.Problem]) -> dict[str, object]:
     proof = solution.proof
     remark = "" if solution.success else f"{solution.status.value}: {solution.cause}"
     if solution.success and not report.passed:
-        remark = " ".join(report.complaints(report.tolerances)).split(". ")[0]
+        remark = " ".join(report.failures(report.tolerances)).split(". ")[0]
     return {
         "proved": solution.success and report.passed and proof is not None and proof.motion_holds,
         "seconds": seconds,

@@ -108,7 +108,7 @@ def one(name: str, froude: float) -> dict[str, object]:
     proof = solution.proof
     remark = "" if solution.success else solution.status.value
     if solution.success and not report.passed:
-        remark = " ".join(report.complaints(report.tolerances)).split(". ")[0]
+        remark = " ".join(report.failures(report.tolerances)).split(". ")[0]
     return {
         "proved": solution.success and report.passed and proof is not None and proof.motion_holds,
         "seconds": seconds,

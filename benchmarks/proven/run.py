@@ -84,7 +84,7 @@ def _remark(solution: object, report: object) -> str:
     if not solution.success:
         return status
     if not report.passed:
-        return " ".join(report.complaints(report.tolerances)).split(".")[0]
+        return " ".join(report.failures(report.tolerances)).split(".")[0]
     return "" if proof.holds else "objective not settled"
 
 

@@ -81,7 +81,7 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
     """Describe a solution and its proof as plain data.
 
     Keys: ``status``, ``success``, ``proved``, ``message``, ``objective``, ``duration`` [s], ``iterations``,
-    ``seconds``, ``times`` [s], ``error`` (relative, between knots), ``parameters``, ``violations`` and ``complaints``
+    ``seconds``, ``times`` [s], ``error`` (relative, between knots), ``parameters``, ``violations`` and ``failures``
     (text), ``intervals`` of each phase by name, ``written`` (paths). Unknown values are null.
     """
     return {
@@ -97,7 +97,7 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
         "error": number(solution.error),
         "parameters": {name: number(value) for name, value in solution.parameters.items()},
         "violations": [str(violation) for violation in solution.violations(20)],
-        "complaints": [] if report is None else list(report.complaints(report.tolerances)),
+        "failures": [] if report is None else list(report.failures(report.tolerances)),
         "intervals": {part.phase.name: len(part.knots) - 1 for part in solution.phases},
         "written": [str(path) for path in written],
     }

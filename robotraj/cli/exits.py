@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from robotraj._util.errors import InputError, RobotrajError, ValidationFailed
-from robotraj.cli.terminal import complain, drop_output
+from robotraj.cli.terminal import drop_output, say_error
 from robotraj.solution.errors import NoSolutionFound
 
 
@@ -42,12 +42,12 @@ class Group(TyperGroup):
     def invoke(self, ctx: Any) -> object:
         """Run a command."""
         with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_, **__: complain(f"note: {message}")
+            warnings.showwarning = lambda message, *_, **__: say_error(f"note: {message}")
             try:
                 return super().invoke(ctx)
             except BrokenPipeError as error:
                 drop_output()
                 raise typer.Exit(ExitCode.DONE) from error
             except (RobotrajError, OSError) as error:
-                complain(f"error: {error}")
+                say_error(f"error: {error}")
                 raise typer.Exit(code_of(error)) from error

@@ -24,7 +24,7 @@ def say(text: object) -> None:
         drop_output()
 
 
-def complain(text: str) -> None:
+def say_error(text: str) -> None:
     """Print a note or an error on standard error."""
     typer.echo(text, err=True)
 

@@ -40,9 +40,9 @@ def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
     InputError
         A limit locks a joint, is inverted or is no number. The message names the joints.
     """
-    complaints = limits.complaints(robot.actuated)
-    if complaints:
-        raise InputError(f"Phase {phase!r}: " + " ".join(complaints))
+    warnings = limits.warnings(robot.actuated)
+    if warnings:
+        raise InputError(f"Phase {phase!r}: " + " ".join(warnings))
 
 
 def check_masses(phase: str, robot: Robot, body: Dynamics) -> None:

@@ -175,7 +175,7 @@ class Limits(OneLine):
                 raise unknown_name("limited quantity", name, QUANTITIES)
         return self.with_(**changes)
 
-    def complaints(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
+    def warnings(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
         """Return a sentence for each joint that its limits lock or contradict, with the remedy.
 
         Parameters

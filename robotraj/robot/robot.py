@@ -153,7 +153,7 @@ class Robot:
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        return (*self.notes, *self.limits.complaints(self.actuated))
+        return (*self.notes, *self.limits.warnings(self.actuated))
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle the fields only; meshes are read and functions built again on first use."""

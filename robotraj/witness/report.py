@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 
 from robotraj._util.errors import ValidationFailed, unknown_name
 from robotraj._util.values import dataclass
-from robotraj.witness.complaints import complaints_about
+from robotraj.witness.failures import failures_of
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.report_text import coloured, render
 
@@ -19,11 +19,11 @@ class Report(Figures):
     @property
     def passed(self) -> bool:
         """Whether every figure with a threshold was computed and lies within ``tolerances``."""
-        return not self.complaints(self.tolerances)
+        return not self.failures(self.tolerances)
 
-    def complaints(self, tolerances: Tolerances) -> tuple[str, ...]:
+    def failures(self, tolerances: Tolerances) -> tuple[str, ...]:
         """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation."""
-        return complaints_about(self, tolerances)
+        return failures_of(self, tolerances)
 
     def check(self, **allowed: float | None) -> None:
         """Raise an error unless the plan passes.
@@ -43,9 +43,9 @@ class Report(Figures):
         for name in allowed:
             if name not in names:
                 raise unknown_name("threshold", name, names)
-        complaints = self.complaints(replace(self.tolerances, **{k: v for k, v in allowed.items() if v is not None}))
-        if complaints:
-            raise ValidationFailed(" ".join(complaints), self)
+        failures = self.failures(replace(self.tolerances, **{k: v for k, v in allowed.items() if v is not None}))
+        if failures:
+            raise ValidationFailed(" ".join(failures), self)
 
     @property
     def verdict(self) -> str:
@@ -62,10 +62,10 @@ class Report(Figures):
         )
 
     def __str__(self) -> str:
-        return render(self, self.complaints(self.tolerances), coloured(self.verdict))
+        return render(self, self.failures(self.tolerances), coloured(self.verdict))
 
     def _repr_html_(self) -> str:
         """Show the report in a notebook: the verdict in green or red above the figures."""
         colour = "#1a7f37" if self.passed else "#cf222e"
-        text = html.escape(render(self, self.complaints(self.tolerances), self.verdict))
+        text = html.escape(render(self, self.failures(self.tolerances), self.verdict))
         return f'<div><b style="color:{colour}">{self.verdict}</b><pre style="line-height:1.2">{text}</pre></div>'

@@ -22,12 +22,12 @@ def coloured(verdict: str) -> str:
     return f"{COLOURS[verdict]}{verdict}\x1b[0m"
 
 
-def render(figures: Figures, complaints: Sequence[str], verdict: str) -> str:
-    """Return the report: motion by state, violated bounds, contacts, residuals, energy, complaints and verdict.
+def render(figures: Figures, failures: Sequence[str], verdict: str) -> str:
+    """Return the report: motion by state, violated bounds, contacts, residuals, energy, failures and verdict.
 
     Parameters
     ----------
-    complaints : sequence of str
+    failures : sequence of str
         Sentences on figures that exceed their tolerances.
     verdict : str
         Verdict as printed, which may be coloured.
@@ -39,7 +39,7 @@ def render(figures: Figures, complaints: Sequence[str], verdict: str) -> str:
     if figures.holdings:
         lines += [*contacts(figures.holdings, figures.impacts, figures.landings, figures.tolerances), ""]
     lines += [*_residual(figures), *_energy(figures), *_unseen(figures)]
-    lines += [line for complaint in complaints for line in wrapped(complaint, "  ! ", "    ")]
+    lines += [line for failure in failures for line in wrapped(failure, "  ! ", "    ")]
     return "\n".join([*lines, f"{verdict} in {figures.seconds:.2g} s of processor time"])
 
 

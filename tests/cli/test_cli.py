@@ -241,9 +241,7 @@ def test_json_is_the_whole_output(here: Path) -> None:
     assert again["proved"] and again["objective"] == data["objective"]
     result = run("validate", "a.npz", "--local", "1e-15", "--json")
     assert result.exit_code == 4
-    assert (
-        not json.loads(result.stdout)["proved"] and "simulated by itself" in json.loads(result.stdout)["complaints"][0]
-    )
+    assert not json.loads(result.stdout)["proved"] and "simulated by itself" in json.loads(result.stdout)["failures"][0]
 
 
 def test_json_lists_what_was_not_solved(here: Path) -> None:

@@ -55,7 +55,7 @@ def load_urdf(path: str) -> None:
     import robotraj as rt
 
     robot = rt.load(path)
-    _ = str(robot), robot.limits.complaints(robot.actuated), robot.visual_model, robot.collision_model
+    _ = str(robot), robot.limits.warnings(robot.actuated), robot.visual_model, robot.collision_model
     if robot.nu:
         str(rt.Phase(robot, 1.0, objective=rt.Effort()))
 
@@ -63,7 +63,7 @@ def load_urdf(path: str) -> None:
 def main() -> None:
     """Answer every line of the standard input."""
     answers = os.fdopen(os.dup(1), "w")
-    # Parsers print their complaints: they must not reach the answers.
+    # Parsers print their warnings: they must not reach the answers.
     os.dup2(2, 1)
     warnings.simplefilter("ignore")
     import robotraj as rt

@@ -62,7 +62,7 @@ def test_joints_motors_masses_and_limits(name, joints, mass, effort, velocity, l
     np.testing.assert_array_equal(robot.limits.velocity, velocity)
     np.testing.assert_array_equal(robot.limits.position_lower, lower)
     np.testing.assert_array_equal(robot.limits.position_upper, upper)
-    assert robot.limits.complaints(robot.actuated) == ()
+    assert robot.limits.warnings(robot.actuated) == ()
     assert sum(inertia.mass for inertia in robot.model.inertias) == pytest.approx(mass)
 
 

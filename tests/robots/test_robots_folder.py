@@ -114,7 +114,7 @@ def test_joints_motors_and_limits(name, joints, actuated, effort, lower, upper):
     np.testing.assert_array_equal(robot.limits.effort, effort)
     np.testing.assert_array_equal(robot.limits.position_lower, lower)
     np.testing.assert_array_equal(robot.limits.position_upper, upper)
-    assert robot.limits.complaints(robot.actuated) == ()
+    assert robot.limits.warnings(robot.actuated) == ()
     np.testing.assert_array_equal(robot.neutral, np.zeros(robot.nq))
 
 

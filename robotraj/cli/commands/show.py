@@ -27,8 +27,8 @@ def show(robot: RobotArgument, as_json: JsonOption = False) -> None:
         facts = (entry.description, f"licence: {entry.licence}", f"provenance: {entry.provenance}")
         say("\n".join(line for fact in facts for line in wrapped(fact)) + "\n")
     say(mover)
-    for complaint in mover.limits.complaints(mover.actuated):
-        say("\n".join(wrapped(f"! {complaint}")))
+    for warning in mover.limits.warnings(mover.actuated):
+        say("\n".join(wrapped(f"! {warning}")))
     say("\nframes")
     for kind, names in _frames(mover).items():
         say("\n".join(wrapped(f"{kind}: {', '.join(names)}", "  ")))
@@ -68,6 +68,6 @@ def _described(robot: Robot, entry: KnownRobot | None) -> dict[str, object]:
         "nu": robot.nu,
         "root": robot.root,
         "joints": joints,
-        "complaints": list(limits.complaints(robot.actuated)),
+        "warnings": list(limits.warnings(robot.actuated)),
         "frames": _frames(robot),
     }

@@ -82,7 +82,7 @@ def assemble(
     motors = _actuated(actuated, about.actuated, own.joints[own.free :])
     found = weightless_note(weightless_joints(model)), strength_note(model, wanted, units(model, root), motors)
     findings = (*about.findings, *filter(None, found))
-    warned = () if about.known else (*findings, *wanted.complaints(motors))
+    warned = () if about.known else (*findings, *wanted.warnings(motors))
     if warned:
         warn(f"{about.name!r}: {' '.join(warned)}")
     friction = np.array(model.upperDryFrictionLimit)

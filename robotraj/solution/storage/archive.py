@@ -25,7 +25,7 @@ from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings
-from robotraj.solution.storage.classes import complaint
+from robotraj.solution.storage.classes import mismatch
 from robotraj.solution.storage.entries import read_entries
 from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
@@ -148,7 +148,7 @@ def _phase(problem: Problem, number: int, given: object) -> PhaseSolution:
     if not isinstance(given, dict) or number >= len(problem.phases):
         raise Damaged(f"{place} is no motion of a phase of the problem")
     phase = problem.phases[number]
-    wrong = complaint(PhaseSolution, {"phase": phase, **given})
+    wrong = mismatch(PhaseSolution, {"phase": phase, **given})
     if wrong is not None:
         raise Damaged(f"{place}: {wrong}")
     part = PhaseSolution(phase, **given)

@@ -195,7 +195,7 @@ _PLAIN: Mapping[str, tuple[type, ...]] = {
 }
 
 
-def complaint(kind: type, given: Mapping[str, object]) -> str | None:
+def mismatch(kind: type, given: Mapping[str, object]) -> str | None:
     """Return why a dataclass cannot be made from these fields, or None where it can.
 
     Names and kinds of values are compared with the annotations. Ranges are checked by the class itself.

@@ -11,7 +11,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.feedback.gains import Gains
 from robotraj.solution.solution import Solution
 from robotraj.solution.storage.archive import read
-from robotraj.solution.storage.classes import complaint
+from robotraj.solution.storage.classes import mismatch
 
 
 def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> Solution:
@@ -46,7 +46,7 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     facts = dict(contents.facts)
     gains = facts.pop("gains", None)
     given = {"problem": contents.problem, "phases": tuple(contents.phases), **facts, "settings": contents.settings}
-    wrong = complaint(Solution, given)
+    wrong = mismatch(Solution, given)
     if wrong is not None:
         raise InputError(f"{str(path)!r} is damaged: facts: {wrong}. Save the solution again.")
     solution = Solution(**given)

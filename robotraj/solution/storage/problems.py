@@ -19,7 +19,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.loading.geometry import unread_shapes
 from robotraj.robot.robot import Robot
-from robotraj.solution.storage.classes import complaint
+from robotraj.solution.storage.classes import mismatch
 from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
 from robotraj.solution.storage.shapes import pack_robot, with_shapes
@@ -170,7 +170,7 @@ def _unpack_phase(
         objective = terms[0][1]
     constraints = _unpack_each(_part(data, "constraints", list, place), unpacker, left_out, f"{place}.constraints")
     given = plain | {"subject": subject, "constraints": tuple(constraints), "objective": objective}
-    wrong = complaint(Phase, given)
+    wrong = mismatch(Phase, given)
     if wrong is not None:
         raise Damaged(f"{place}: {wrong}")
     with unread_shapes():

@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.solution.storage.classes import CLASSES, ENUMS, complaint
+from robotraj.solution.storage.classes import CLASSES, ENUMS, mismatch
 from robotraj.solution.storage.models import model_of
 from robotraj.solution.storage.plain_data import MARK, Damaged, NotPlainData
 
@@ -108,7 +108,7 @@ class Unpacker:
         if not isinstance(packed, dict):
             _damaged(place, f"a {content} without fields")
         given = {key: self.unpack(entry, f"{place}.{key}", depth) for key, entry in packed.items()}
-        problem = complaint(kind, given)
+        problem = mismatch(kind, given)
         if problem is not None:
             _damaged(place, problem)
         return _made(lambda: kind(**given), place)

@@ -52,7 +52,7 @@ def test_a_linkage_stays_closed_between_the_knots_and_its_simulation_agrees() ->
 
 
 @pytest.mark.parametrize(
-    ("start", "end", "complaint"),
+    ("start", "end", "message"),
     [
         (
             {"q": [0.5, -0.9, -0.4, 0.8], "v": 0},
@@ -63,10 +63,10 @@ def test_a_linkage_stays_closed_between_the_knots_and_its_simulation_agrees() ->
         ({"q": [0.5, -0.8, -0.3, 0.8], "v": [1, 0, 0, 0]}, None, "at the start, contact .* m/s instead of 0"),
     ],
 )
-def test_an_end_at_which_a_contact_does_not_hold_is_refused(start: Any, end: Any, complaint: str) -> None:
+def test_an_end_at_which_a_contact_does_not_hold_is_refused(start: Any, end: Any, message: str) -> None:
     robot = rt.load("five_link", root="fixed")
     ends = (None if values is None else rt.State(**values) for values in (start, end))
-    with pytest.raises(rt.InputError, match=complaint):
+    with pytest.raises(rt.InputError, match=message):
         rt.Phase(
             robot, 1.0, *ends, rt.Effort(), contacts=[rt.contacts.LoopClosure("left_foot", "right_foot")], limits=None
         )

@@ -121,7 +121,7 @@ def test_a_limit_per_joint_is_needed():
 
 
 def test_sound_limits_have_no_complaints(limits):
-    assert limits.complaints() == ()
+    assert limits.warnings() == ()
 
 
 @pytest.mark.parametrize(
@@ -139,29 +139,29 @@ def test_sound_limits_have_no_complaints(limits):
 )
 def test_each_fault_is_one_sentence_of_its_joint_with_the_cure(limits, changes, part):
     values = {name: getattr(limits, name) for name in limits.__dataclass_fields__} | changes
-    complaints = rt.Limits(**values).complaints()
-    assert len(complaints) == 1
-    assert "'hip'" in complaints[0]
-    assert part in complaints[0]
-    assert "rt.load(..., limits={" in complaints[0]
-    assert "Phase(limits=None)" in complaints[0]
+    warnings = rt.Limits(**values).warnings()
+    assert len(warnings) == 1
+    assert "'hip'" in warnings[0]
+    assert part in warnings[0]
+    assert "rt.load(..., limits={" in warnings[0]
+    assert "Phase(limits=None)" in warnings[0]
 
 
 def test_a_joint_without_motor_may_have_no_effort(limits):
     passive = limits.with_(effort={"hip": 0})
-    assert passive.complaints(["knee"]) == ()
-    assert len(passive.complaints(["hip", "knee"])) == 1
-    assert len(passive.complaints()) == 1
+    assert passive.warnings(["knee"]) == ()
+    assert len(passive.warnings(["hip", "knee"])) == 1
+    assert len(passive.warnings()) == 1
 
 
 def test_the_cure_that_is_named_cures():
     robot = rt.load("double_pendulum")
-    assert len(robot.limits.complaints()) == 2
+    assert len(robot.limits.warnings()) == 2
     cured = rt.load(
         "double_pendulum",
         limits={"position": (-np.pi, np.pi), "velocity": 10, "effort": {"joint1": 5, "joint2": 5}},
     )
-    assert cured.limits.complaints() == ()
+    assert cured.limits.warnings() == ()
     assert cured.limits.effort[1] == 5
 
 
@@ -170,9 +170,9 @@ def test_zero_limits_of_a_real_robot_are_counted():
     robot = rt.load(model)
     zero = np.flatnonzero(np.array(model.upperVelocityLimit) == 0)
     assert len(zero) == 24
-    complaints = robot.limits.complaints()
+    warnings = robot.limits.warnings()
     for i in zero:
-        assert any(f"Joint {robot.joint_names[i]!r} " in complaint for complaint in complaints)
+        assert any(f"Joint {robot.joint_names[i]!r} " in warning for warning in warnings)
 
 
 def test_a_joint_whose_friction_takes_all_of_its_effort_is_noted(urdf):

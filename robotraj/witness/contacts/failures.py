@@ -10,7 +10,7 @@ from robotraj.witness.contacts.impact import Impact
 MOVES = {"slip": "slips", "sink": "leaves the ground or sinks into it", "turn": "turns"}
 
 
-def contact_complaints(
+def contact_failures(
     holdings: Sequence[Holding],
     impacts: Sequence[Impact],
     contact: float | None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.checks.watch import SOLVER_NOISE
-from robotraj.witness.contacts.complaints import contact_complaints
+from robotraj.witness.contacts.failures import contact_failures
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.peak import Peak
 from robotraj.witness.simulation.closed_loop import ClosedLoop
@@ -14,7 +14,7 @@ from robotraj.witness.simulation.mirror_image import MIRRORED
 ASYMMETRIC = "left and right of the robot differ in inertia: plan both halves of the gait, closed by rt.Periodic."
 
 
-def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
+def failures_of(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
     """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation."""
     advice = _advice(figures.residual)
     found = [f"Not checked: {'; '.join(figures.unchecked)}."] if figures.unchecked else []
@@ -28,7 +28,7 @@ def complaints_about(figures: Figures, tolerances: Tolerances) -> tuple[str, ...
         found.append(f"The open-loop simulation stopped early: {figures.failure}.")
     elif tolerances.drift is not None and figures.drift is not None:
         found += _off("Open loop, the simulation drifts from the plan:", figures.drift.worst, tolerances.drift, advice)
-    found += contact_complaints(
+    found += contact_failures(
         figures.holdings, figures.impacts, tolerances.contact, tolerances.forces, tolerances.limits
     )
     found += _limits(figures, tolerances.limits)
