@@ -29,7 +29,7 @@ from robotraj.problem_files.parameters import (
 )
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-from robotraj.solution.storage.classes import complaint, fits
+from robotraj.solution.storage.classes import mismatch, fits
 from robotraj.solution.storage.load import load_solution
 
 NONE = "none"
@@ -182,7 +182,7 @@ class Reader:
             # A saved solution holds pairs of links instead of the path, a problem of the user names the file.
             checked = {name: each for name, each in given.items() if (kind, name) != (CollisionFree, "srdf")}
             wrong = (
-                complaint(kind, checked) if isinstance(kind, type) and hasattr(kind, "__dataclass_fields__") else None
+                mismatch(kind, checked) if isinstance(kind, type) and hasattr(kind, "__dataclass_fields__") else None
             )
             if wrong is not None:
                 raise Misplaced(place, f"{wrong}.")
