@@ -29,7 +29,7 @@ from robotraj.problem_files.parameters import (
 )
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-from robotraj.solution.storage.classes import mismatch, fits
+from robotraj.solution.storage.classes import fits, mismatch
 from robotraj.solution.storage.load import load_solution
 
 NONE = "none"
