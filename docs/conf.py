@@ -15,6 +15,7 @@ version = release = re.search(r'__version__ = "(.*)"', (DOCS.parent / "robotraj"
 extensions = [
     "mirror",
     "api",
+    "schema",
     "tiles",
     "mathml",
     "sphinx.ext.autodoc",

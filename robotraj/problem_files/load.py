@@ -34,14 +34,14 @@ _PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 
 TABLES = ("robot", "robots", "define", "phases", "links", "gait", "plan", "validate", "replay", "output")
 OUTPUTS = ("html", "save", "plot")
-OF_CALLERS = ("problem", "settings", "check", "progress", "continuation")
+OF_CALLERS = ("problem", "settings", "check", "progress", "watch", "continuation")
 """Parameters of ``rt.plan`` that a file does not set."""
 
 
 def load_problem(path: str | os.PathLike[str]) -> ProblemFile:
     """Read a problem, the options of its plan and the files that it writes.
 
-    The tables of the file mirror the classes and functions of robotraj; ``docs/problem-files.md`` lists them, and
+    The tables of the file mirror the classes and functions of robotraj; ``docs/problem-files.md`` explains them, and
     ``robotraj schema`` prints them. ``robotraj init`` writes a first file.
 
     Parameters

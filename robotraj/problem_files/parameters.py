@@ -102,12 +102,12 @@ def parameters_of(maker: Maker) -> Mapping[str, Parameter]:
             continue
         text, module = str(each.annotation), function.__module__
         if each.kind is not inspect.Parameter.VAR_KEYWORD:
-            found[name] = Parameter(name, text, each.default, _accepted(text, module))
+            found[name] = Parameter(name, text, each.default, accepted_by(text, module))
             continue
         options = getattr(sys.modules[module], text.partition("[")[2].rstrip("]"), None)
         for key, written in getattr(options, "__annotations__", {}).items():
             words = getattr(written, "__forward_arg__", str(written))
-            found[key] = Parameter(key, words, None, _accepted(words, options.__module__))
+            found[key] = Parameter(key, words, None, accepted_by(words, options.__module__))
     return found
 
 
@@ -121,11 +121,12 @@ def _fields(kind: type) -> list[Parameter]:
         if default is MISSING:
             default = REQUIRED if field.default_factory is MISSING else field.default_factory()
         text = str(field.type)
-        found.append(Parameter(field.name, text, default, _accepted(text, owner.__module__)))
+        found.append(Parameter(field.name, text, default, accepted_by(text, owner.__module__)))
     return found
 
 
-def _accepted(annotation: str, module: str) -> Accepted:
+def accepted_by(annotation: str, module: str) -> Accepted:
+    """Return what an annotation accepts that stands in a module."""
     return Accepted(tuple(_expanded(annotation, module)))
 
 
@@ -163,7 +164,7 @@ WORDS = {
     "float": "a number", "int": "a whole number", "bool": "true or false", "str": "a text", "None": "'none'",
     "ndarray": "a list of numbers", "ArrayLike": "a list of numbers", "Path": "a path", "PathLike": "a path",
     "Between": "{ between = [lower, upper] }", "Solution": "the path of a saved solution",
-    "Limits": "a table of limits",
+    "Limits": "a table of limits", "Robot": "the name of a robot",
 }  # fmt: skip
 UNWRITTEN = ("Any", "Callable", "PointExpression", "EndExpression", "OwnLimits", "Quaternion", "Interval", "object")
 """Alternatives that are not described: a file has no expressions, or other alternatives say the same."""

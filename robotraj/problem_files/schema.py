@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.printing import brief
@@ -14,9 +15,10 @@ from robotraj.problem.constraints.joint_limits import OwnLimits
 from robotraj.problem.phase import Phase
 from robotraj.problem_files.kinds import GAITS, KINDS
 from robotraj.problem_files.load import OF_CALLERS, OUTPUTS
-from robotraj.problem_files.parameters import Maker, Parameter, described, parameters_of
+from robotraj.problem_files.parameters import Maker, Parameter, accepted_by, described, parameters_of
 from robotraj.problem_files.robots import MAKERS
 from robotraj.replay_page.write import replay
+from robotraj.robot import carried_body
 from robotraj.robot.limits import Limits
 from robotraj.witness.validation import validate
 
@@ -94,7 +96,7 @@ def entry_named(name: str) -> SchemaEntry:
 
 
 def reference() -> str:
-    """Return the schema as Markdown, for ``docs/problem-files.md``."""
+    """Return the schema as Markdown, for the site."""
     lines: list[str] = []
     for title, group in entries().items():
         lines += [f"### {title}", ""]
@@ -121,10 +123,17 @@ def _tables() -> list[SchemaEntry]:
         ("[replay]", replay, ("solution", "path")),
     ]
     found = [_entry(name, maker, without) for name, maker, without in tables]
+    found = [replace(entry, parameters=(*entry.parameters, *_ADDED.get(entry.name, ()))) for entry in found]
     return [*found, SchemaEntry("[output]", "Files that are written, beside the problem file.", files)]
 
 
 _PATH = parameters_of(replay)["path"].accepted
+_BODIES = accepted_by("CarriedBody | Sequence[CarriedBody] | None", carried_body.__name__)
+_ADDED: Mapping[str, Sequence[Parameter]] = {
+    "[robot]": [Parameter("payload", "", None, _BODIES)],
+    "[[phases]]": [Parameter("robot", "", None, accepted_by("Robot", Phase.__module__))],
+}
+"""Keys that are no parameters of the class or function: bodies that a robot carries, the robot of a phase."""
 
 
 def _entry(name: str, maker: Maker, without: Sequence[str]) -> SchemaEntry:

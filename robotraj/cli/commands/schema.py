@@ -47,7 +47,7 @@ def print_schema(
     if name is None:
         for title, group in groups.items():
             say("\n".join(wrapped(f"{title}: {', '.join(entry.name for entry in group)}")))
-        say("\nrobotraj schema NAME prints the keys of one of these; docs/problem-files.md has all of them")
+        say("\nrobotraj schema NAME prints the keys of one of these; docs/problem-files.md explains files")
         return
     entry = groups[""][0]
     say("\n".join(wrapped(f"{entry.name}: {entry.summary}")))
