@@ -19,7 +19,6 @@ from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.swing_clearance import partners_of, swing_clearance
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
-from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.bounds import Between, between
 from robotraj.problem.links.base import Link
 from robotraj.problem.links.continuity import Continuity
@@ -87,7 +86,7 @@ def sequence(
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
-        rows: list[Constraint] = swing_clearance(robot, support, swinging, terms, ground, repeat, passes)
+        rows, parameters = swing_clearance(robot, support, swinging, terms, ground, repeat, passes)
         states = {}
         if terms.upright is not None:
             states = terms.upright.states(robot)
@@ -105,6 +104,7 @@ def sequence(
                 objective=objective,
                 constraints=rows,
                 contacts=[contacts[foot] for foot in support.feet],
+                parameters=parameters,
                 states=states,
                 name=support.name,
             )

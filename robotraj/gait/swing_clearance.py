@@ -22,6 +22,9 @@ from robotraj.robot.robot import Robot
 TOUCH = 1e-4
 """Depth below the ground [m] that clearance permits, so that its rows are not redundant at liftoff and touchdown."""
 
+STEP = "step length"
+"""Parameter of the phases of mirrored gaits with clearance: displacement of a step along x [m]."""
+
 
 def partners_of(repeat: Mirror | Periodic | None) -> dict[str, str]:
     """Return the foot on the other side of each foot that a mirror names."""
@@ -36,27 +39,30 @@ def swing_clearance(
     ground: Ground,
     repeat: Mirror | Periodic | None,
     passes: Mapping[str, str] | None,
-) -> list[Constraint]:
-    """Return the clearance of swinging feet.
+) -> tuple[list[Constraint], dict[str, float]]:
+    """Return the clearance of swinging feet, and the parameters of the phase that it reads.
 
     In a mirrored gait a foot swings past its standing partner: from one displacement behind the partner's foothold
     to one before it. The same holds in each half of a complete stride. Other feet stay above the ground; the function
     warns of them if the clearance is positive. All corners of a sole stay above the ground.
     """
     if terms.clearance is None or not swinging:
-        return []
+        return [], {}
     partners = partners_of(repeat) if passes is None else passes
     gain = repeat.displacement.get("q.root_x") if repeat is not None else None
     if passes is not None and isinstance(gain, int | float):
         gain = 0.5 * gain
     rows: list[Constraint] = []
+    parameters: dict[str, float] = {}
     level: list[tuple[str, tuple[float, ...]]] = []
     low: list[str] = []
     for foot in swinging:
         other, corners = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot).outline()
         if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
-            place, step = f"{foot_contact(terms.contact, other).label}.x", float(gain)
-            rows.append(GroundClearance(_contact_point(terms, foot), SwingArc(terms.clearance, place, step), ground))
+            # Gaits of other lengths have the same rows, since the length is a parameter.
+            parameters = {STEP: float(gain)}
+            arc = SwingArc(terms.clearance, f"{foot_contact(terms.contact, other).label}.x", STEP)
+            rows.append(GroundClearance(_contact_point(terms, foot), arc, ground))
             level += corners if len(corners) > 1 else []
         else:
             level += corners
@@ -68,7 +74,7 @@ def swing_clearance(
             "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet."
         )
     spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
-    return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows
+    return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows, parameters
 
 
 def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
@@ -91,17 +97,17 @@ class SwingArc(RequiredHeight):
         Height halfway [m].
     anchor : str
         Parameter of the phase: world x of the partner's foothold.
-    step : float
-        Displacement of a step along x [m].
+    step : str
+        Parameter of the phase: displacement of a step along x [m].
     """
 
     apex: float
     anchor: str
-    step: float
+    step: str
 
     def heights(self, point: RobotPoint, position: Sequence[Scalar]) -> dict[str, Scalar]:
         """Return the least heights at ``position``."""
-        progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / self.step
+        progress = 0.5 + 0.5 * (position[0] - point.p[self.anchor]) / point.p[self.step]
         return {
             "ground clearance": -TOUCH,
             "swing apex": 4.0 * (self.apex + TOUCH) * progress * (1.0 - progress) - TOUCH,

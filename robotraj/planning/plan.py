@@ -103,7 +103,8 @@ def plan(
         The message of a solution on one mesh names its restart.
     goals : Goals, optional
         Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,
-        until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved.
+        until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved. If the guess
+        is a proved solution on that mesh, its ``proof.unsettled`` stands for that of the first solution.
     settings : Settings, optional
         ``solution.settings`` of an earlier plan, which decide every setting. With the same problem, guess and
         continuation the plan is repeated bit for bit. Other options replace single settings.

@@ -263,7 +263,7 @@ class Phase(OneLine):
     def with_(self, **changes: Unpack[PhaseChanges]) -> Phase:
         """Return the phase with other fields, ``phase.with_(end=rt.State(q=...))``.
 
-        If only the ends change, both phases share the equations and the table of rows.
+        If only the ends and values of fixed parameters change, both phases share the equations and the table of rows.
 
         Raises
         ------
@@ -274,8 +274,10 @@ class Phase(OneLine):
         if unknown:
             raise unknown_name("field of a phase", sorted(unknown)[0], [entry.name for entry in fields(self)])
         changed = replace(self, **changes)
-        if set(changes) <= {"start", "end"}:
-            own = {entry.name for entry in fields(self)} | {"start_bounds", "end_bounds"}
+        numbers = {"start", "end"} if self.design else {"start", "end", "parameters"}
+        same_names = changed.parameter_names == self.parameter_names
+        if set(changes) <= numbers and same_names and changed.parameter_bounds.alike(self.parameter_bounds):
+            own = {entry.name for entry in fields(self)} | {"start_bounds", "end_bounds", "parameter_bounds"}
             changed.__dict__.update({name: value for name, value in self.__dict__.items() if name not in own})
         return changed
 

@@ -31,6 +31,7 @@ from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program, refresh
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.solvers.status import STATUSES, Status
+from robotraj.transcription.assembly.block import alike
 
 if TYPE_CHECKING:
     from robotraj.native import Options
@@ -183,7 +184,7 @@ class InteriorPoint(Solver):
         began = time.perf_counter()
         origin = known.origin
         # An NLP with added rows, or of another transcription, has other blocks, and the earlier program does not fit.
-        if not isinstance(origin, CompiledOrigin) or origin.nlp.blocks is not nlp.blocks:
+        if not isinstance(origin, CompiledOrigin) or not alike(origin.nlp.blocks, nlp.blocks):
             return self.solve(nlp, progress, multipliers)
         compiled = origin.compiled
         formulation = origin.formulation.refreshed(nlp) if compiled.threads == self._threads else None

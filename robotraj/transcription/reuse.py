@@ -1,9 +1,13 @@
-"""Reuse of a transcription for a problem that differs only in its ends, or for another guess."""
+"""Reuse of a transcription for a problem that differs only in numbers, or for another guess.
+
+These are the ends of phases, the values of fixed parameters, and bounds of links such as the length of a step.
+"""
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,15 +15,20 @@ from numpy.typing import NDArray
 
 from robotraj.guess.base import InitialGuess
 from robotraj.native.engines.base import Engine
+from robotraj.transcription.assembly.block import Block
+from robotraj.transcription.collocation.end_functions import fixed_values
 from robotraj.transcription.collocation.index_reduction import determined_at_ends
 from robotraj.transcription.collocation.invariants import determined_invariants
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.layout import Scalar
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.table import Scalars
 from robotraj.transcription.transcribe import bounds_of, start_of
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.row import Row
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
     from robotraj.transcription.layout import PhaseLayout
@@ -35,13 +44,13 @@ def transcribed_again(
     interval_limits: ConstraintGeneration,
     w: Array,
 ) -> Nlp | None:
-    """Return an NLP with the ends of another problem: bounds and the start of the solver change.
+    """Return an NLP with the numbers of another problem: bounds, constants and the start of the solver change.
 
     Parameters
     ----------
     nlp : Nlp
-        NLP of a problem whose phases differ from those of ``problem`` by ``with_(start=..., end=...)`` at most.
     problem : Problem
+        A problem whose phases share their equations with those of ``nlp``, by ``Phase.with_`` or ``sharing``.
     mesh, engine, interval_limits
         See ``transcribe``.
     w : ndarray (n_w,)
@@ -50,13 +59,13 @@ def transcribed_again(
     Returns
     -------
     Nlp or None
-        An NLP with the blocks, scales and functions of ``nlp``; None where more than the ends differs.
+        An NLP with the point functions and scales of ``nlp``; None where more than the numbers differs.
     """
     before = nlp.problem
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     alike = (
         len(before.phases) == len(problem.phases) == len(meshes)
-        and tuple(before.links) == tuple(problem.links)
+        and _alike_links(before, problem)
         and (engine is None or engine == nlp.engine)
         and interval_limits == nlp.interval_limits
         and all(_alike(*each) for each in zip(before.phases, problem.phases, nlp.layouts, strict=True))
@@ -66,12 +75,47 @@ def transcribed_again(
     )
     if not alike:
         return None
-    bounds = bounds_of(problem, nlp.layouts, interval_limits)
+    layouts = tuple(map(_with_parameters, nlp.layouts, problem.phases))
+    blocks = tuple(_with_scalars(block, layouts) for block in nlp.blocks)
+    bounds = bounds_of(problem, layouts, interval_limits)
     variables = nlp.free.bounded(bounds)
     guess = np.clip(w, variables.lower, variables.upper)
-    rows = nlp.loose_rows or nlp.rows
-    again = replace(nlp, problem=problem, variables=variables, guess=guess, rows=rows, loose_rows=None)
-    return _with_functions(again, nlp)
+    rows = _with_links(nlp.loose_rows or nlp.rows, problem)
+    again = replace(
+        nlp,
+        problem=problem,
+        layouts=layouts,
+        variables=variables,
+        guess=guess,
+        rows=rows,
+        blocks=blocks if any(map(operator.is_not, blocks, nlp.blocks)) else nlp.blocks,
+        loose_rows=None,
+    )
+    return _with_functions(again, nlp) if again.blocks is nlp.blocks else again
+
+
+def sharing(phase: Phase, known: Phase) -> Phase:
+    """Return a phase with the equations and rows of a known one, if both differ only in numbers.
+
+    These are the ends and the values of fixed parameters. Otherwise the phase itself is returned. Functions compare by
+    identity, so phases with equal lambdas from several calls differ.
+    """
+    numbers = "start", "end", "parameters"
+    if type(phase) is not type(known) or phase.design or phase.parameter_names != known.parameter_names:
+        return phase
+    if not all(_are_equal(phase, known, entry.name) for entry in fields(phase) if entry.name not in numbers):
+        return phase
+    shared = known.with_(start=phase.start, end=phase.end, parameters=phase.parameters)
+    return shared if shared.dae is known.dae else phase
+
+
+def _are_equal(phase: Phase, known: Phase, name: str) -> bool:
+    mine, other = getattr(phase, name), getattr(known, name)
+    try:
+        return mine is other or bool(mine == other)
+    except ValueError:
+        # Arrays have no single truth value.
+        return False
 
 
 def started_at(nlp: Nlp, guess: InitialGuess) -> Nlp:
@@ -92,13 +136,58 @@ def _with_functions(again: Nlp, nlp: Nlp) -> Nlp:
 
 
 def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
-    """Whether two phases share everything but their ends, as ``Phase.with_`` returns them."""
+    """Whether two phases share everything but their ends and the values of fixed parameters."""
     if before is now:
         return True
-    same = before.dae is now.dae and before.rows is now.rows
-    if not same or before.duration_bounds != now.duration_bounds:
+    same = before.dae is now.dae and before.rows is now.rows and before.duration_bounds == now.duration_bounds
+    if not same or not before.parameter_bounds.alike(now.parameter_bounds):
         return False
     # The ends determine which rows impose an invariant, or an equality with its rates.
     pairs = zip(determined_invariants(before), determined_invariants(now), strict=True)
     invariants = all(np.array_equal(one, other) for one, other in pairs)
     return invariants and determined_at_ends(before, layout) == determined_at_ends(now, layout)
+
+
+def _alike_links(before: Problem, now: Problem) -> bool:
+    """Whether two problems have the same links but for the values of bounds of rows."""
+    given = [tuple(link.without_numbers() for link in problem.links) for problem in (before, now)]
+    if given[0] != given[1]:
+        return False
+    rows = [[row for link in problem.bound_links for row in link.rows] for problem in (before, now)]
+    return len(rows[0]) == len(rows[1]) and all(map(_alike_rows, *rows))
+
+
+def _alike_rows(row: Row, other: Row) -> bool:
+    """Whether two rows differ at most in the values of their bounds."""
+    sides = [(np.isfinite(each.lower), np.isfinite(each.upper), each.lower == each.upper) for each in (row, other)]
+    return sides[0] == sides[1] and replace(row, lower=0.0, upper=0.0) == replace(other, lower=0.0, upper=0.0)
+
+
+def _with_links(rows: Scalars, problem: Problem) -> Scalars:
+    """Return the rows of an NLP with the bounds of the problem's links, whose rows are the last ones."""
+    of_links = [row for link in problem.bound_links for row in link.rows]
+    if not of_links:
+        return rows
+    lower, upper = (
+        np.append(whole[: -len(of_links)], [getattr(row, side) for row in of_links])
+        for side, whole in (("lower", rows.lower), ("upper", rows.upper))
+    )
+    if np.array_equal(lower, rows.lower) and np.array_equal(upper, rows.upper):
+        return rows
+    return replace(rows, lower=lower, upper=upper)
+
+
+def _with_parameters(layout: PhaseLayout, phase: Phase) -> PhaseLayout:
+    """Return a layout with the values of the phase's fixed parameters."""
+    pairs = zip(layout.parameters, phase.parameter_bounds.lower, strict=True)
+    parameters = tuple(scalar if scalar.column is not None else Scalar(None, float(low)) for scalar, low in pairs)
+    return layout if parameters == layout.parameters else replace(layout, parameters=parameters)
+
+
+def _with_scalars(block: Block, layouts: Sequence[PhaseLayout]) -> Block:
+    """Return a block with the fixed scalars of its phases."""
+    fixed = np.concatenate([np.zeros(0), *(fixed_values(layouts[i]) for i in block.phases)])
+    first = len(block.constants) - fixed.size
+    if np.all(block.constants[first:] == fixed[:, None]):
+        return block
+    return replace(block, constants=np.vstack([block.constants[:first], np.tile(fixed[:, None], block.count)]))

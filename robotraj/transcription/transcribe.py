@@ -107,17 +107,18 @@ def transcribe(
             points.append(collocate(phase, i, layout, rows, linear, as_tapes, interval_limits, known))
         impose_on_controls(interval_limits, phase, i, layout, rows, linear)
         impose_on_rates(phase, i, layout, rows, linear)
-        blocks += end_constraint_blocks(phase, i, layout, rows, as_tapes)
+        ends = end_constraint_blocks(phase, i, layout, rows, as_tapes)
         chosen = (
             start_equalities_block(phase, i, layout, rows, known, as_tapes)
             if collocated and known is not None
             else None
         )
         started = start_block(problem.phases, i, layout, problem.bound_links, rows, as_tapes)
-        blocks += [block for block in (chosen, started, mayer_block(phase, layout, as_tapes)) if block]
+        ends += [block for block in (chosen, started, mayer_block(phase, layout, as_tapes)) if block]
+        blocks += [replace(block, phases=(i,)) for block in ends]
     unknowns = tuple(link_unknowns(link, columns) for link in problem.bound_links)
     blocks += [
-        link_block(link, problem.phases, layouts, own, rows, as_tapes)
+        replace(link_block(link, problem.phases, layouts, own, rows, as_tapes), phases=link.phases)
         for link, own in zip(problem.bound_links, unknowns, strict=True)
     ]
     free, constraints = columns.finish(), rows.finish()

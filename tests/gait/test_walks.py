@@ -51,8 +51,8 @@ def test_two_steps_cost_twice_one(biped: rt.Robot) -> None:
 
 
 def test_an_arc_is_as_high_as_asked_halfway() -> None:
-    arc = SwingArc(0.1, "foot.x", 0.5)
-    point = SimpleNamespace(p={"foot.x": 2.0})
+    arc = SwingArc(0.1, "foot.x", "step length")
+    point = SimpleNamespace(p={"foot.x": 2.0, "step length": 0.5})
     for x, height in ((1.5, -1e-4), (2.0, 0.1), (2.5, -1e-4), (1.75, 0.75 * 0.1001 - 1e-4)):
         assert arc.heights(point, [x, 0.0, 0.0])["swing apex"] == pytest.approx(height, abs=1e-12)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers.base import Origin
+from robotraj.transcription.reuse import sharing, transcribed_again
 from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, two_phases
 
 MESH = rt.Mesh(12)
@@ -142,6 +144,41 @@ def test_several_phases_with_contacts_reuse_the_transcription() -> None:
     # An end that leaves the joints free no longer determines where the feet stand: rows are added.
     free = rt.plan(problem.with_(end=rt.State(v=0)), mesh, guess=first, progress=False)
     assert len(origin(free).nlp.rows) > len(origin(first).nlp.rows)
+
+
+@pytest.mark.parametrize("gait", ["walk", "trot"])
+def test_steps_of_another_length_have_the_rows_of_a_new_transcription(gait: str) -> None:
+    """The length is a bound of the link and a constant of the arcs of the swinging feet."""
+    robot = rt.load("five_link", root="planar") if gait == "walk" else rt.load("solo12", root="floating")
+    make, size = getattr(rt.gait, gait), 1.0 if gait == "walk" else 0.15
+    first, second = (
+        make(robot, step_length=length * size, duration=0.6 * size**0.5, clearance=0.1 * size) for length in (0.4, 0.5)
+    )
+    shared = replace(second, phases=list(map(sharing, second.phases, first.phases)))
+    assert shared.phases[0].dae is first.phases[0].dae
+    mesh, limits, engine = rt.Mesh(3), rt.interval_limits.BernsteinBounds(), rt.engines.VirtualMachine()
+    known = rt.transcription.transcribe(first, mesh, None, engine, limits)
+    again = transcribed_again(known, shared, mesh, engine, limits, known.guess)
+    fresh = rt.transcription.transcribe(second, mesh, None, engine, limits)
+    assert again is not None
+    w = known.guess + 0.01 * np.random.default_rng(0).standard_normal(len(known.guess))
+    np.testing.assert_allclose(again.values(w), fresh.values(w), rtol=1e-12, atol=1e-12)
+    assert np.max(np.abs(again.values(w) - known.values(w))) > 1e-4
+    for side in ("lower", "upper"):
+        np.testing.assert_array_equal(getattr(again.rows, side), getattr(fresh.rows, side))
+        np.testing.assert_array_equal(getattr(again.variables, side), getattr(fresh.variables, side))
+
+
+def test_phases_that_differ_in_more_than_numbers_share_nothing() -> None:
+    (phase,) = arm().phases
+    equal = rt.Phase(phase.subject, 1.0, phase.start, OTHER, phase.objective)
+    assert sharing(equal, phase).dae is phase.dae
+    assert sharing(equal, phase).end_bounds.lower[0] == OTHER.q[0]
+    for other in (equal.with_(duration=1.1), equal.with_(objective=2 * rt.Effort()), equal.with_(parameters={"m": 1})):
+        assert sharing(other, phase) is other
+    held = equal.with_(parameters={"m": rt.between(1, 2)})
+    assert sharing(equal.with_(parameters={"m": 1}), equal.with_(parameters={"m": 2})).parameter_bounds.lower == [1]
+    assert sharing(held, equal.with_(parameters={"m": 1})) is held
 
 
 def test_a_loop_may_write_to_its_arrays() -> None:

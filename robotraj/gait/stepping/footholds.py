@@ -152,7 +152,7 @@ def steps(
         later = {foot for step in footholds[k + 1 :] for foot in step}
         landed = [n for f in footholds[k] if f in later for n in _names(contacts[f].name, places[0])]
         fixed = {**phases[i + 1].parameters} | {name: places[k + 1][name] for name in landed}
-        phases[i + 1] = replace(phases[i + 1], parameters=fixed)
+        phases[i + 1] = replace(phases[i + 1], parameters={**phases[i + 1].parameters, **fixed})
     return replace(problem, phases=phases)
 
 

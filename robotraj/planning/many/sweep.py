@@ -13,7 +13,10 @@ from robotraj.planning.many.workers import run
 from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.solution.records import added_times
 from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
+from robotraj.transcription.reuse import sharing
 from robotraj.transcription.shooting.problem import explicit
 
 if TYPE_CHECKING:
@@ -40,8 +43,10 @@ def sweep(
         spawned, so a script needs ``if __name__ == "__main__":`` around the call. ``ThreadPoolExecutor(1)`` plans in
         this process, one problem after the other.
     chain : bool
-        Plan in this process, each problem from the solution of the last one that was solved. Neighbouring problems,
-        such as gaits of rising speed, take fewer iterations then. All may stay near the local optimum of the first.
+        Plan in this process, each problem from the solution of the last one that was solved, on its last mesh if that
+        was proved. Neighbouring problems, such as gaits of rising speed, take fewer iterations then. All may stay near
+        the local optimum of the first. Problems that differ only in numbers share one program: ends, fixed parameters,
+        displacements of links. Their objectives are compared on no second mesh: ``proof.unsettled`` is the neighbour's.
     **options
         Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ...
 
@@ -100,15 +105,35 @@ def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solut
     found: list[Solution] = []
     last: Solution | None = None
     for number, problem in enumerate(problems):
-        given = options if last is None else {**options, "guess": last}
         try:
-            solution = _numbered_plan(given, number, problem)
+            solution = (
+                _numbered_plan(options, number, problem) if last is None else _continued(options, number, problem, last)
+            )
         except KeyboardInterrupt as stopped:
             raise Interrupted(dict(enumerate(found)), len(problems)) from stopped
         found.append(solution)
         if solution.success:
             last = solution
     return found
+
+
+def _continued(options: GuessedChoices, number: int, problem: Problem, last: Solution) -> Solution:
+    """Plan from the solution of the problem before, on its last mesh where that was proved.
+
+    Where this fails, the plan begins on the first mesh of any plan.
+    """
+    if len(problem.phases) == len(last.phases):
+        problem = replace(problem, phases=list(map(sharing, problem.phases, last.problem.phases)))
+    from_last: GuessedChoices = {**options, "guess": last}
+    proof, meshes = last.proof, [part.mesh for part in last.phases]
+    if proof is None or not proof.holds or len(meshes) != len(problem.phases) or options.get("mesh") is not None:
+        return _numbered_plan(from_last, number, problem)
+    found = _numbered_plan({**from_last, "mesh": meshes, "goals": proof.goals}, number, problem)
+    if found.success or found.status is Status.INTERRUPTED:
+        return found
+    again = _numbered_plan(from_last, number, problem)
+    times, iterations = added_times(found.times, again.times), found.iterations + again.iterations
+    return replace(again, times=times, iterations=iterations)
 
 
 def check_options(options: Mapping[str, object]) -> None:

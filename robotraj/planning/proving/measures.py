@@ -107,7 +107,9 @@ class Measured:
         return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, MOST_GROWTH))
 
 
-def measured(solution: Solution, before: Measured | None, goals: Goals, bending: bool = False) -> Measured:
+def measured(
+    solution: Solution, before: Measured | None, goals: Goals, bending: bool = False, expected: float = np.inf
+) -> Measured:
     """Measure a solution between its collocation points, and compare its objective with those of meshes before.
 
     Parameters
@@ -119,6 +121,8 @@ def measured(solution: Solution, before: Measured | None, goals: Goals, bending:
     bending : bool
         Whether controls bend sharply in a few intervals, as torques do where joints stick and slide. The next mesh then
         has its intervals where their highest degree contributes to the objective.
+    expected : float
+        Relative decrease of the objective to expect on finer meshes, if there is no coarser mesh to compare with.
 
     Returns
     -------
@@ -136,7 +140,7 @@ def measured(solution: Solution, before: Measured | None, goals: Goals, bending:
     coarse = float(sum(each.sum() for each in bends)) / size
     terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
     order = ORDER if any(isinstance(term, Integral) for term in terms) else ORDER_OF_ENDS
-    unsettled = np.inf
+    unsettled = expected
     coarser = before if bending else _coarser(before, count)
     if coarser is not None:
         gained = abs(coarser.objective - true) / size

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.progress import PlanLimits
@@ -18,6 +20,7 @@ from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, 
 from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
+from robotraj.solution.proof import Proof
 from robotraj.solution.records import MeshStep, added_times
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
@@ -80,6 +83,8 @@ class _Refining:
         """Phases and measures of the last solution that was measured before limits were imposed between its points."""
         self.limits_between = False
         """Whether limits are imposed between the points on the present mesh."""
+        self.neighbour: Proof | None = None
+        """Proof of a similar problem on the first mesh, whose solution is the guess."""
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
@@ -88,10 +93,11 @@ class _Refining:
         soft = self._with_soft_friction(guess, meshes)
         if soft is not None:
             guess, meshes = soft, self._finer_where_bent(soft)
+        self.neighbour = _proof_on(guess, meshes)
         last: Solution | None = None
         best_limited, stagnant = False, 0
         for number in range(MOST_MESHES):
-            first = number == 0
+            first = number == 0 and self.neighbour is None
             try:
                 self.limits_between = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self.sticking)
                 last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
@@ -140,7 +146,7 @@ class _Refining:
 
     def _is_settled(self, solution: Solution) -> bool:
         """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
-        measures = measured(solution, self.measures, self.goals, bending=self.sticking)
+        measures = self._measures(solution, self.measures)
         self.unchecked = solution.phases, measures
         self.limits_between = measures.proof.error <= self.goals.error and measures.growth <= 1.0
         return self.limits_between
@@ -247,7 +253,7 @@ class _Refining:
         if self.unchecked is not None and self.unchecked[0] is solution.phases and self.unchecked[1].before is before:
             self.measures = self.unchecked[1].with_violations(solution)
         else:
-            self.measures = measured(solution, before, self.goals, bending=self.sticking)
+            self.measures = self._measures(solution, before)
         self.unchecked = None
         proof, parts = self.measures.proof, solution.phases
         points = sum(len(part.points) for part in parts)
@@ -255,6 +261,11 @@ class _Refining:
         step = MeshStep(intervals, points, proof.error, solution.objective, solution.iterations, solution.seconds)
         self.steps.append(step)
         return replace(solution, proof=proof)
+
+    def _measures(self, solution: Solution, before: Measured | None) -> Measured:
+        """Measure a solution; without a coarser mesh, its objective still has to gain what the neighbour's had."""
+        expected = np.inf if self.neighbour is None else self.neighbour.unsettled
+        return measured(solution, before, self.goals, self.sticking, expected)
 
     def _concluded(self, solution: Solution) -> Solution:
         """Return the solution with the status and records of the whole plan.
@@ -275,6 +286,13 @@ class _Refining:
             times=self.times,
             iterations=self.iterations,
         )
+
+
+def _proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Proof | None:
+    """Return the proof of a solution on these meshes; None for any other guess."""
+    if not isinstance(guess, Solution) or guess.proof is None or not guess.proof.holds:
+        return None
+    return guess.proof if tuple(part.mesh for part in guess.phases) == meshes else None
 
 
 def _is_motion(solution: Solution) -> bool:

@@ -69,6 +69,12 @@ class Bounds(NamedTuple):
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
 
+    def alike(self, other: Bounds) -> bool:
+        """Whether the same entries are fixed, and the bounds of the others are equal."""
+        free, known = self.lower < self.upper, other.lower < other.upper
+        pairs = zip(self, other, strict=True)
+        return np.array_equal(free, known) and all(np.array_equal(mine[free], its[free]) for mine, its in pairs)
+
 
 def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint") -> Bounds:
     """Return the bounds of n named scalars.

@@ -95,6 +95,10 @@ class Link(OneLine, ABC):
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Check the named phases and return the rows."""
 
+    def without_numbers(self) -> Link:
+        """Return the link without the numbers that are bounds of its rows and enter no expression."""
+        return self
+
 
 def phase_at(phases: Sequence[Phase], index: int, what: str) -> Phase:
     """Return the phase of an index.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -87,6 +87,10 @@ class Periodic(Link):
         """Write one row per state whose gain is bounded."""
         return _repeat(self, phases, "Periodic")
 
+    def without_numbers(self) -> Periodic:
+        """Return the link with displacements of zero."""
+        return replace(self, displacement=dict.fromkeys(self.displacement, 0.0))
+
     def of(self, phase: Phase, names: list[str], what: str) -> Repeat:
         """Read the displacement; every state is its own image."""
         return _displaced(names, [(name, 1.0) for name in names], self.displacement, {}, what)
@@ -125,6 +129,10 @@ class Mirror(Link):
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row per state whose gain is bounded."""
         return _repeat(self, phases, "Mirror")
+
+    def without_numbers(self) -> Mirror:
+        """Return the link with displacements of zero."""
+        return replace(self, displacement=dict.fromkeys(self.displacement, 0.0))
 
     def of(self, phase: Phase, names: list[str], what: str) -> Repeat:
         """Pair the states of both sides.

@@ -53,6 +53,10 @@ class Touchdown(Link):
     second: int
     repeat: Periodic | Mirror | None = None
 
+    def without_numbers(self) -> Touchdown:
+        """Return the link with displacements of zero."""
+        return self if self.repeat is None else replace(self, repeat=self.repeat.without_numbers())
+
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write rows of time, positions, momentum and cones.
 

@@ -73,7 +73,7 @@ class Assembled:
         return np.asarray(w * self.nlp.scale)
 
     def refreshed(self, nlp: Nlp) -> Assembled | None:
-        """Write another NLP over the same blocks with the patterns and combinations of this one.
+        """Write another NLP over the same point functions with the patterns and combinations of this one.
 
         Returns
         -------
@@ -87,7 +87,7 @@ class Assembled:
         rows = _rows(nlp, free)
         _, shift = _linear(nlp, free, values, rows)
         blocks = tuple(
-            replace(part, shift=_gather(block, free, values)[1])
+            replace(part, block=replace(part.block, constants=block.constants), shift=_gather(block, free, values)[1])
             for part, block in zip(self.program.blocks, _scaled_blocks(nlp), strict=True)
         )
         program = replace(self.program, shift=shift, blocks=blocks, lower=rows.lower, upper=rows.upper)

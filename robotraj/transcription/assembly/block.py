@@ -8,6 +8,7 @@ the weights of the costed output in the objective.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import field, replace
 
 import numpy as np
@@ -38,6 +39,9 @@ class Block(OneLine):
         S.
     weights : ndarray (E,)
         s, zero at places without cost.
+    phases : tuple of int
+        Phases whose fixed scalars (start time, duration, parameters) are the last constants; empty where there are none
+        or where the block is added to an NLP later.
     """
 
     stage: PointFunctions
@@ -45,6 +49,7 @@ class Block(OneLine):
     constants: Array
     scatter: csr_array
     weights: Array = field(repr=False)
+    phases: tuple[int, ...] = ()
 
     @property
     def count(self) -> int:
@@ -107,6 +112,15 @@ class Block(OneLine):
         factors = np.where(off & (row == column), 2.0 * factors, factors)
         kept = off | (row <= column)
         return Chain(np.minimum(row, column)[kept], np.maximum(row, column)[kept], factors[kept], source[kept])
+
+
+def alike(blocks: Sequence[Block], others: Sequence[Block]) -> bool:
+    """Whether blocks are those of one transcription but for their constants."""
+
+    def parts(block: Block) -> tuple[int, ...]:
+        return tuple(map(id, (block.stage, block.gather, block.scatter, block.weights)))
+
+    return blocks is others or list(map(parts, blocks)) == list(map(parts, others))
 
 
 @dataclass(frozen=True)

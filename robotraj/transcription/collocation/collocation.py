@@ -131,7 +131,7 @@ def collocate(
     if isinstance(layout.mesh, MovingMesh):
         tie_intervals(layout.mesh, index, layout, rows, linear)
     empty = csr_array((0, 0))
-    return Block(stage, empty, constants, empty, weights), gather, scatter
+    return Block(stage, empty, constants, empty, weights, (index,)), gather, scatter
 
 
 _STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], PointFunctions]] = WeakKeyDictionary()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -235,4 +236,4 @@ def widen(block: Block, rows: int, columns: int) -> Block:
     gather, scatter = block.gather.copy(), block.scatter.copy()
     gather.resize((gather.shape[0], columns))
     scatter.resize((rows, block.stage.outputs * block.count))
-    return Block(block.stage, gather, block.constants, scatter, block.weights)
+    return replace(block, gather=gather, scatter=scatter)

@@ -314,6 +314,32 @@ def test_a_chain_of_gaits_takes_fewer_iterations_than_cold_plans() -> None:
     assert sum(one.iterations for one in chained[1:]) < 0.8 * sum(one.iterations for one in cold)
 
 
+def test_a_chain_of_default_plans_stays_on_a_proved_mesh_with_its_program() -> None:
+    robot = rt.load("five_link", root="planar")
+    steps = [rt.gait.walk(robot, step_length=length, duration=0.6, clearance=0.05) for length in (0.4, 0.42, 0.44)]
+    chained = rt.sweep(steps, chain=True)
+    cold = [rt.plan(step, progress=False) for step in steps]
+    for one, other in zip(chained, cold, strict=True):
+        assert one.proof is not None
+        assert one.proof.holds
+        assert one.objective == pytest.approx(other.objective, rel=2e-3)
+    assert [len(solution.refinement) for solution in chained[1:]] == [1, 1]
+    assert len({id(origin.compiled.native) for origin in map(origin_of, chained)}) == 1
+    assert sum(one.iterations for one in chained[1:]) < 0.5 * sum(one.iterations for one in cold[1:])
+
+
+def origin_of(solution: rt.Solution) -> Any:
+    assert solution.multipliers is not None
+    return solution.multipliers.origin
+
+
+def test_a_chain_of_default_plans_goes_on_after_one_that_is_not_solved() -> None:
+    """The third is tried on the mesh of the second, then on a mesh of its own."""
+    chained = rt.sweep(moves(), chain=True)
+    assert [solution.success for solution in chained] == [True, True, False, True]
+    assert [chained[i].objective for i in (0, 1, 3)] == pytest.approx([12.0, 1.5, 12 / 64], rel=1e-3)
+
+
 def test_a_chain_has_no_executor() -> None:
     with pytest.raises(InputError, match="leave executor= out"):
         rt.sweep(moves(), chain=True, executor=Backwards())
