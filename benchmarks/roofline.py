@@ -1,4 +1,4 @@
-"""How far an iteration is from what one core could do: `python benchmarks/roofline.py`.
+"""How far an iteration is from what one core could do: `python benchmarks/roofline.py` writes roofline.md.
 
 Arithmetic of an iteration of `rt.InteriorPoint`, per stage with n_x states, n_u controls, n_g path equalities and
 n_h inequalities, n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an addition count as two):
@@ -11,13 +11,18 @@ the native engine's formulas undercut. Both count dense matrices: the recursion 
 products of matrices of 256 rows by SciPy's BLAS, on one core; the last column uses 30 rows, the size of a
 small arm. An iteration is in processor time, the least of several solves of a compiled program; inertia corrections,
 refinements and the line search are included.
+
+Gaits have no stages, and their Newton systems are factorised as sparse matrices. Their table has the unknowns and rows
+of the last mesh of a default plan, and the part of an iteration that is linear algebra.
 """
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Iterator
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from scipy.linalg.blas import dgemm
@@ -28,6 +33,18 @@ from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.reduction import reduce
 
+HERE = Path(__file__).resolve().parent
+TABLE = HERE / "roofline.md"
+NOTES = "## What the recursion does"
+"""Heading in ``TABLE`` of what the script does not write."""
+HEAD = """# An iteration beside the arithmetic limit of a core
+
+Written by `python benchmarks/roofline.py`, whose docstring has the formulas; `rt.InteriorPoint(threads=1)`, processor
+time on a shared machine. The limit is the speed of a BLAS's product of matrices of 256 rows. The last column uses
+products of 30 rows. The larger a stage, the closer an iteration is to the limit, since the limit counts nothing but
+dense matrices; the recursion skips zeros.
+"""
+GAITS = ("solo12", "anymal", "bolt", "talos_legs", "g1")
 RUNS = 9
 INTERVALS = (25, 50, 100, 200, 400, 800, 1600)
 MESH = 50
@@ -117,20 +134,63 @@ def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
     )
 
 
-def main() -> None:
-    """Print one line a mesh, then one a robot."""
+def gait_row(problem: rt.Problem) -> str:
+    """One line of the table of gaits, after its first cell."""
+    solver = rt.InteriorPoint(tolerance=1e-6, threads=1, fallback=None)
+    origin: Any = cast(rt.Solution, rt.plan(problem, solver=solver, progress=False)).multipliers.origin  # type: ignore[union-attr]
+    program, nlp = origin.formulation.program, origin.nlp
+    start = origin.formulation.start(nlp.guess)
+    scale = of_program(origin.compiled.native, start, program, solver.initial_barrier, nlp)
+    options = solver._options(solver.initial_barrier, FACTORS[0], solver.max_iterations, origin.formulation)
+    took, shares = [], []
+    for _ in range(RUNS):
+        began = time.process_time()
+        found = origin.compiled.native.solve(start, program.lower, program.upper, options, objective_scale=scale)
+        took.append(time.process_time() - began)
+        shares.append(found.times["linear algebra"] / found.times["total"])
+    rows = int(program.equalities.sum() + program.inequalities.sum())
+    each = 1e3 * min(took) / found.iterations
+    return f"{start.size} | {rows} | {found.iterations} | {each:.2f} | {100 * np.median(shares):.0f} |"
+
+
+def gaits() -> dict[str, rt.Problem]:
+    """Return a step of each robot, of the size of ``proven/legs.py``."""
+    sys.path.insert(0, str(HERE / "proven"))
+    from legs import step
+
+    return {name: step(name, 0.1) for name in GAITS}
+
+
+def tables() -> Iterator[str]:
+    """Write one line a mesh, then one a robot, then one a gait."""
     peak, small = rate(256), rate(SMALL)
-    print(f"one core: {peak / 1e9:.1f} GFlop/s in products of 256 rows, {small / 1e9:.1f} of {SMALL}, a stage of ur5")
+    yield f"One core: {peak / 1e9:.1f} GFlop/s in products of 256 rows, {small / 1e9:.1f} of {SMALL}, a stage of ur5."
     titles = f"Riccati [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio | by {SMALL} rows |"
-    print(f"\n| ur5, intervals | {titles}\n|{'---|' * 7}")
+    yield f"\n| ur5, intervals | {titles}\n|{'---|' * 7}"
     arm = rt.load("ur5")
     for intervals in INTERVALS:
         phase = rt.Phase(arm, 1.0, rt.State(q=START, v=0), rt.State(q=GOAL, v=0), objective=rt.Effort())
-        print(f"| {intervals} | {row(phase, intervals, peak, small)}", flush=True)
-    print(f"\n| {MESH} intervals | joints | {titles}\n|{'---|' * 8}")
+        yield f"| {intervals} | {row(phase, intervals, peak, small)}"
+    yield "\nEvery joint moves from two to three fifths of its range in 1.5 s, on a fixed root:\n"
+    yield f"| {MESH} intervals | joints | {titles}\n|{'---|' * 8}"
     for name, settings in ROBOTS.items():
         robot = rt.load(name, **settings)
-        print(f"| {name} | {robot.nv} | {row(across(robot), MESH, peak, small)}", flush=True)
+        yield f"| {name} | {robot.nv} | {row(across(robot), MESH, peak, small)}"
+    yield "\nA step of a walk or trot, on the last mesh of its default plan, by a sparse factorisation:\n"
+    yield f"| gait | unknowns | rows | iterations | iteration [ms] | linear algebra [%] |\n|{'---|' * 6}"
+    for name, problem in gaits().items():
+        yield f"| {name} | {gait_row(problem)}"
+
+
+def main() -> None:
+    """Print the tables, and write them before the notes of roofline.md."""
+    lines = []
+    for line in tables():
+        print(line, flush=True)
+        lines.append(line)
+    notes = TABLE.read_text()
+    notes = notes[notes.index(NOTES) :]
+    TABLE.write_text("\n".join([HEAD, *lines, "", notes]))
 
 
 if __name__ == "__main__":

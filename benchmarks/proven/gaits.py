@@ -44,7 +44,20 @@ GAITS = (
     "gap",
     "jump",
 )
-ROBOTS = ("five_link", "solo12", "go1", "a1", "hyq", "anymal", "bolt", "alexander", "talos_legs", "g1", "talos")
+ROBOTS = (
+    "five_link",
+    "solo12",
+    "go1",
+    "a1",
+    "hyq",
+    "anymal",
+    "laikago",
+    "bolt",
+    "alexander",
+    "talos_legs",
+    "g1",
+    "talos",
+)
 HEAD = "| robot | gait | proved | processor [s] | meshes | intervals | iterations | remark |"
 RULE = "|---|---|---|---|---|---|---|---|"
 
