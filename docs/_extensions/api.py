@@ -36,6 +36,11 @@ def heading(text: str) -> str:
     return f"{text}\n{'=' * len(text)}\n\n"
 
 
+def purpose(module: ModuleType) -> str:
+    """Return the first paragraph of a namespace's docstring, on one line."""
+    return " ".join((inspect.getdoc(module) or "").partition("\n\n")[0].split())
+
+
 def page(name: str, module: ModuleType, top: set[int]) -> str:
     """Write the page of a namespace; names that stand at the top have their page there."""
     own, elsewhere = [], []
@@ -45,7 +50,7 @@ def page(name: str, module: ModuleType, top: set[int]) -> str:
             continue
         (elsewhere if id(value) in top else own).append(entry)
     text = heading(f"rt.{name}") + f".. module:: robotraj.{name}\n\n"
-    text += (inspect.getdoc(module) or "").partition("Start with")[0].partition("\n\n")[0] + "\n\n"
+    text += purpose(module) + "\n\n"
     if elsewhere:
         text += "At the top: " + ", ".join(f":obj:`rt.{entry} <robotraj.{entry}>`" for entry in elsewhere) + ".\n\n"
     return text + (summary(f"robotraj.{name}", module, own) if own else "")
@@ -58,6 +63,10 @@ def pages(app: Sphinx, config: Config) -> None:
     top = {id(getattr(rt, name)) for name in names}
     folder = GENERATED / "api"
     write(folder / "top.rst", heading("Names at the top") + ".. module:: robotraj\n\n" + summary("robotraj", rt, names))
+    rows = "".join(
+        f"| [rt.{name}](../generated/api/{name}.rst) | {purpose(spaces[name])} |\n" for name in sorted(spaces)
+    )
+    write(folder / "spaces.txt", "| namespace | what is in it |\n|---|---|\n" + rows)
     for name, module in spaces.items():
         write(folder / f"{name}.rst", page(name, module, top))
 
