@@ -45,7 +45,7 @@ def replay(
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
 
     The file contains meshcat's viewer, meshes, motion and curves, and needs no network. Writing it starts no server,
-    process or browser. Phases follow one another on one time line. ``docs/replay.md`` describes the page.
+    process or browser. Phases follow one another on one time line. ``docs/how-to/replay.md`` describes the page.
 
     In the browser's console, ``robotraj.seek(t)`` moves to a time [s], and ``robotraj.time()`` returns it.
     ``robotraj.poses(k)`` returns the world position [m] and quaternion (x, y, z, w) of every joint of solution k = 1, 2
