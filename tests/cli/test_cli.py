@@ -106,6 +106,8 @@ def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
     assert "PASSED" in succeed("validate", "swing.npz")
     assert f"wrote {here / 'swing.html'}" in succeed("replay", "swing.npz")
     assert f"wrote {here / 'slow.html'}" in succeed("replay", "swing", "slow.html", "--speed", "0.5")
+    assert f"wrote {here / 'both.html'}" in succeed("replay", "swing", "both.html", "--with", "swing.npz")
+    assert "2 solutions" in (here / "both.html").read_text()
     assert (here / "slow.html").read_text() != (here / "swing.html").read_text()
     result = run("replay", "swing.npz", "--periods", "3")
     assert result.exit_code != 0

@@ -18,10 +18,20 @@ def replay_file(
     ] = None,
     speed: Annotated[float, typer.Option(help="Playback speed to begin with; 1 is real time.")] = 1.0,
     periods: Annotated[int, typer.Option(help="How often a gait that closes on itself is shown.")] = 1,
+    beside: Annotated[
+        list[Path] | None,
+        typer.Option("--with", metavar="FILE", help="A further saved solution to compare; up to three."),
+    ] = None,
 ) -> None:
-    """Write a saved solution as one HTML file that opens anywhere, offline."""
+    """Write a saved solution as one HTML file that opens anywhere, offline.
+
+    Example: robotraj replay slow.npz both.html --with fast.npz
+    """
     from robotraj.replay_page.write import replay
     from robotraj.solution.storage.load import load_solution
 
-    solution = load_solution(file)
-    say(f"wrote {replay(solution, out or file.with_suffix('.html'), speed=speed, periods=periods)}")
+    files = [file, *(beside or ())]
+    solutions = [load_solution(each) for each in files]
+    labels = [each.stem for each in files] if beside else None
+    target = out or file.with_suffix(".html")
+    say(f"wrote {replay(solutions, target, speed=speed, periods=periods, labels=labels)}")
