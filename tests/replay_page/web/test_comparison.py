@@ -92,7 +92,7 @@ def test_layers_are_shown_on_demand_and_the_centre_of_mass_is_the_robots(
 
 def test_obstacles_are_a_layer_and_keep_their_colour_beside_ghosts(browser: Any, tmp_path: Any) -> None:
     robot = rt.load("ur5")
-    post = rt.obstacles.Box((0.1, 0.1, 0.3), position=(0.52, 0.07, 0.9), name="post")
+    post = rt.obstacles.Box((0.1, 0.1, 0.3), position=(1.2, 0.6, 0.3), name="post")
     free = rt.CollisionFree([post], self_collision=False)
     ends = rt.State(q=[0, -1.5, 1, -1, -1.5, 0], v=0), rt.State(q=[0.3, -1.5, 1, -1, -1.5, 0], v=0)
     solution = rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort(), constraints=[free]), mesh=rt.Mesh(6))
