@@ -1,4 +1,4 @@
-"""Problems in TOML: files that say what a Python script would, and messages that name line and key.
+"""Problems in TOML: what a Python script would state, and messages that name line and key.
 
 Start with ``load.py``. The room may import every room but ``cli``.
 """

@@ -1,4 +1,4 @@
-"""Lines of the keys of a TOML text, which the standard library's reader does not tell."""
+"""Lines of the keys of a TOML text, which the standard library's reader does not return."""
 
 from __future__ import annotations
 

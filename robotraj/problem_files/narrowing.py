@@ -22,8 +22,8 @@ T = TypeVar("T")
 def narrowed(make: Callable[[Any], T], data: Any, place: Place) -> T:
     """Make a value from data; an error names the smallest part of the data that causes it.
 
-    A part causes an error if its text is an unknown name, if the value can be made without it, or if the message
-    mentions its key.
+    A part causes an error if its text is an unknown name or the message mentions its key. It also does if the value can
+    be made without it.
 
     Raises
     ------

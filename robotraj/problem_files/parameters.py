@@ -167,7 +167,7 @@ WORDS = {
     "Limits": "a table of limits", "Robot": "the name of a robot",
 }  # fmt: skip
 UNWRITTEN = ("Any", "Callable", "PointExpression", "EndExpression", "OwnLimits", "Quaternion", "Interval", "object")
-"""Alternatives that are not described: a file has no expressions, or other alternatives say the same."""
+"""Alternatives that are not described: a file has no expressions, or other alternatives cover them."""
 
 
 def described(accepted: Accepted) -> str:

@@ -90,9 +90,9 @@ def replay(
     Raises
     ------
     InputError
-        A suffix other than ``.html``, a missing directory, a speed or fps out of range, no solution or more than
-        four, labels of another number, phases that move different robots, ``traces`` for a system, or several periods
-        of a plan that is not periodic. An unknown frame raises UnknownName.
+        A suffix other than ``.html``, a missing directory, or a speed or fps out of range. No solution or more than
+        four, or labels of another number. Phases that move different robots, ``traces`` for a system, or several
+        periods of a plan that is not periodic. An unknown frame raises UnknownName.
     """
     solutions = _checked(solution, labels)
     target = html_path(path)

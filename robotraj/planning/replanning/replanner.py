@@ -68,8 +68,8 @@ class Replanner:
     mesh : Mesh, optional
         50 Hermite-Simpson intervals by default.
     deadline : float, optional
-        Wall-clock seconds of a step; none by default. The solver begins no iteration that would not end in time if it
-        took as long as the one before, and leaves the time that earlier steps took to check and return the iterate.
+        Wall-clock seconds of a step; none by default. The solver stops before an iteration that would end too late if
+        it took as long as the one before. It leaves the time that earlier steps took to check and return the iterate.
     guess : InitialGuess or Solution, optional
         Guess of the first plan.
     solver : InteriorPoint, optional

@@ -106,8 +106,8 @@ def _quaternions(rotation: Array) -> Array:
 def keys(position: Array, quaternion: Array) -> NDArray[np.intp]:
     """Choose the samples of one joint for the page: one a frame, more where interpolation errs by TOLERANCE.
 
-    Starting from every FINEST-th sample, an interval is halved where its midpoint differs from the mean of its ends,
-    linear for positions and on the great arc for rotations. Its halves are halved again.
+    Starting from every FINEST-th sample, an interval is halved where its midpoint differs from the mean of its ends.
+    Its halves are halved again. Positions are interpolated linearly, rotations on the great arc.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:
     Raises
     ------
     InputError
-        A mesh mixes one-step schemes with others or moves the knots of single shooting, or a phase has algebraic
+        A mesh mixes one-step schemes with others or moves the knots of single shooting. Or a phase has algebraic
         variables, an integral constraint, or an objective with slacks at collocation points.
     """
     phases = [

@@ -91,8 +91,8 @@ class JointFeedback(Feedback):
 class LinearQuadratic(Feedback):
     """The time-varying linear quadratic regulator along the plan with its contacts, periodic if the plan is.
 
-    It minimises the integral of the sum of (e_q / position)^2, (e_v / velocity)^2 and (u / (effort tau_scale))^2, where
-    tau_scale is a motor's largest planned torque, and at least a fifth of the largest of all.
+    It minimises the integral of the sum of (e_q / position)^2, (e_v / velocity)^2 and (u / (effort tau_scale))^2. The
+    scale of a motor is its largest planned torque, and at least a fifth of the largest of all.
     Source: Tedrake, Underactuated Robotics, chapter 8 (time-varying LQR).
 
     Parameters

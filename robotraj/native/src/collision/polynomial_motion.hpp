@@ -1,7 +1,7 @@
 // Proof of distances along a motion of polynomials, or where and by how much they are short.
 //
-// Distances change on a piece of an interval as in `straight_motion.hpp`, with rates and accelerations bounded by the
-// Bernstein coefficients of their polynomials on the whole interval. A piece is halved for the pairs that are not
+// Distances change on a piece of an interval as in `straight_motion.hpp`. Their rates and accelerations are bounded by
+// the Bernstein coefficients of their polynomials on the whole interval. A piece is halved for the pairs that are not
 // proved.
 #pragma once
 

@@ -1,7 +1,7 @@
 // Elimination of a front's pivots, one or two rows at a time, for one kind of processor.
 //
-// Duff and Reid, ACM Transactions on Mathematical Software 9 (1983): a candidate that no pivot of one or two rows lets
-// go without large multipliers waits, and is delayed to the next front if it still waits at the end.
+// Duff and Reid, ACM Transactions on Mathematical Software 9 (1983): a candidate waits where every pivot of one or two
+// rows would give it large multipliers. Candidates that wait at the end are delayed to the next front.
 #pragma once
 
 #include "front_substitution.hpp"
@@ -215,7 +215,7 @@ class Elimination {
     f_.order[j] = kept;
   }
 
-  /// The rest of the front hears of the panel's pivots.
+  /// Updates the rest of the front by the panel's pivots.
   void flush() {
     if (done_ > panel_) update(f_.entries + panel_ * ld_, w_, ld_, f_.rows, done_ - panel_, done_, f_.entries);
     panel_ = done_;

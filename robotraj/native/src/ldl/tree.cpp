@@ -9,8 +9,8 @@
 namespace robotraj::native::ldl {
 namespace {
 
-/// What a front costs, in products: those of its pivots, and as much as these many of them for each entry that is
-/// cleared, filled, handed on and added to the parent's, and for the front as such.
+/// The cost of a front in products: those of its pivots, a cost for each entry and a cost of the front itself. An entry
+/// is cleared, filled, handed on and added to the parent's.
 constexpr double kEntryCost = 12.0, kFrontCost = 8000.0;
 
 double cost(double columns, double rows) {

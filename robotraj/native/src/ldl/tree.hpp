@@ -1,4 +1,4 @@
-// The assembly tree of a sparse symmetric matrix: which rows leave together, and who hears of it.
+// The assembly tree of a sparse symmetric matrix: which rows are eliminated together, and which they update.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ struct Pattern {
   std::vector<int> starts, rows;  ///< n + 1, and the entries
 };
 
-/// A node of the tree: `columns` successive rows of the new order leave it, `below` hear of them.
+/// A node of the tree: `columns` successive rows of the new order are eliminated, `below` updated.
 struct Node {
   int first, columns;
   int parent;                 ///< -1 at a root

@@ -33,8 +33,8 @@ struct Combination::Rows {
     return places ? places[first + row] : static_cast<std::ptrdiff_t>(first + row);
   }
 
-  /// Whether `count` rows from b on have the places of those from a on, moved by the run's step, which is found at
-  /// first, and the same base.
+  /// Whether `count` rows from b on have the base of those from a on, and their places moved by the run's step. The
+  /// first call finds the step.
   bool same_ends(std::size_t a, std::size_t b, std::size_t count, Run& run, bool& known) const {
     for (std::size_t row = 0; row < count; ++row) {
       const std::ptrdiff_t from = place(a + row), to = place(b + row);

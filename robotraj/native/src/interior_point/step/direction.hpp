@@ -6,8 +6,8 @@
 
 namespace robotraj::interior_point {
 
-/// Adds delta_w to the Hessian's diagonal and -delta_c to that of the rows, until the system has as many positive
-/// eigenvalues as variables and as many negative ones as rows. The step is then a descent direction:
+/// Adds delta_w to the Hessian's diagonal and -delta_c to that of the rows until the inertia is right: a positive
+/// eigenvalue for each variable and a negative one for each row. The step is then a descent direction:
 ///
 ///     delta_w = 0, else kappa_w^- times the last one, then times kappa_w^+ while the reduced Hessian is not positive;
 ///     delta_c = delta_c_bar mu^(1/4) where rows depend on each other.
