@@ -12,7 +12,6 @@ import argparse
 import json
 import subprocess
 import sys
-import time
 import warnings
 import zlib
 from collections.abc import Callable
@@ -22,7 +21,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from legs import QUADRUPEDS, SOLES, standing_height
+from legs import QUADRUPEDS, SOLES, judged, standing_height
 
 import robotraj as rt
 
@@ -135,25 +134,10 @@ class Walker:
 def one(make: Callable[[], rt.Problem]) -> dict[str, object]:
     """Plan and validate a problem in this process."""
     try:
-        problem = make()
-        began = time.process_time()
-        solution = rt.plan(problem, check=False, progress=False, time_limit=SECONDS)
+        _, _, cells = judged(make(), SECONDS)
     except rt.RobotrajError as error:
         return {"proved": False, "remark": str(error).splitlines()[0][:150]}
-    seconds = time.process_time() - began
-    report = rt.validate(solution)
-    proof = solution.proof
-    remark = "" if solution.success else f"{solution.status.value}: {solution.cause}"
-    if solution.success and not report.passed:
-        remark = " ".join(report.failures(report.tolerances)).split(". ")[0]
-    return {
-        "proved": solution.success and report.passed and proof is not None and proof.motion_holds,
-        "seconds": seconds,
-        "meshes": len(solution.refinement),
-        "intervals": sum(part.mesh.count for part in solution.phases),
-        "iterations": solution.iterations,
-        "remark": remark.splitlines()[0][:150] if remark else "",
-    }
+    return cells
 
 
 def line(robot: str, gait: str, found: dict[str, object]) -> str:

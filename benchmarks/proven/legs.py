@@ -14,6 +14,7 @@ import time
 import warnings
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -97,28 +98,37 @@ def unbalanced(report: rt.witness.Report, robot: rt.Robot) -> float:
     return 100.0 * max(abs(peaks[name].value) for name in robot.velocity_names[:3]) / weight
 
 
-def one(name: str, froude: float) -> dict[str, object]:
-    """Plan and validate a step in this process."""
-    warnings.simplefilter("ignore")
-    problem = step(name, froude)
+def judged(problem: rt.Phase | rt.Problem, time_limit: float | None = None) -> tuple[rt.Solution, Any, dict[str, Any]]:
+    """Plan and validate; return the solution, the report and the cells of the table that every gait has."""
     began = time.process_time()
-    solution = rt.plan(problem, check=False, progress=False)
+    solution = rt.plan(problem, check=False, progress=False, time_limit=time_limit)
     seconds = time.process_time() - began
     report = rt.validate(solution)
     proof = solution.proof
-    remark = "" if solution.success else solution.status.value
+    remark = "" if solution.success else f"{solution.status.value}: {solution.cause}"
     if solution.success and not report.passed:
         remark = " ".join(report.failures(report.tolerances)).split(". ")[0]
-    return {
+    cells = {
         "proved": solution.success and report.passed and proof is not None and proof.motion_holds,
         "seconds": seconds,
         "meshes": len(solution.refinement),
         "intervals": sum(part.mesh.count for part in solution.phases),
         "iterations": solution.iterations,
+        "remark": remark.splitlines()[0][:150] if remark else "",
+    }
+    return solution, report, cells
+
+
+def one(name: str, froude: float) -> dict[str, object]:
+    """Plan and validate a step in this process."""
+    warnings.simplefilter("ignore")
+    problem = step(name, froude)
+    solution, report, cells = judged(problem)
+    proof = solution.proof
+    return cells | {
         "error": None if proof is None else proof.error,
         "excess": None if proof is None else proof.excess,
         "root": unbalanced(report, problem.phases[0].robot),
-        "remark": remark,
     }
 
 

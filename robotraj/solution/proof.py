@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robotraj._util.printing import OneLine
+from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 
 
@@ -78,4 +78,4 @@ class Proof(OneLine):
         verdict = (
             "proved" if self.holds else "motion proved, objective not settled" if self.motion_holds else "not proved"
         )
-        return f"{verdict} between the points: {', '.join(shown)}"
+        return "\n".join(wrapped(f"{verdict} between the points: {', '.join(shown)}"))

@@ -78,7 +78,7 @@ def summary(solution: Summarised) -> str:
         for i, step in enumerate(solution.refinement, 1)
     ]
     if solution.proof is not None:
-        lines.append(str(solution.proof))
+        lines += str(solution.proof).splitlines()
     elif converged and not solution.refinement and (error := solution.error) is not None:
         lines.append(f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)")
     if converged and solution.interval_violations:
