@@ -158,22 +158,22 @@ def _places(layout: PhaseLayout, order: int, determined: frozenset[int]) -> list
     Rows that the end of the phase determines are not imposed at the last point, which is the end or next to it. An
     equality in intervals of fewer points than its order is not imposed just before the end either.
     """
-    at: list[list[int]] = [[] for _ in range(order)]
-    for interval in layout.intervals:
-        inner = interval.places[interval.scheme.nodes > 0.0]
-        choices = _choices(interval.scheme)
+    parts: list[list[Indices]] = [[np.zeros(0, dtype=int)] for _ in range(order)]
+    for run in layout.runs:
+        inner, choices = run.places[:, run.scheme.nodes > 0.0], _choices(run.scheme)
         kept = min(order, choices)
-        at[0] += inner[: choices - kept].tolist()
-        for k in range(kept):
-            at[k].append(int(inner[-1]))
+        parts[0].append(np.column_stack([inner[:, : choices - kept], inner[:, -1:][:, :kept]]).ravel())
+        for k in range(1, kept):
+            parts[k].append(inner[:, -1])
+    at = [np.concatenate(each) for each in parts]
     scheme = layout.intervals[-1].scheme
     alone = order - min(order, _choices(scheme))
     if alone and determined >= set(range(1, order)):
-        del at[0][-1 - alone : -1]
+        at[0] = np.delete(at[0], np.s_[-1 - alone : -1])
     last = layout.intervals[-1].places[-1]
     for k in determined if scheme.nodes[-1] < 1.0 else determined - {0}:
-        at[k] = [place for place in at[k] if place != last]
-    return [np.array(each, dtype=int) for each in at]
+        at[k] = at[k][at[k] != last]
+    return at
 
 
 def _choices(scheme: Scheme) -> int:
