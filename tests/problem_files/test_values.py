@@ -15,6 +15,7 @@ source = "ur5"
 
 [define]
 ball = { type = "Sphere", radius = 0.1, position = [0.9, 0, 0.5] }
+box = { z = { between = [-1, 1] } }
 
 [[phases]]
 duration = 1.0
@@ -35,7 +36,7 @@ FIELDS = [
     ("parameters", "{ mass = { between = [1, 2] }, k = 3.0 }", {"mass": rt.between(1, 2), "k": 3.0}),
     (
         "constraints",
-        '[{ type = "AtEnd", constraint = { type = "FramePosition", frame = "tool0", position = { z = { between = [-1, 1] } } } }]',
+        '[{ type = "AtEnd", constraint = { type = "FramePosition", frame = "tool0", position = "box" } }]',
         (rt.AtEnd(rt.FramePosition("tool0", {"z": rt.between(-1, 1)})),),
     ),
     (
