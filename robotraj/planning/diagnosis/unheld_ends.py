@@ -27,6 +27,7 @@ from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 from robotraj.solution.conflict import Conflict
 
 Array = NDArray[np.float64]
@@ -86,9 +87,9 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
     """Return the excess e (nu,) [N m, N] of the torques that hold a state; zeros where no torque does."""
     robot = phase.robot
     assert robot is not None
-    if not phase.contacts and robot.nu == robot.nv:
-        gravity = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), state[: robot.nq])
-        return np.maximum(0.0, np.abs(robot.actuation.T @ gravity) - robot.actuation.T @ robot.friction - allowed)
+    friction = np.asarray(robot.friction, dtype=float)
+    if not phase.contacts and (robot.nu == robot.nv or not friction.any()):
+        return _excess_without_contacts(robot, state, allowed, friction)
     body = InverseDynamics().of(robot, None, phase.bound_contacts)
     point = cast(RobotPoint, symbols_of(body, phase.parameter_names))
     columns = [ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.z, point.u, point.p)]
@@ -104,13 +105,6 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
     finite = np.isfinite(allowed)
     if _held_easily(load.ravel(), by_torques, by_forces, np.where(finite, allowed, 1e12), np.array(least)):
         return np.zeros(nu)
-    friction = np.asarray(robot.friction, dtype=float)
-    if not forces.numel() and not friction.any() and np.linalg.matrix_rank(by_torques) == nu:
-        # At most one vector of torques balances gravity.
-        torques = np.linalg.lstsq(by_torques, -load.ravel(), rcond=None)[0]
-        left = np.abs(by_torques @ torques + load.ravel()).max(initial=0.0)
-        balanced = left < NOTICED * max(1.0, float(np.abs(load).max(initial=0.0)))
-        return np.maximum(0.0, np.abs(torques) - allowed) if balanced else np.zeros(nu)
     from scipy.optimize import linprog
 
     # Unknowns: torques, excess, contact forces, dry friction.
@@ -127,6 +121,16 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
     above = np.concatenate([most, most, np.zeros(len(slipping))])
     found = linprog(cost, np.vstack([both, cones]), above, balance, -load.ravel(), ranges)
     return np.asarray(found.x[nu : 2 * nu]) if found.status == 0 else np.zeros(nu)
+
+
+def _excess_without_contacts(robot: Robot, state: Array, allowed: Array, friction: Array) -> Array:
+    """Return the excess of the only torques that balance gravity; zeros where a joint without a motor falls."""
+    gravity = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), state[: robot.nq])
+    torques = robot.actuation.T @ gravity
+    left = float(np.abs(robot.actuation @ torques - gravity).max(initial=0.0))
+    if left >= NOTICED * max(1.0, float(np.abs(gravity).max(initial=0.0))):
+        return np.zeros(robot.nu)
+    return np.asarray(np.maximum(0.0, np.abs(torques) - robot.actuation.T @ friction - allowed))
 
 
 def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
