@@ -220,5 +220,7 @@ def _heading(cycles: Sequence[GaitCycles], title: str | None) -> Heading:
     if cycles[0].periods > 1:
         facts[0] = ("Duration", f"{cycles[0].periods} × {cycles[0].period:.4g} s")
     facts.append(("Iterations", str(solution.iterations)))
+    # The first limit that must give is the largest one.
+    facts += [("Must be relaxed", str(conflict)) for conflict in solution.conflicts[:1]]
     judged_one = verdict(solution)
     return Heading(title or _name(first), shown, judged_one.text, judged_one.colour, tuple(facts))
