@@ -1,10 +1,10 @@
 """IPOPT and rt.InteriorPoint on every case and on the examples' first problems: `python benchmarks/solvers.py`.
 
 Each problem is planned twice, once with each solver, from the same guess, with the same mesh or tolerance and
-`interval_limits=rt.interval_limits.ConstraintGeneration()`; the latter has nothing to fall back on. Prints and
-writes solvers.md: which of them solved, which
-found the better optimum, and their processor seconds. Swing-ups of the acrobot, whose optima lie close together, are
-planned on several meshes in several durations as well.
+`interval_limits=rt.interval_limits.ConstraintGeneration()`; the latter has nothing to fall back on. Prints and writes
+solvers.md: which of them solved, which found the better optimum, and their processor seconds. Swing-ups of the acrobot,
+whose optima lie close together, are planned on several meshes in several durations as well. Every row is written as
+soon as it is known; a run of named problems replaces theirs.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 from unittest import mock
 
 import numpy as np
@@ -32,6 +32,7 @@ import robotraj as rt
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 
 HERE = Path(__file__).resolve().parent
+TABLE = HERE / "solvers.md"
 EXAMPLES = sorted((HERE.parent / "examples").glob("[0-9]*.py"))
 UNIFORM = rt.Mesh(40)
 LARGEST = 6000
@@ -335,8 +336,29 @@ def swings() -> list[str]:
     ]
 
 
-def write(lines: list[Line], more: list[str]) -> None:
-    """Write the tables beside this file."""
+def written() -> tuple[dict[str, Line], list[str]]:
+    """Read the rows of ``TABLE`` by name, and what stands between its tables."""
+    text = TABLE.read_text().splitlines()
+    first = next(i for i, line in enumerate(text) if line.startswith("Fewer controls"))
+    head = next(i for i, line in enumerate(text) if line.startswith("| problem | kind"))
+    rows = (_line_of([cell.strip() for cell in row.split("|")[1:-1]]) for row in text[head + 2 :])
+    return {line.task.name: line for line in rows}, text[first:head]
+
+
+def _line_of(parts: list[str]) -> Line:
+    name, kind, exact, *results = parts[:-1]
+    runs = {}
+    for i, solver in enumerate(SOLVERS):
+        cost, iterations, seconds = results[3 * i : 3 * i + 3]
+        solved = cost.replace(".", "").replace("-", "").replace("e", "").replace("+", "").isdigit()
+        status, objective = ("solved", float(cost)) if solved else (cost, float("inf"))
+        runs[solver] = Run(status, objective, int(iterations), float(seconds))
+    problem = cast(rt.Problem, None)
+    return Line(Task(name, kind, problem, {}, float(exact) if exact else float("nan")), runs)
+
+
+def write(lines: list[Line], between: list[str]) -> None:
+    """Write ``TABLE``: counts, what stands ``between`` the tables, and the rows."""
     head = " | ".join(f"{name} | iterations | processor [s]" for name in SOLVERS)
     text = [
         "# IPOPT and rt.InteriorPoint",
@@ -346,21 +368,23 @@ def write(lines: list[Line], more: list[str]) -> None:
         f"its own engine, one thread, {OWN} without "
         f"anything to fall back on, {LIMIT:.0f} s a mesh. Processor seconds inside the solver, set-up included. "
         f"*uniform*: {UNIFORM.count} intervals of Hermite-Simpson; examples: their first plan, where it has at "
-        f"most {LARGEST} variables. Objectives within {EQUAL:g} are the same optimum.",
+        f"most {LARGEST} variables. Objectives within {EQUAL:g} are the same optimum. Problems without "
+        "a row were not run.",
         "",
         *counts(lines),
         "",
-        f"Fewer controls than every second state, {STARTS} starts (`rt.multistart`, seed 0) on the uniform mesh:",
-        "",
-        *more,
-        "",
-        *swings(),
-        "",
+        *between,
         f"| problem | kind | known optimum | {head} | better |",
         "|" + "---|" * (4 + 3 * len(SOLVERS)),
         *map(cells, lines),
     ]
-    (HERE / "solvers.md").write_text("\n".join(text) + "\n")
+    TABLE.write_text("\n".join(text) + "\n")
+
+
+def searches() -> list[str]:
+    """Return what stands between the tables: searches of the problems with many optima, and swing-ups."""
+    title = f"Fewer controls than every second state, {STARTS} starts (`rt.multistart`, seed 0) on the uniform mesh:"
+    return [title, "", *searched(), "", *swings(), ""]
 
 
 def main() -> None:
@@ -368,18 +392,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help="problems whose names contain one of these; all by default")
     options = parser.parse_args()
-    lines = []
+    lines, between = written()
+    seen = []
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
+        if not options.names:
+            between = searches()
         for task in tasks():
             if options.names and not any(name in task.name for name in options.names):
                 continue
-            line = Line(task, {name: run(task, solver) for name, solver in SOLVERS.items()})
-            print(cells(line), flush=True)
-            lines.append(line)
-    print("\n".join(counts(lines)))
+            lines[task.name] = Line(task, {name: run(task, solver) for name, solver in SOLVERS.items()})
+            seen.append(task.name)
+            print(cells(lines[task.name]), flush=True)
+            write(list(lines.values()), between)
+    print("\n".join(counts([lines[name] for name in seen])))
     if not options.names:
-        write(lines, searched())
+        write([lines[name] for name in seen], between)
 
 
 if __name__ == "__main__":
