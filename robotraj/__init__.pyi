@@ -6,7 +6,6 @@ from . import (
     guess,
     indirect,
     planning,
-    problem_files,
     robot,
     solution,
     solvers,
@@ -28,6 +27,7 @@ from .planning.many.sweep import sweep
 from .planning.paths.retime import retime
 from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
+from .planning.problem_files.load import load_problem
 from .planning.replanning.replanner import Replanner
 from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
@@ -46,7 +46,6 @@ from .problem.objectives.expressions import Lagrange, Mayer
 from .problem.phase import Phase
 from .problem.problem import Problem
 from .problem.state import State
-from .problem_files.load import load_problem
 from .replay_page.write import replay
 from .robot.known_robots.catalogue import catalogue
 from .robot.limits import Limits
@@ -126,7 +125,6 @@ __all__ = [
     "plan",
     "planning",
     "precompile",
-    "problem_files",
     "refinement",
     "replay",
     "retime",

@@ -29,7 +29,6 @@ ROOMS = (
     ("solution",),
     ("indirect", "replay_page", "witness"),
     ("planning",),
-    ("problem_files",),
     ("cli",),
 )
 """Floors from the ground up; the three readers of a solution share one and do not import each other."""

@@ -40,7 +40,7 @@ def plan_problem_file(
     as_json : bool
     """
     from robotraj.cli.conclude import Files, conclude, planned
-    from robotraj.problem_files.load import load_problem
+    from robotraj.planning.problem_files.load import load_problem
 
     written = load_problem(path)
     outputs = {name: output_path(each, SUFFIXES[name], f"{name} of [output]") for name, each in written.output.items()}

@@ -11,6 +11,7 @@ from .many.sweep import sweep
 from .paths.joint_path import as_path
 from .paths.retime import retime
 from .plan import plan
+from .problem_files.problem_file import ProblemFile
 from .replanning.driven import driven
 from .replanning.replan import Replan
 from .settings import Restarts, Settings
@@ -21,6 +22,7 @@ __all__ = [
     "Kinematic",
     "Multistart",
     "Optimum",
+    "ProblemFile",
     "Replan",
     "Restarts",
     "Settings",

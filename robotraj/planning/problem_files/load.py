@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.planning.plan import plan
+from robotraj.planning.problem_files.kinds import GAITS
+from robotraj.planning.problem_files.lines import Misplaced, Place, line_of, lines_of, named
+from robotraj.planning.problem_files.narrowing import narrowed
+from robotraj.planning.problem_files.parameters import parameters_of
+from robotraj.planning.problem_files.problem_file import ProblemFile
+from robotraj.planning.problem_files.reader import Data, Reader
+from robotraj.planning.problem_files.robots import robots_of
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.problem_files.kinds import GAITS
-from robotraj.problem_files.lines import Misplaced, Place, line_of, lines_of, named
-from robotraj.problem_files.narrowing import narrowed
-from robotraj.problem_files.parameters import parameters_of
-from robotraj.problem_files.problem_file import ProblemFile
-from robotraj.problem_files.reader import Data, Reader
-from robotraj.problem_files.robots import robots_of
 from robotraj.replay_page.write import replay
 from robotraj.robot.robot import Robot
 from robotraj.witness.validation import validate

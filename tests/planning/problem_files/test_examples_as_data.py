@@ -12,7 +12,7 @@ import pytest
 
 import robotraj as rt
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 FILES = sorted(EXAMPLES.glob("*.toml"))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from robotraj._util.errors import InputError, UnknownName
-from robotraj.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.lines import Misplaced, Place
 
 SECONDS = 5.0
 """Processor time after which no smaller place is searched for."""

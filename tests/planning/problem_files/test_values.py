@@ -57,7 +57,7 @@ FIELDS = [
 ]
 
 
-def load(text: str, folder: Path) -> rt.problem_files.ProblemFile:
+def load(text: str, folder: Path) -> rt.planning.ProblemFile:
     (folder / "problem.toml").write_text(text)
     return rt.load_problem(folder / "problem.toml")
 

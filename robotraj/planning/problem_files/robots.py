@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from robotraj._util.errors import unknown_name
-from robotraj.problem_files.kinds import KINDS
-from robotraj.problem_files.lines import Misplaced, Place
-from robotraj.problem_files.narrowing import narrowed
-from robotraj.problem_files.parameters import Maker, parameters_of
-from robotraj.problem_files.reader import Data, Reader
+from robotraj.planning.problem_files.kinds import KINDS
+from robotraj.planning.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.narrowing import narrowed
+from robotraj.planning.problem_files.parameters import Maker, parameters_of
+from robotraj.planning.problem_files.reader import Data, Reader
 from robotraj.robot.carried_body import carrying
 from robotraj.robot.join import join
 from robotraj.robot.load import load

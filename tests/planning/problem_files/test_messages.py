@@ -9,7 +9,7 @@ import pytest
 
 import robotraj as rt
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 UR5 = (EXAMPLES / "05_ur5.toml").read_text()
 PICK = (EXAMPLES / "23_pick_and_place.toml").read_text()

@@ -11,12 +11,12 @@ from robotraj._util.errors import unknown_name
 from robotraj._util.printing import brief
 from robotraj._util.values import dataclass
 from robotraj.planning.plan import plan
+from robotraj.planning.problem_files.kinds import GAITS, KINDS
+from robotraj.planning.problem_files.load import OF_CALLERS, OUTPUTS
+from robotraj.planning.problem_files.parameters import Maker, Parameter, accepted_by, described, parameters_of
+from robotraj.planning.problem_files.robots import MAKERS
 from robotraj.problem.constraints.joint_limits import OwnLimits
 from robotraj.problem.phase import Phase
-from robotraj.problem_files.kinds import GAITS, KINDS
-from robotraj.problem_files.load import OF_CALLERS, OUTPUTS
-from robotraj.problem_files.parameters import Maker, Parameter, accepted_by, described, parameters_of
-from robotraj.problem_files.robots import MAKERS
 from robotraj.replay_page.write import replay
 from robotraj.robot import carried_body
 from robotraj.robot.limits import Limits

@@ -12,12 +12,10 @@ import numpy as np
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.values import dataclass
-from robotraj.problem.constraints.bounds import between
-from robotraj.problem.constraints.collision_free import CollisionFree
-from robotraj.problem_files.kinds import EXPRESSIONS, KINDS, kind_named, names_for, only_kind
-from robotraj.problem_files.lines import Misplaced, Place
-from robotraj.problem_files.narrowing import narrowed
-from robotraj.problem_files.parameters import (
+from robotraj.planning.problem_files.kinds import EXPRESSIONS, KINDS, kind_named, names_for, only_kind
+from robotraj.planning.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.narrowing import narrowed
+from robotraj.planning.problem_files.parameters import (
     ANYTHING,
     PATHS,
     SEQUENCES,
@@ -27,6 +25,8 @@ from robotraj.problem_files.parameters import (
     described,
     parameters_of,
 )
+from robotraj.problem.constraints.bounds import between
+from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import fits, mismatch

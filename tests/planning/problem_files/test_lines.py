@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from robotraj.problem_files.lines import Place, line_of, lines_of, named
+from robotraj.planning.problem_files.lines import Place, line_of, lines_of, named
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*.toml"))
 
 TEXT = '''# a comment with [brackets] = "x"
 a = 1

@@ -14,8 +14,8 @@ import robotraj.gait as gait
 import robotraj.guess as guess
 from robotraj._util.errors import unknown_name
 from robotraj.guess.guess import Guess
-from robotraj.problem_files.lines import Misplaced, Place
-from robotraj.problem_files.parameters import Accepted, Maker, parameters_of
+from robotraj.planning.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.parameters import Accepted, Maker, parameters_of
 from robotraj.solution.storage.classes import OF_PROBLEMS
 
 

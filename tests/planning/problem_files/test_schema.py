@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 import robotraj as rt
+from robotraj.planning.problem_files.kinds import GAITS, KINDS, WRITTEN_OTHERWISE
+from robotraj.planning.problem_files.schema import entries, entry_named, reference
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.objectives.base import EndCost, Integral
-from robotraj.problem_files.kinds import GAITS, KINDS, WRITTEN_OTHERWISE
-from robotraj.problem_files.schema import entries, entry_named, reference
 
 
 def test_every_table_and_type_stands_in_the_reference() -> None:
