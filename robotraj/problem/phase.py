@@ -232,9 +232,7 @@ class Phase(OneLine):
         if self.robot is not None and isinstance(self.limits, Limits):
             every += own_limits(self.limits, self.robot.actuated)
         variables = (("state", self.states), ("control", self.controls), ("algebraic variable", self.algebraic))
-        for kind, mapping in variables:
-            if mapping:
-                every.append(VariableBounds(kind, mapping))
+        every += [VariableBounds(kind, mapping) for kind, mapping in variables if mapping]
         every += self.constraints
         bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in every]
         bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
@@ -293,8 +291,7 @@ class Phase(OneLine):
 
     def __repr__(self) -> str:
         duration, count = duration_text(*self.duration_bounds), len(self.rows.rows)
-        what = f"{count} constraint" if count == 1 else f"{count} constraints"
-        return f"<{type(self).__name__} {self.name!r} of {self.subject.name}: {duration}, {what}>"
+        return f"<Phase {self.name!r} of {self.subject.name}: {duration}, {count} constraint{'s' * (count != 1)}>"
 
     def __str__(self) -> str:
         return str(self._table)
