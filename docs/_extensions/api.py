@@ -62,6 +62,9 @@ def pages(app: Sphinx, config: Config) -> None:
     names = [name for name in rt.__all__ if name not in spaces]
     top = {id(getattr(rt, name)) for name in names}
     folder = GENERATED / "api"
+    for old in folder.glob("*.rst"):
+        if old.stem not in {"top", *spaces}:
+            old.unlink()  # a namespace of an earlier build
     write(folder / "top.rst", heading("Names at the top") + ".. module:: robotraj\n\n" + summary("robotraj", rt, names))
     rows = "".join(
         f"| [rt.{name}](../generated/api/{name}.rst) | {purpose(spaces[name])} |\n" for name in sorted(spaces)
