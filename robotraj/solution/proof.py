@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
+from robotraj._util.checks import is_number
+from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 
@@ -18,11 +22,22 @@ class Goals(OneLine):
         Largest excess over a limit or path constraint, relative to its bound.
     objective : float
         Largest relative difference of the objective from its integral along the motion, and from a finer mesh.
+
+    Raises
+    ------
+    InputError
+        A bound is no number above 0; infinity leaves its measure unbounded.
     """
 
     error: float = 1e-4
     excess: float = 1e-3
     objective: float = 1e-3
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if not (is_number(value) and value > 0.0):
+                raise InputError(f"Goals({entry.name}) is {value!r}; give a number above 0.")
 
 
 @dataclass(frozen=True)

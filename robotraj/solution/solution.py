@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_whole
 from robotraj._util.display import drawn
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
@@ -194,7 +195,9 @@ class Solution(OneLine):
         }
 
     def violations(self, top: int = 3) -> tuple[Violation, ...]:
-        """List the most violated rows and bounds, worst first, relative to their scale."""
+        """List the most violated rows and bounds, worst first, relative to their scale; an InputError if ``top`` is no integer."""
+        if not is_whole(top):
+            raise InputError(f"violations(top) is {top!r}; give a whole number.")
         return self.violation_list[:top]
 
     def save(self, path: str | Path) -> Path:

@@ -47,3 +47,11 @@ def test_rows_are_held_where_another_solver_took_over_before(monkeypatch: pytest
     )
     assert len(asked) > 1 and solution.added_rows and solution.success
     assert {"solve: combinations", "solve: progress"} <= set(solution.times)
+
+
+@pytest.mark.parametrize("value", [float("nan"), 0.0, -1.0, "small", True, None])
+@pytest.mark.parametrize("name", ["error", "excess", "objective"])
+def test_goals_are_numbers_above_zero(name: str, value: object) -> None:
+    """With a goal of NaN no plan is ever proved."""
+    with pytest.raises(rt.InputError, match=rf"Goals\({name}\)"):
+        rt.solution.Goals(**{name: value})
