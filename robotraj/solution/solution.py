@@ -195,7 +195,13 @@ class Solution(OneLine):
         }
 
     def violations(self, top: int = 3) -> tuple[Violation, ...]:
-        """List the most violated rows and bounds, worst first, relative to their scale; an InputError if ``top`` is no integer."""
+        """List the most violated rows and bounds, worst first, relative to their scale.
+
+        Raises
+        ------
+        InputError
+            ``top`` is no whole number.
+        """
         if not is_whole(top):
             raise InputError(f"violations(top) is {top!r}; give a whole number.")
         return self.violation_list[:top]
