@@ -39,7 +39,7 @@ TABLE = Path(__file__).with_suffix(".md")
 HEAD = """\
 # Mutation score by room
 
-Written by `python benchmarks/mutation.py --each 30`: a seeded sample of changed operators and constants, and how many
+Written by `python benchmarks/mutation.py --each N`: a seeded sample of changed operators and constants, and how many
 of them the fast tests of the room notice. Survivors are listed below: each is a change that no test of its room
 notices, be it because it changes nothing that matters (a tolerance, a cache, a margin) or because a test is missing.
 

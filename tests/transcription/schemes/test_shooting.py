@@ -80,3 +80,8 @@ def test_controls_of_single_shooting_stand_on_the_mesh(control: rt.schemes.Linea
         own = shot.control_sites[shot.controls_of(j)]
         np.testing.assert_allclose(own, low + (high - low) * shot.piece_sites)
     np.testing.assert_allclose(shot.control_at_nodes @ np.arange(count), [0, count - 1])
+
+
+@pytest.mark.parametrize("scheme", [rt.schemes.CompressedHermiteSimpson(), rt.schemes.MultipleShooting()], ids=str)
+def test_a_step_goes_from_knot_to_knot(scheme: rt.schemes.MultipleShooting) -> None:
+    assert scheme.nodes.tolist() == [0.0, 1.0] == scheme.pieces.tolist()
