@@ -231,7 +231,7 @@ def test_acceleration_limits_have_a_column_where_there_are_any(arm):
     assert "acceleration" in str(rt.load("ur5", limits={"acceleration": 7.0}))
 
 
-def test_printing_repeats_the_complaints():
+def test_printing_repeats_the_warnings():
     printed = " ".join(str(rt.load("double_pendulum")).split())
     assert "Joint 'joint1' cannot be planned with its limits" in printed
 

@@ -23,22 +23,22 @@ class Browser:
     """Opens pages offline and records their warnings, errors and requests."""
 
     def __init__(self, chromium: Any) -> None:
-        self.chromium, self.complaints, self.requests = chromium, [], []
+        self.chromium, self.console, self.requests = chromium, [], []
 
     def open(self, path: Any, width: int = 1300, height: int = 800, moment: str = "", **options: Any) -> Any:
         """Open a page; ``moment`` is what follows its address, such as ``#t=0.5``."""
         viewport = {"width": width, "height": height}
         context = self.chromium.new_context(offline=True, reduced_motion="reduce", viewport=viewport, **options)
         page = context.new_page()
-        page.on("console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None)
-        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("console", lambda m: self.console.append(m.text) if m.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: self.console.append(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))
         page.goto(path.as_uri() + moment)
         page.wait_for_function(READY, timeout=90_000)
         return page
 
     def check(self, path: Any) -> None:
-        assert self.complaints == []
+        assert self.console == []
         own = {url.split("#")[0] for url in self.requests if not url.startswith(("data:", "blob:"))}
         assert own == {path.as_uri()}
 

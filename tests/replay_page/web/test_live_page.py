@@ -27,10 +27,10 @@ def test_the_robot_moves_towards_the_solution_and_the_verdict_comes_last(
     planning.start()
     assert called.wait(60.0)
     page = chromium.new_context(viewport={"width": 1200, "height": 800}).new_page()
-    complaints: list[str] = []
+    console: list[str] = []
     requests: list[str] = []
-    page.on("console", lambda m: complaints.append(m.text) if m.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda m: console.append(m.text) if m.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: console.append(str(error)))
     page.on("request", lambda request: requests.append(request.url))
     page.goto(window.address)
     page.wait_for_function("() => document.getElementById('status').textContent === 'proved'", timeout=60_000)
@@ -45,6 +45,6 @@ def test_the_robot_moves_towards_the_solution_and_the_verdict_comes_last(
     np.testing.assert_allclose(end, data.oMi[2].translation, atol=1e-5)
     first = page.evaluate("() => { robotraj.live.go(0, false); return Array.from(robotraj.view.values); }")
     assert np.ptp(first) > 0.0 and page.locator("#latest").get_attribute("aria-pressed") == "false"
-    assert complaints == []
+    assert console == []
     own = {url for url in requests if not url.startswith(("data:", "blob:"))}
     assert own == {window.address, window.address + "events"}

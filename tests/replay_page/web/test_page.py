@@ -137,7 +137,7 @@ def test_a_narrow_window_stacks_the_view_above_the_curves(double_pendulum, brows
     for page, width in ((wide, 1300), (narrow, 480)):
         assert page.evaluate("() => document.documentElement.scrollWidth") <= width
         assert page.locator("#pane canvas").bounding_box()["width"] > 300
-    assert browser.complaints == []
+    assert browser.console == []
 
 
 def test_a_system_shows_its_curves_without_a_view(block_plan, browser, tmp_path):

@@ -120,7 +120,7 @@ def test_a_limit_per_joint_is_needed():
         rt.Limits(("a", "b"), [0, 0], [1, 1], [1], [1, 1], [1, 1])
 
 
-def test_sound_limits_have_no_complaints(limits):
+def test_sound_limits_give_no_warning(limits):
     assert limits.warnings() == ()
 
 

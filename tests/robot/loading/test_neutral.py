@@ -35,7 +35,7 @@ def test_joints_whose_start_lies_outside_are_named(name):
     assert what in note
 
 
-def test_a_start_inside_is_not_complained_about():
+def test_a_start_inside_gives_no_warning():
     assert not any("outside" in note for note in rt.load("panda").notes)
 
 

@@ -89,7 +89,7 @@ async function startLive() {
   try {
     view = data.scene && new LiveView(byId("pane"), data.scene, await unpack("commands"), theme);
   } catch (error) {
-    complain(`The 3D view needs WebGL, which this browser does not offer here (${error.message}).`);
+    showFailure(`The 3D view needs WebGL, which this browser does not offer here (${error.message}).`);
   }
   const charts = { residuals: new MeasureChart(byId("residuals"), theme, true), objectives: new MeasureChart(byId("objectives"), theme, false) };
   const live = new Live(view, charts);

@@ -1,5 +1,5 @@
 "use strict";
-// Small helpers that every page needs: elements, buttons, packed data, complaints.
+// Small helpers that every page needs: elements, buttons, packed data, a message of failure.
 
 const byId = (id) => document.getElementById(id);
 
@@ -27,7 +27,7 @@ async function unpack(id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-function complain(text) {
-  byId("complaint").textContent = text;
-  byId("complaint").hidden = false;
+function showFailure(text) {
+  byId("failure").textContent = text;
+  byId("failure").hidden = false;
 }

@@ -24,7 +24,7 @@ async function makeView(runs, theme) {
   try {
     return new View(byId("pane"), runs, packets, theme);
   } catch (error) {
-    complain(`The 3D view needs WebGL, which this browser does not offer here (${error.message}).`);
+    showFailure(`The 3D view needs WebGL, which this browser does not offer here (${error.message}).`);
     return null;
   }
 }
@@ -52,7 +52,7 @@ function addSolutions(host, selection, view) {
 
 async function start() {
   if (typeof DecompressionStream === "undefined") {
-    complain("This page needs a browser with DecompressionStream: Chrome 80, Firefox 113, Safari 16.4 or newer.");
+    showFailure("This page needs a browser with DecompressionStream: Chrome 80, Firefox 113, Safari 16.4 or newer.");
     return;
   }
   const data = JSON.parse(new TextDecoder().decode(await unpack("data")));
