@@ -12,7 +12,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 LINKS = {"a": "href", "img": "src", "script": "src", "link": "href", "iframe": "src", "source": "src"}
-"""Elements that link, or that make a browser fetch something, with the attribute that says what."""
+"""Elements that link, or that make a browser fetch something, with the attribute that holds the address."""
 
 
 class Page(HTMLParser):
