@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 STATUSES = {
     "Solve_Succeeded": Status.SOLVED,
-    "Solved_To_Acceptable_Level": Status.SOLVED,
+    # Its own acceptable level bounds no dual error, so a point at that level need not be near an optimum.
+    "Solved_To_Acceptable_Level": Status.STALLED,
     "Feasible_Point_Found": Status.SOLVED,
     "Infeasible_Problem_Detected": Status.INFEASIBLE,
     "Maximum_Iterations_Exceeded": Status.ITERATION_LIMIT,

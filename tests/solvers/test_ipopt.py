@@ -34,6 +34,12 @@ def test_own_options_win_over_the_fields() -> None:
     assert solution.status is rt.solvers.Status.ITERATION_LIMIT and solution.iterations == 2
 
 
+def test_a_point_at_the_acceptable_level_is_no_solution() -> None:
+    loose = rt.Ipopt(options={"acceptable_tol": 1e3, "acceptable_iter": 1, "acceptable_constr_viol_tol": 1e3})
+    solution = rt.plan(MOVE, solver=loose, check=False)
+    assert solution.status is rt.solvers.Status.STALLED and not solution.success
+
+
 @pytest.mark.parametrize("barrier", ["monotone", "adaptive"])
 def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
     assert rt.plan(MOVE, rt.Mesh(), solver=rt.Ipopt(barrier=barrier)).objective == pytest.approx(

@@ -1,4 +1,4 @@
-"""Limits of controls, lowered on the intervals where a motion exceeds them between its points."""
+"""Limits of positions, speeds and controls, lowered on the intervals where a motion exceeds them between its points."""
 
 from __future__ import annotations
 
@@ -7,11 +7,17 @@ from functools import partial
 
 from robotraj._util.lazy_values import LazySequence
 from robotraj.planning.nlp_violations import between_points
+from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
-from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, variable_violations
+from robotraj.transcription.interval_limits.interval_violations import (
+    EXACT,
+    IntervalViolation,
+    state_violations,
+    variable_violations,
+)
 from robotraj.transcription.interval_limits.margins import LimitedInterval
 
 MORE = 1.1
@@ -19,7 +25,7 @@ MORE = 1.1
 
 
 class LoweredLimits:
-    """The margins of one mesh, from solve to solve.
+    """The margins of one mesh, from solve to solve; states are those of exact motions.
 
     Attributes
     ----------
@@ -29,31 +35,46 @@ class LoweredLimits:
 
     def __init__(self) -> None:
         self.amounts: dict[LimitedInterval, float] = {}
-        self._found: LazySequence[IntervalViolation] = LazySequence(list)
+        self._of_states: LazySequence[IntervalViolation] = LazySequence(list)
+        self._of_controls: LazySequence[IntervalViolation] = LazySequence(list)
 
     def measure(self, solution: Solution) -> None:
-        """Take the excess of another solution from now on."""
-        self._found = LazySequence(partial(_exceeded, solution.phases))
+        """Take the excess of another solution from now on; it is found when first read."""
+        self._of_states = LazySequence(partial(_states, solution.phases))
+        self._of_controls = LazySequence(partial(_controls, solution.phases))
 
     @property
-    def found(self) -> Sequence[IntervalViolation]:
-        """Limits that the solution exceeds between its points, found when first read."""
-        return self._found
+    def found(self) -> list[IntervalViolation]:
+        """Limits that the solution exceeds between its points."""
+        return [*self._of_controls, *self._of_states]
 
     def violations(self, problem: Problem) -> LazySequence[Violation]:
-        """Return them as violations of a solution, computed at first use: many plans need none."""
-        return LazySequence(partial(between_points, problem, self._found))
+        """Return those of controls as violations of a solution, computed at first use: many plans need none."""
+        return LazySequence(partial(between_points, problem, self._of_controls))
 
     def lower(self) -> None:
-        """Lower the limits that were exceeded."""
+        """Lower the limits that were exceeded by a little more than the excess."""
         for violation in self.found:
             place = LimitedInterval(violation.phase, violation.interval, violation.row.number)
-            self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount
+            self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount + EXACT
 
 
-def _exceeded(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
+def _controls(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
+    return [
+        v for i, part in enumerate(phases) for v in variable_violations(part.phase, i, part.trajectory, part.inputs)
+    ]
+
+
+def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
+    """Find exceeded bounds of the states of exact motions.
+
+    Rows on Bernstein coefficients bound the collocated positions. An exact motion integrates its speeds, so its
+    positions differ from the collocated ones by some 1e-5 rad between the knots.
+    """
     return [
         violation
         for i, part in enumerate(phases)
-        for violation in variable_violations(part.phase, i, part.trajectory, part.inputs)
+        if part.exact
+        for violation in state_violations(part.phase, i, part.trajectory, 0.0)
+        if violation.row.kind is Kind.BOUND
     ]

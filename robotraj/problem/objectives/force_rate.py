@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class ForceRates(Augmented):
     """Contact forces become states and their rates r controls, fdot = r; points still have them in ``point.z``."""
+
+    smooth: ClassVar[bool] = True
 
     @cached_property
     def _forces(self) -> tuple[Variable, ...]:

@@ -1,0 +1,26 @@
+"""Limits that a motion would exceed between its points are lowered there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+
+@pytest.fixture(scope="module")
+def panda() -> rt.Robot:
+    return rt.load("panda", locked={"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0})
+
+
+@pytest.mark.parametrize("seed", [0, 5, 9])
+def test_positions_stay_within_limits_that_they_touch(panda: rt.Robot, seed: int) -> None:
+    lower, upper = panda.limits.position_lower, panda.limits.position_upper
+    rng = np.random.default_rng(seed)
+    start, end = (lower + (0.02 + 0.96 * rng.random(panda.nq)) * (upper - lower) for _ in range(2))
+    phase = rt.Phase(panda, 2.5, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.Effort())
+    solution = rt.plan(phase)
+    q = solution.at(np.linspace(0.0, solution.duration, 5001)).q
+    excess = np.maximum(lower - q, q - upper)
+    assert excess.max() > -1e-4, "the motion touches a limit"
+    assert excess.max() < 1e-8
