@@ -192,7 +192,7 @@ def _violations(
         high = (bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(amount, allowed))
     k, r = np.nonzero(high)
     tau = places[inner[k, r]] + aside[k, r] * (places[1] - places[0])
-    sharp = _sharp_bends(seen, places, allowed)
+    sharp = _sharp_bends(seen, places, allowed, amount)
     k, r, tau = (np.concatenate(both) for both in zip((k, r, tau), sharp, strict=True))
     if k.size:
         exact = reader.at(starts[k] + lengths[k] * tau, k)[np.arange(k.size), r]
@@ -213,18 +213,20 @@ def _violations(
     return found
 
 
-def _sharp_bends(seen: Array, places: Array, allowed: Array) -> tuple[Indices, Indices, Array]:
-    """Return closer places (interval, row, tau) where a row near its bound bends by more than is allowed.
+def _sharp_bends(seen: Array, places: Array, allowed: Array, known: Array) -> tuple[Indices, Indices, Array]:
+    """Return closer places (interval, row, tau) where a row bends so much that its excess may be above the known one.
 
     Parameters
     ----------
     seen : ndarray (K, m, rows)
         Excess over the bounds at the places (m,).
     places, allowed : ndarray
+    known : ndarray (K, rows)
+        Largest excess at the places.
     """
     with np.errstate(invalid="ignore"):
         bend = np.abs(seen[:, :-2] - 2.0 * seen[:, 1:-1] + seen[:, 2:])
-        near = (bend > allowed) & (seen[:, 1:-1] + bend > allowed)
+        near = (bend > allowed) & (seen[:, 1:-1] + bend > np.maximum(known, allowed)[:, None])
     k, i, r = (np.repeat(each, len(CLOSER)) for each in np.nonzero(near))
     middle = places[i + 1]
     steps = np.tile(CLOSER, len(k) // len(CLOSER)) * (places[1] - places[0])
