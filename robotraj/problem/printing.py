@@ -79,12 +79,12 @@ def phase_table(
         One row for each parameter and for each obstacle.
     """
     dae = rows.dae
-    cells: list[Cells] = [("duration", "", "", _interval(*duration), "s")]
+    cells: list[Cells] = [("duration", "", "", interval_text(*duration), "s")]
     cells += [line for end, bounds in ends.items() for line in _end(rows, end, bounds)]
-    cells += [(r.name, r.joint or "", r.where.value, _interval(r.lower, r.upper), r.unit) for r in rows]
+    cells += [(r.name, r.joint or "", r.where.value, interval_text(r.lower, r.upper), r.unit) for r in rows]
     cells += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
     cells += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
-    cells += [(r.name, r.joint or "", "", _interval(r.lower, r.upper), r.unit) for r in more]
+    cells += [(r.name, r.joint or "", "", interval_text(r.lower, r.upper), r.unit) for r in more]
     sizes = f"{len(dae.states)} states, {len(dae.algebraic)} algebraic, {len(dae.controls)} controls"
     return PhaseTable(f"phase {rows.phase!r} of {subject}: {sizes}", objective, tuple(cells))
 
@@ -103,15 +103,8 @@ def duration_text(low: float, high: float) -> str:
     return f"{_number(low)} s" if low == high else f"{_number(low)} to {_number(high)} s"
 
 
-def _end(table: RowTable, end: Where, bounds: Bounds) -> list[Cells]:
-    """List the bounds of the state at one end."""
-    return [
-        (variable.quantity, variable.label, end.value, _interval(lower, upper), variable.unit)
-        for variable, lower, upper in zip(table.dae.states, bounds.lower, bounds.upper, strict=True)
-    ]
-
-
-def _interval(low: float, high: float) -> str:
+def interval_text(low: float, high: float) -> str:
+    """Return ``"= 0"``, ``"0 .. 1"``, ``"<= 1"``, ``">= 0"`` or ``"free"``."""
     if low == high:
         return f"= {_number(low)}"
     if np.isinf(low) and np.isinf(high):
@@ -123,5 +116,13 @@ def _interval(low: float, high: float) -> str:
     return f"{_number(low)} .. {_number(high)}"
 
 
+def _end(table: RowTable, end: Where, bounds: Bounds) -> list[Cells]:
+    """List the bounds of the state at one end."""
+    return [
+        (variable.quantity, variable.label, end.value, interval_text(lower, upper), variable.unit)
+        for variable, lower, upper in zip(table.dae.states, bounds.lower, bounds.upper, strict=True)
+    ]
+
+
 def _number(value: float) -> str:
-    return f"{value:.6g}"
+    return f"{value + 0.0:.6g}"  # no negative zero

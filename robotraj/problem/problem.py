@@ -11,10 +11,10 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
 from robotraj._util.values import dataclass
-from robotraj.dynamics.row import Row
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on
 from robotraj.problem.phase import Phase
+from robotraj.problem.printing import interval_text
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -114,21 +114,22 @@ class Problem(OneLine):
         return f"<Problem of {what}: {len(self.links)} link{'s' * (len(self.links) != 1)}>"
 
     def __str__(self) -> str:
-        cells = [
-            (f"link {link.name}", row.label, f"[{row.lower:g}, {row.upper:g}] {row.unit}") for link, row in self._links
-        ]
+        cells = [(f"link {link.name}", *line) for link, *line in self._links]
         return "\n\n".join([str(phase) for phase in self.phases] + ["\n".join(table(cells))] * bool(cells))
 
     def _repr_html_(self) -> str:
         cells = "".join(
-            f"<tr><td>{escape(link.name)}</td><td>{escape(row.label)}</td>"
-            f"<td>[{row.lower:g}, {row.upper:g}] {escape(row.unit)}</td></tr>"
-            for link, row in self._links
+            f"<tr><td>{escape(link.name)}</td>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>"
+            for link, *line in self._links
         )
         links = f"<div><b>links</b><table>{cells}</table></div>" if cells else ""
         return "".join(phase._repr_html_() for phase in self.phases) + links
 
     @property
-    def _links(self) -> list[tuple[BoundLink, Row]]:
-        """Every row of a link, with its link."""
-        return [(link, row) for link in self.bound_links for row in link.rows]
+    def _links(self) -> list[tuple[BoundLink, str, str, str]]:
+        """Every row of a link: the link, the row's label, its bounds and its unit."""
+        return [
+            (link, row.label, interval_text(row.lower, row.upper), row.unit)
+            for link in self.bound_links
+            for row in link.rows
+        ]

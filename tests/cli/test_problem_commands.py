@@ -130,8 +130,10 @@ def test_a_first_problem_of_a_urdf_names_it_from_its_own_folder(here: Path) -> N
     assert json.loads(succeed("plan", "plans/first.toml", "--json"))["proved"]
 
 
-def test_a_first_gait_of_a_biped_walks(here: Path) -> None:
-    succeed("init", "five_link", "--root", "planar")
+@pytest.mark.parametrize(("robot", "gait"), [("five_link", "walk"), ("hopper", "jump")])
+def test_a_first_gait_is_one_of_the_robots_feet(here: Path, robot: str, gait: str) -> None:
+    succeed("init", robot, "--root", "planar")
+    assert f'type = "{gait}"' in (here / "problem.toml").read_text()
     assert json.loads(succeed("plan", "problem.toml", "--json"))["proved"]
 
 

@@ -18,7 +18,7 @@ def write_problem(
     robot: RobotArgument,
     out: Annotated[Path, typer.Argument(metavar="[OUT.toml]", help="Where to.")] = Path("problem.toml"),
     root: Annotated[
-        str, typer.Option(help="fixed: a motion from rest to rest; planar or floating: a gait on two or four feet.")
+        str, typer.Option(help="fixed: a motion from rest to rest; planar or floating: a gait, or a jump on one foot.")
     ] = "fixed",
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: JsonOption = False,

@@ -13,7 +13,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
 from robotraj.gait.feet import feet_of
 from robotraj.gait.standing import stand
 from robotraj.robot.robot import Robot
@@ -33,12 +32,12 @@ LOAD = 0.8
 LONGEST = 60.0
 """Duration that is not exceeded [s]."""
 GAITS = {2: "walk", 4: "trot"}
-"""Gait by the number of feet."""
+"""Gait by the number of feet; robots of another number jump on all of them."""
 STEP = 0.2
-"""Length of a step relative to the height of the centre of mass."""
+"""Length of a step, and rise of a jump, relative to the height of the centre of mass."""
 
 HEAD = """\
-# {title}
+# A first motion of {robot}
 #
 # Plan it, prove it and write its replay:  robotraj plan {name}
 # What else may stand here:                robotraj schema, or docs/problem-files.md
@@ -83,14 +82,22 @@ v = 0.0
 # A second phase begins with [[phases]]; it is joined to the first one by [[links]] of type "Continuity".
 """
 
+STEPS = """\
+step_length = {length} # [m]
+duration = {duration} # [s] of a step
+clearance = {clearance} # lift of a swinging foot [m]
+"""
+
+LEAP = """\
+height = {length} # rise of the centre of mass [m]
+length = 0.0 # displacement along x [m]
+"""
+
 GAIT = """
 [gait]
 type = {gait} # a function of rt.gait: walk, run, trot, crawl, jump, stairs ...
 feet = [{feet}] # frames of the feet
-step_length = {length} # [m]
-duration = {duration} # [s] of a step
-clearance = {clearance} # lift of a swinging foot [m]
-contact = {{ type = "PointContact", friction = 0.6 }} # FlatFoot for soles: length and width [m]
+{sizes}contact = {{ type = "PointContact", friction = 0.6 }} # FlatFoot for soles: length and width [m]
 """
 
 TAIL = """
@@ -109,7 +116,8 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     """Write a problem file that plans as it stands.
 
     A robot with a fixed root moves from its neutral configuration to one nearby, from rest to rest; joints without
-    motors start at their neutral position and end anywhere. A robot with a moving root walks or trots.
+    motors start at their neutral position and end anywhere. A robot with a moving root walks on two feet, trots on
+    four, and jumps on another number.
 
     Parameters
     ----------
@@ -122,7 +130,7 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     Raises
     ------
     InputError
-        The root moves, and the robot has neither two nor four feet.
+        The root moves, and no frame is named like a foot.
     """
     fixed, locked = robot.root == "fixed", robot.limits.faults(robot.actuated)
     free = _lifted(robot, locked)
@@ -130,8 +138,7 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     limits = GIVEN_LIMITS + "".join(_limit(name, values) for name, values in free.items()) if locked else ASKED_LIMITS
     joint = _key(robot.joint_names[0])
     root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
-    title = f"A first motion of {robot.name}" if fixed else f"A gait of {robot.name}"
-    head = HEAD.format(title=title, name=name, source=json.dumps(source), root=root, limits=limits)
+    head = HEAD.format(robot=robot.name, name=name, source=json.dumps(source), root=root, limits=limits)
     middle = _motion(robot, joint) if fixed else _gait(robot)
     page = json.dumps(re.sub(r"\W+", "_", robot.name) + ".html")
     return head + middle + TAIL.format(limit=60.0 if fixed else 600.0, page=page)
@@ -219,20 +226,15 @@ def _within(robot: Robot, data: pin.Data, way: Array, duration: float, moved: li
 
 def _gait(robot: Robot) -> str:
     feet = feet_of(robot, None)
-    if len(feet) not in GAITS:
-        raise InputError(
-            f"{robot.name!r} has {len(feet)} feet ({', '.join(feet)}); a first gait is written for 2 or 4. Use a fixed "
-            "root, and change the file."
-        )
     standing = stand(robot, feet)
     height = float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2])
-    return GAIT.format(
-        gait=json.dumps(GAITS[len(feet)]),
-        feet=", ".join(json.dumps(foot) for foot in feet),
+    gait = GAITS.get(len(feet), "jump")
+    sizes = (LEAP if gait == "jump" else STEPS).format(
         length=round(STEP * height, 3),
         duration=round(1.3 * math.sqrt(height / 9.81), 2),
         clearance=round(0.1 * height, 3),
     )
+    return GAIT.format(gait=json.dumps(gait), feet=", ".join(json.dumps(foot) for foot in feet), sizes=sizes)
 
 
 def _pairs(names: tuple[str, ...], values: Array, chosen: list[int] | range) -> str:
