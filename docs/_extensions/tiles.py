@@ -60,11 +60,15 @@ def replays(tile: Tile) -> list[str]:
 
 
 def picture(tile: Tile, up: str) -> str:
-    """Return the picture of a tile as HTML, empty where there is none."""
-    file = f"{tile['file']}.webp"
+    """Return the picture of a tile as HTML, and the animation over it; empty where there is none."""
+    file, moving = f"{tile['file']}.webp", f"{tile['file']}_moving.webp"
     if not (PICTURES / file).exists():
         return ""
-    return f'<img src="{up}_static/gallery/{file}" alt="{html.escape(tile["title"])}" loading="lazy">'
+    place = f"{up}_static/gallery"
+    still = f'<img src="{place}/{file}" alt="{html.escape(tile["title"])}" loading="lazy">'
+    # A lazy image that is not displayed is not loaded: the style sheet displays it under the pointer.
+    film = f'<img class="film" src="{place}/{moving}" alt="" loading="lazy">' if (PICTURES / moving).exists() else ""
+    return still + film
 
 
 def card(tile: Tile, up: str) -> str:

@@ -2,8 +2,10 @@
 
 ``pip install -e '.[docs,test]'``, then ``python docs/gallery/make.py``; names in the arguments choose tiles. Examples
 run as they are, each in a process of its own, in ``build/gallery/replays``. Cases are those of ``benchmarks/cases.py``,
-planned to a tolerance of 1e-6. The numbers go to ``docs/gallery/results.json``, and the pictures to
+planned to a tolerance of 1e-6. The numbers go to ``docs/gallery/results.json``, pictures and animations to
 ``docs/_static/gallery``. A tile names the commit that it was made from.
+
+``--replays`` writes the replays of the cases and nothing else; those of the examples are written by the examples.
 """
 
 from __future__ import annotations
@@ -164,8 +166,6 @@ def main(names: list[str]) -> None:
     """Make the chosen tiles, all by default; tiles that were not chosen stay."""
     from thumbnails import draw
 
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    os.environ.setdefault("MPLBACKEND", "agg")
     command = ["git", "rev-parse", "--short", "HEAD"]
     commit = subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
     made = [tile | {"commit": commit} for tile in examples(names) + cases(names)]
@@ -179,7 +179,11 @@ def main(names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--run"]:
+    os.environ.setdefault("MPLBACKEND", "agg")
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    if sys.argv[1:] == ["--replays"]:
+        cases([])
+    elif sys.argv[1:2] == ["--run"]:
         Path(f"{sys.argv[2]}.json").write_text(json.dumps(run_example(sys.argv[2])))
     else:
         main(sys.argv[1:])

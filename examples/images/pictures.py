@@ -26,14 +26,18 @@ SIZE = {"width": 1180, "height": 620}
 QUIET = "header, footer, #marks, #legend, #follow, #home, .legend { visibility: hidden !important }"
 
 
-def take(page: Page, replay: Path, moment: float, picture: Path) -> None:
-    """Save the robot's view of a replay at one moment, without labels and buttons."""
+def open_view(page: Page, replay: Path) -> None:
+    """Open a replay and show the robot alone, without labels and buttons."""
     page.goto(replay.as_uri())
     page.wait_for_function("window.robotraj && document.querySelector('#pane canvas')")
     page.wait_for_timeout(3000)
-    page.evaluate("t => window.robotraj.seek(t)", moment)
     page.add_style_tag(content=QUIET)
-    page.wait_for_timeout(1500)
+
+
+def take(page: Page, moment: float, picture: Path, pause: float = 1500.0) -> None:
+    """Save the view of an open replay at one moment [s], after a pause [ms] in which it is drawn."""
+    page.evaluate("t => window.robotraj.seek(t)", moment)
+    page.wait_for_timeout(pause)
     box = page.locator("#pane canvas").first.bounding_box()
     size = {"width": min(600, box["width"]), "height": min(480, box["height"])}
     page.screenshot(path=picture, clip={"x": box["x"], "y": box["y"]} | size)
@@ -48,7 +52,8 @@ def main(folder: Path, wanted: list[str]) -> None:
         for name in wanted or PICTURES:
             replay, moment = PICTURES[name]
             picture = Path(__file__).parent / f"{name}.png"
-            take(page, (folder / replay).resolve(), moment, picture)
+            open_view(page, (folder / replay).resolve())
+            take(page, moment, picture)
             print(f"wrote {picture.name}, {picture.stat().st_size / 1e3:.0f} kB")
         browser.close()
 
