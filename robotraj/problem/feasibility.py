@@ -18,13 +18,12 @@ from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.inertia import weightless_joints
+from robotraj.robot.loading.other_units import OTHER_UNITS, other_unit_note
 from robotraj.robot.robot import Robot
 
 SLACK = 1e-6
 """Largest distance of a given end from a bound that counts as round-off [SI]."""
 
-OTHER_UNITS = {"rad": ("degrees", np.pi / 180.0, 2.0 * np.pi), "m": ("mm", 1e-3, 1.0)}
-"""For a unit the one that may be meant instead, its factor, and the least size at which a message names it."""
 UPSIDE_DOWN = -0.7
 """Height of the unit z axis of a root below which it counts as upside down."""
 
@@ -39,10 +38,19 @@ def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
     ------
     InputError
         A limit locks a joint, is inverted or is no number. The message names the joints.
+
+    Warns
+    -----
+    UserWarning
+        A limit is plausible in degrees or millimetres only.
     """
     warnings = limits.warnings(robot.actuated)
     if warnings:
         raise InputError(f"Phase {phase!r}: " + " ".join(warnings))
+    if limits is not robot.limits and limits.joints == robot.limits.joints:
+        doubt = other_unit_note(robot.limits, limits, robot.units)
+        if doubt:
+            warn(f"Phase {phase!r}: {doubt}")
 
 
 def check_masses(phase: str, robot: Robot, body: Dynamics) -> None:

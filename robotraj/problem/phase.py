@@ -131,7 +131,9 @@ class Phase(OneLine):
             return
         if any(each.avoids_collisions for each in self.constraints):
             from robotraj.problem.clearance.ends import check_ends
+            from robotraj.problem.clearance.plausible_obstacles import warn_of_obstacles
 
+            warn_of_obstacles(self.name, self.constraints, self.robot)
             check_ends(self.name, self.constraints, self.robot, self._ends)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body)

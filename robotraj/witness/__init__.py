@@ -25,6 +25,7 @@ from robotraj.witness.plants.plant import Landing
 from robotraj.witness.point import NumericPoint
 from robotraj.witness.report import Report
 from robotraj.witness.robustness.disturbances import Disturbances
+from robotraj.witness.robustness.margin import DisturbanceMargin, disturbance_margin
 from robotraj.witness.robustness.monte_carlo import MonteCarlo, monte_carlo
 from robotraj.witness.simulation.drift import Drift, DriftRow
 from robotraj.witness.simulation.robot import Simulation, simulate
@@ -32,6 +33,7 @@ from robotraj.witness.simulation.tracking import TrackingResult, track
 from robotraj.witness.validation import validate
 
 __all__ = [
+    "DisturbanceMargin",
     "Disturbances",
     "Drift",
     "DriftRow",
@@ -55,6 +57,7 @@ __all__ = [
     "Tolerances",
     "TrackingResult",
     "Violation",
+    "disturbance_margin",
     "monte_carlo",
     "second_opinion",
     "simulate",

@@ -26,6 +26,7 @@ from robotraj.robot.loading.notes import (
     strength_note,
     weightless_note,
 )
+from robotraj.robot.loading.other_units import other_unit_note
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
 from robotraj.robot.loading.surgery import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
@@ -82,7 +83,8 @@ def assemble(
     motors = _actuated(actuated, about.actuated, own.joints[own.free :])
     found = weightless_note(weightless_joints(model)), strength_note(model, wanted, units(model, root), motors)
     findings = (*about.findings, *filter(None, found))
-    warned = () if about.known else (*findings, *wanted.warnings(motors))
+    doubt = other_unit_note(own, wanted, units(model, root))
+    warned = [text for text in (*(() if about.known else (*findings, *wanted.warnings(motors))), doubt) if text]
     if warned:
         warn(f"{about.name!r}: {' '.join(warned)}")
     friction = np.array(model.upperDryFrictionLimit)

@@ -44,7 +44,7 @@ def weightless_note(joints: Sequence[str]) -> str:
 def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
     """Name joints whose effort limit is implausible beside the weight of the whole robot at its full reach."""
     weight = GRAVITY * sum(float(body.mass) for body in list(model.inertias)[1:])
-    span = _reach(model)
+    span = reach_of(model)
     strong = [
         f"{joint} ({limits.effort[i]:.4g} {'N' if unit == 'm' else 'N m'})"
         for i, (joint, unit) in enumerate(zip(limits.joints, units, strict=True))
@@ -61,7 +61,7 @@ def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuat
     )
 
 
-def _reach(model: pin.Model) -> float:
+def reach_of(model: pin.Model) -> float:
     """Return a bound on the distance of the bodies' masses from the first joint [m], by their radii of gyration."""
     reach = [
         float(np.linalg.norm(body.lever)) + float(np.sqrt(np.trace(body.inertia) / (2.0 * body.mass)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import fields
+from dataclasses import fields, replace
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -62,7 +62,7 @@ class Disturbances:
 
     def scaled(self, factor: float) -> Disturbances:
         """Return disturbances of ``factor`` times the size, the delay included."""
-        return Disturbances(**{entry.name: factor * getattr(self, entry.name) for entry in fields(self)})
+        return replace(self, **{entry.name: factor * getattr(self, entry.name) for entry in fields(self)})
 
     def of_model(self, mujoco: ModuleType, model: mujoco.MjModel, rng: np.random.Generator) -> mujoco.MjModel:
         """Return a copy of a MuJoCo model with other masses, inertias and friction."""

@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
-from robotraj.witness.mujoco.model import MujocoRobot, mujoco_robot
-from robotraj.witness.mujoco.package import load_mujoco
-from robotraj.witness.planned import limits_of, robot_sample
-from robotraj.witness.protocols import Array, RobotLike, SolutionLike
-from robotraj.witness.robustness.disturbances import PUSH_TIME, Disturbances
+from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.robustness.disturbances import Disturbances
+from robotraj.witness.robustness.loop import Loop, above_zero, generators, whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-SUBSTEPS = 2
-"""Steps of MuJoCo in a period of the controller."""
 CONFIDENCE = 1.96
 """Standard deviations of a 95 percent interval."""
-LEAST_RESERVE = 1e-3
-"""Least reserve of a motor, relative to its limit of effort."""
 SHARES = (50, 90, 100)
 """Percentiles that the funnel plot draws."""
 
@@ -156,89 +147,10 @@ def monte_carlo(
     InputError
         MuJoCo is not installed, the plan has contacts, a moving root or no robot, or a number is not above 0.
     """
-    require_solution(solution, "rt.witness.monte_carlo")
-    robot = solution.phases[0].phase.robot
-    if robot is None or robot.root != "fixed" or any(part.phase.contacts for part in solution.phases):
-        raise InputError(
-            "rt.witness.monte_carlo takes the plan of a robot with a fixed root and without contacts; "
-            "rt.witness.second_opinion simulates others."
-        )
-    if isinstance(runs, bool) or not isinstance(runs, int) or runs < 1:
-        raise InputError(f"runs is {runs!r}; give a whole number of 1 or more.")
-    for name, value in (("bound", bound), ("rate", rate)):
-        if not 0.0 < value < np.inf:
-            raise InputError(f"{name} is {value!r}; it must be above 0.")
-    mujoco, drawn = load_mujoco(), disturbances or Disturbances()
-    plant = mujoco_robot(robot)
-    loop = _Loop(solution, robot, rate)
-    found = [loop.run(mujoco, plant, drawn, rng) for rng in _generators(seed, runs)]
+    loop = Loop(solution, rate, "rt.witness.monte_carlo")
+    whole(runs=runs)
+    above_zero(bound=bound)
+    drawn = disturbances or Disturbances()
+    found = [loop.run(drawn, rng) for rng in generators(seed, runs)]
     deviations, used = np.array([each for each, _ in found]), np.array([share for _, share in found])
-    how = f"MuJoCo {mujoco.__version__}, RK4, controller at {rate:g} Hz"
-    return MonteCarlo(loop.times, deviations, used, float(bound), seed, drawn, how)
-
-
-def _generators(seed: int, runs: int) -> Iterator[np.random.Generator]:
-    """Yield one independent generator a run, so that a run does not depend on the number of runs."""
-    return (np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(runs))
-
-
-class _Loop:
-    """A plan for its controller: set points, torques and gains at the controller's times."""
-
-    def __init__(self, solution: SolutionLike, robot: RobotLike, rate: float) -> None:
-        parts = solution.phases
-        first, last = float(parts[0].knots[0]), float(parts[-1].knots[-1])
-        count = max(1, int(np.ceil((last - first) * rate - 1e-9)))
-        self.times = np.linspace(first, last, count + 1)
-        self.period = float(self.times[1] - self.times[0])
-        starts = np.array([part.knots[0] for part in parts])
-        owner = np.clip(np.searchsorted(starts, self.times, side="right") - 1, 0, len(parts) - 1)
-        samples = [robot_sample(part, self.times[owner == i]) for i, part in enumerate(parts) if (owner == i).any()]
-        self.q, self.v, self.tau = (
-            np.concatenate([getattr(sample, name) for sample in samples]) for name in ("q", "v", "tau")
-        )
-        gains = solution.gains
-        self.gains = np.array([gains.at(float(t)) for t in self.times])
-        self.actuation = np.asarray(robot.actuation, dtype=float)
-        chosen = [robot.velocity_names.index(joint) for joint in robot.actuated]
-        limits = [limits_of(part) for part in parts]
-        efforts = [np.full(len(chosen), np.inf) if known is None else known.effort[chosen] for known in limits]
-        self.effort = np.array(efforts)[owner]
-
-    def run(
-        self, mujoco: ModuleType, plant: MujocoRobot, drawn: Disturbances, rng: np.random.Generator
-    ) -> tuple[Array, float]:
-        """Return the largest deviation at every time (m,), and the largest feedback relative to a reserve."""
-        model = drawn.of_model(mujoco, plant.model, rng)
-        model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-        model.opt.timestep = self.period / SUBSTEPS
-        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        data, where = mujoco.MjData(model), plant.coordinates
-        nv = self.v.shape[1]
-        q = self.q[0] + drawn.position * rng.standard_normal(nv)
-        data.qpos[:] = where.qpos(q)
-        data.qvel[:] = where.qvel(q, self.v[0] + drawn.velocity * rng.standard_normal(nv))
-        body, begin, force = drawn.push_of(model.nbody, float(self.times[-1] - self.times[0]), rng)
-        waiting = [self.tau[0]] * round(drawn.delay / self.period)
-        found, used = np.full(len(self.times), np.inf), 0.0
-        for k, t in enumerate(self.times - self.times[0]):
-            q = where.q(data.qpos)
-            v = where.v(q, data.qvel)
-            if not (np.isfinite(q).all() and np.isfinite(v).all()):
-                break
-            found[k] = np.max(np.abs(q - self.q[k]))
-            if k == len(self.times) - 1:
-                break
-            noise = rng.standard_normal((2, nv))
-            error = np.concatenate(
-                [q - self.q[k] + drawn.position_noise * noise[0], v - self.v[k] + drawn.velocity_noise * noise[1]]
-            )
-            added = -self.gains[k] @ error
-            reserve = np.maximum(self.effort[k] - np.sign(added) * self.tau[k], LEAST_RESERVE * self.effort[k])
-            used = max(used, float(np.max(np.abs(added) / reserve)))
-            waiting.append(np.clip(self.tau[k] + added, -self.effort[k], self.effort[k]))
-            data.qfrc_applied[:] = where.force(q, self.actuation @ waiting.pop(0))
-            data.xfrc_applied[body, :3] = force if begin <= t < begin + PUSH_TIME else 0.0
-            for _ in range(SUBSTEPS):
-                mujoco.mj_step(model, data)
-        return found, used
+    return MonteCarlo(loop.times, deviations, used, float(bound), seed, drawn, loop.how)
