@@ -2,9 +2,9 @@
 
 Every motion has a configuration at both ends of every phase. It satisfies the rows of the phase that depend on
 positions alone, the contacts that are held and the links. Between the ends no joint moves faster than its speed limit.
-These conditions are necessary and few. Every row is relaxed by slacks s >= 0,
+These conditions are necessary and few. Every row is relaxed by slacks s, r >= 0,
 
-    minimise  sum_i w_i s_i    subject to  l_i - c_i s_i <= h_i(q_0, q_1, T, p) <= u_i + c_i s_i,
+    minimise  sum_i w_i (s_i + r_i)    subject to  l_i <= h_i(q_0, q_1, T, p) + c_i (s_i - r_i) <= u_i,
 
 where c_i is the scale of row i, from several seeded starts. Configurations exist if the least sum is zero. Otherwise
 rows with slacks must be relaxed, and rows with multipliers conflict with them.
@@ -41,8 +41,11 @@ Array = NDArray[np.float64]
 
 REACHED = 1e-5
 """Slacks relative to the scale of their row that count as zero."""
-STARTS, STARTS_MOVING = 12, 3
-"""Seeded starts for robots with a fixed root and systems, and for those with a moving root."""
+STARTS, STARTS_MOVING = 12, 6
+"""Seeded starts for robots with a fixed root and systems; most of them for those with a moving root.
+
+With a moving root the search ends where two starts agree, since its problems are larger.
+"""
 ITERATIONS = 150
 """Largest number of iterations of the solver from one start."""
 NEARNESS = 1e-6
@@ -92,18 +95,28 @@ def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agre
     ]
     slack, near, weight = (ca.SX.sym(*each) for each in (("s", len(sides)), ("y", unknown.numel()), ("w", len(sides))))
     scaled = [sign * (rows[i].value - bound) / rows[i].scale for i, sign, bound in sides]
+    # An equality is one row with two slacks. As two rows it would have multipliers that only their difference fixes.
+    moved = [row.value / row.scale for row in rows]
+    for k, (i, sign, _) in enumerate(sides):
+        moved[i] += sign * slack[k]
+    signs, owners = (np.array([side[j] for side in sides]) for j in (1, 0))
+    scales = np.array([row.scale for row in rows])
     weights = np.array([rows[i].weight for i, *_ in sides])
     cost = ca.dot(weight, slack) + NEARNESS * ca.sumsqr(unknown - near)
     options = {"tol": 1e-8, "max_iter": ITERATIONS, "print_level": 0, "sb": "yes"}
     solver = ca.nlpsol(
         "ends",
         "ipopt",
-        {"x": ca.vertcat(unknown, slack), "p": ca.vertcat(near, weight), "f": cost, "g": ca.vertcat(*scaled) + slack},
+        {"x": ca.vertcat(unknown, slack), "p": ca.vertcat(near, weight), "f": cost, "g": ca.vertcat(*moved)},
         {"ipopt": options, "print_time": False, "error_on_fail": False, "show_eval_warnings": False},
     )
     values = ca.Function("values", [unknown], [ca.vertcat(*scaled)])
     free = unknown.numel()
-    bounds = {"lbx": np.append(np.full(free, -np.inf), np.zeros(len(sides))), "ubx": np.inf, "lbg": 0.0, "ubg": np.inf}
+    bounds = {
+        "lbx": np.append(np.full(free, -np.inf), np.zeros(len(sides))),
+        "lbg": np.array([row.lower for row in rows]) / scales,
+        "ubg": np.array([row.upper for row in rows]) / scales,
+    }
 
     def solved(start: Array, weights: Array) -> tuple[float, Array, Array, Array]:
         first = np.maximum(0.0, -np.array(values(start)).ravel())
@@ -112,10 +125,15 @@ def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agre
         place = np.array(found["x"]).ravel()[:free]
         left = np.maximum(0.0, -np.array(values(place)).ravel())
         total = float(weights @ left) if np.all(np.isfinite(left)) else np.inf
-        return total, place, left, np.abs(np.array(found["lam_g"]).ravel())
+        return total, place, left, np.maximum(0.0, -signs * np.array(found["lam_g"]).ravel()[owners.astype(int)])
 
     best: tuple[float, Array, Array, Array] | None = None
-    sums = []
+    sums: list[float] = []
+    moving = _moves(problem)
+
+    def agree() -> bool:
+        return best is not None and sum(total <= (1.0 + AGREEING) * best[0] for total in sums) > 1
+
     for start in _starts(problem):
         found = solved(start, weights)
         if found[0] < REACHED:
@@ -123,9 +141,11 @@ def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agre
         sums.append(found[0])
         if best is None or found[0] < best[0]:
             best = found
+        if moving and agree():
+            break
     if best is None or not np.isfinite(best[0]):
         return ()
-    if agreed and sum(total <= (1.0 + AGREEING) * best[0] for total in sums) < 2:
+    if agreed and not agree():
         return ()
     _, place, left, multipliers = best
     if np.sum(left > REACHED) > 1:
@@ -147,7 +167,9 @@ def _conflicts(
     """Describe rows with slacks, and the rows that they conflict with."""
     giving = [k for k in np.argsort(-left) if left[k] > REACHED]
     binding = [k for k in np.argsort(-multipliers) if multipliers[k] > BINDING * multipliers.max() and k not in giving]
-    named = [rows[sides[k][0]] for k in binding if rows[sides[k][0]].name != "duration"]
+    # Components of a contact or a frame share a name.
+    kept = {"duration", *(rows[sides[k][0]].name for k in giving)}
+    named = [rows[sides[k][0]] for k in binding if rows[sides[k][0]].name not in kept]
     named = [row for row in named if row.weight != QUATERNION_WEIGHT]
     # States that the user fixed are named where nothing else conflicts.
     named = [row for row in named if row.weight != END_WEIGHT] or named
@@ -179,7 +201,7 @@ def _starts(problem: Problem) -> Iterator[Array]:
     """Yield values of the unknowns: guessed ends, then seeded random ones within the position limits."""
     rng = np.random.default_rng(0)
     phases = problem.phases
-    moving = any(phase.robot is not None and phase.robot.root != "fixed" for phase in phases)
+    moving = _moves(problem)
     base, reached = [], None
     for phase in phases:
         first, last = ends_of(phase)
@@ -208,6 +230,11 @@ def _starts(problem: Problem) -> Iterator[Array]:
             parts += [np.array([begun] * bool(i)), np.array([lasting]), np.array(list(parameters.values()))]
             begun += lasting
         yield np.concatenate(parts)
+
+
+def _moves(problem: Problem) -> bool:
+    """Whether the root of a robot moves."""
+    return any(phase.robot is not None and phase.robot.root != "fixed" for phase in problem.phases)
 
 
 def _varied(phase: Phase, x: Array, rng: np.random.Generator) -> Array:
