@@ -472,6 +472,54 @@ def test_another_version_is_refused_and_named(block: rt.Solution, tmp_path: Path
         rt.load_solution(path)
 
 
+@pytest.mark.parametrize(
+    ("place", "name", "message"),
+    [
+        (("phases", 0), "given_name", r"phases\.0: PhaseSolution has no field 'given_name' in files"),
+        (("facts",), "speed", "facts: Solution has no field 'speed' in files"),
+    ],
+)
+def test_a_file_of_a_robotraj_with_other_classes_is_not_called_damaged(
+    block: rt.Solution, tmp_path: Path, place: tuple[Any, ...], name: str, message: str
+) -> None:
+    """A class that lost a field since the file was written; the same fault under the own classes is damage."""
+    path = block.save(tmp_path / "own")
+    with np.load(path) as archive:
+        about, data = (json.loads(str(archive[entry])) for entry in ("about", "solution"))
+    own = about["robotraj"]
+    for classes in (about["classes"], "0123456789abcdef", None):
+        other = json.loads(json.dumps(data))
+        part = other
+        for key in place:
+            part = part[key]
+        part[name] = 1.0
+        told = {**about, "robotraj": "0.0.7", "classes": classes}
+        changed = rewritten(
+            path, tmp_path / "other.npz", about=np.array(json.dumps(told)), solution=np.array(json.dumps(other))
+        )
+        with pytest.raises(rt.InputError, match=message) as error, pytest.warns(UserWarning):
+            rt.load_solution(changed)
+        text = str(error.value)
+        if classes == about["classes"]:
+            assert "is damaged" in text and "0.0.7" not in text
+        else:
+            assert "damaged" not in text
+            assert f"0.0.7 wrote the file with other classes than those of the running one ({own})" in text
+
+
+def test_settings_of_other_classes_are_left_out_with_both_versions(cartpole: rt.Solution, tmp_path: Path) -> None:
+    path = cartpole.save(tmp_path / "own")
+    with np.load(path) as archive:
+        about, data = (json.loads(str(archive[entry])) for entry in ("about", "solution"))
+    data["settings"]["fields"]["given_name"] = 1.0
+    told = {**about, "robotraj": "0.0.7", "classes": "0123456789abcdef"}
+    changed = rewritten(
+        path, tmp_path / "other.npz", about=np.array(json.dumps(told)), solution=np.array(json.dumps(data))
+    )
+    with pytest.warns(UserWarning, match=r"settings of the plan could not be read: .*Robotraj 0\.0\.7 wrote the file"):
+        assert rt.load_solution(changed).objective == cartpole.objective
+
+
 def test_a_damaged_file_raises_an_error(block: rt.Solution, tmp_path: Path) -> None:
     good = block.save(tmp_path / "good")
     path = rewritten(good, tmp_path / "bad.npz", **{"phases.0.trajectory.x.values": None})

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import field, fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -25,7 +25,7 @@ from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Settings
-from robotraj.solution.storage.classes import mismatch
+from robotraj.solution.storage.classes import layout, mismatch
 from robotraj.solution.storage.entries import read_entries
 from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
@@ -54,12 +54,15 @@ class Contents(OneLine):
         Plain data of the whole solution, by name.
     settings : Settings or None
         None also where they could not be written, such as those of a solver that is not plain data.
+    about : mapping
+        Format and version of a file that was read, and the version and classes of the robotraj that wrote it.
     """
 
     problem: Problem
     phases: Sequence[PhaseSolution]
     facts: Mapping[str, Json]
     settings: Settings | None
+    about: Mapping[str, Json] = field(default_factory=dict)
 
 
 def write(path: str | os.PathLike[str], contents: Contents) -> Path:
@@ -89,7 +92,7 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
         "facts": packer.pack(dict(contents.facts), "facts"),
         "settings": _packed_settings(contents.settings, packer),
     }
-    about = {"format": FORMAT, "version": VERSION, "robotraj": _own_version()}
+    about = {"format": FORMAT, "version": VERSION, "robotraj": _own_version(), "classes": layout()}
     with whole_file(target) as partial, partial.open("wb") as file:
         np.savez_compressed(file, about=_text(about), solution=_text(data), **packer.arrays)  # type: ignore[arg-type]
     return target
@@ -108,10 +111,11 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
     Raises
     ------
     InputError
-        No such file, a file of another kind or version, a damaged one, or one of another problem.
+        No such file, a file of another kind or version, a damaged one, or one of another problem. A file that cannot
+        be read and was written with other classes is not called damaged; the message names both versions.
     """
     source = _existing(Path(path).expanduser())
-    arrays = _arrays(source)
+    arrays, about = _arrays(source)
     unpacker = Unpacker(arrays)
     try:
         data = _json(arrays, "solution")
@@ -132,14 +136,29 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         facts = unpacker.unpack(data.get("facts"), "facts")
         if not isinstance(facts, dict):
             raise Damaged("it holds no facts of the solution")
-        return Contents(problem, phases, facts, _unpacked_settings(data.get("settings"), unpacker))
+        return Contents(problem, phases, facts, _unpacked_settings(data.get("settings"), unpacker, about), about)
     except OtherProblem:
         raise
     except REFUSALS as error:
         kind = "" if isinstance(error, InputError) else f"{type(error).__name__} "
-        # A name in the file may be as long as the file.
-        damage = f"{kind}{error}"[:MESSAGE]
-        raise InputError(f"{str(source)!r} is damaged: {damage}. Save the solution again.") from error
+        raise unreadable(source, about, f"{kind}{error}") from error
+
+
+def unreadable(source: str | os.PathLike[str], about: Mapping[str, Json], fault: str) -> InputError:
+    """Return the error for a file that is damaged, or that another robotraj wrote with other classes."""
+    # A name in the file may be as long as the file.
+    fault = fault[:MESSAGE]
+    if about.get("classes") == layout():
+        return InputError(f"{os.fspath(source)!r} is damaged: {fault}. Save the solution again.")
+    return InputError(f"{os.fspath(source)!r}: {fault}. {_writer(about)} Load it with that robotraj, or plan again.")
+
+
+def _writer(about: Mapping[str, Json]) -> str:
+    """Return a sentence on the robotraj that wrote a file, beside the running one."""
+    return (
+        f"Robotraj {str(about.get('robotraj'))[:MESSAGE]} wrote the file with other classes than those of the running "
+        f"one ({_own_version()})."
+    )
 
 
 def _phase(problem: Problem, number: int, given: object) -> PhaseSolution:
@@ -181,12 +200,13 @@ def _packed_settings(settings: Settings | None, packer: Packer) -> Json:
         return None
 
 
-def _unpacked_settings(data: object, unpacker: Unpacker) -> Settings | None:
+def _unpacked_settings(data: object, unpacker: Unpacker, about: Mapping[str, Json]) -> Settings | None:
     """Make settings again; None, with a warning, where they hold what files do not set."""
     try:
         settings: Settings | None = unpacker.unpack(data, "settings")
     except (NotPlainData, Damaged) as error:
-        warn(f"The settings of the plan could not be read: {error}")
+        other = "" if about.get("classes") == layout() else f". {_writer(about)}"
+        warn(f"The settings of the plan could not be read: {error}{other}")
         return None
     return settings if isinstance(settings, Settings) else None
 
@@ -198,8 +218,8 @@ def _existing(source: Path) -> Path:
     raise InputError(f"There is no file {str(source)!r}; {ADVICE}")
 
 
-def _arrays(source: Path) -> dict[str, NDArray[np.generic]]:
-    """Read all entries of the file, and check that it is one of ours."""
+def _arrays(source: Path) -> tuple[dict[str, NDArray[np.generic]], Mapping[str, Json]]:
+    """Read all entries of the file, check that it is one of ours, and return them with what it is about."""
     try:
         arrays = read_entries(source)
         about = _json(arrays, "about")
@@ -214,7 +234,7 @@ def _arrays(source: Path) -> dict[str, NDArray[np.generic]]:
             f"{about.get('robotraj')}; this robotraj ({_own_version()}) reads version {VERSION}. "
             "Load it with that robotraj, or plan again."
         )
-    return arrays
+    return arrays, about
 
 
 def _json(arrays: Mapping[str, NDArray[np.generic]], name: str) -> Json:

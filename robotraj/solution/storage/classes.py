@@ -6,9 +6,11 @@ a file, run a command or import code.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from enum import Enum
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -193,6 +195,14 @@ _PLAIN: Mapping[str, tuple[type, ...]] = {
     "tuple": (tuple,),
     "list": (list,),
 }
+
+
+@cache
+def layout() -> str:
+    """Return a hash of the classes and of their fields: files with the same one differ in no class."""
+    lines = [f"{name} {[(each.name, str(each.type)) for each in fields(kind)]}" for name, kind in CLASSES.items()]
+    lines += [f"{name} {list(kind.__members__)}" for name, kind in ENUMS.items()]
+    return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()[:16]
 
 
 def mismatch(kind: type, given: Mapping[str, object]) -> str | None:

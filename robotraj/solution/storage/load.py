@@ -10,7 +10,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.feedback.gains import Gains
 from robotraj.solution.solution import Solution
-from robotraj.solution.storage.archive import read
+from robotraj.solution.storage.archive import read, unreadable
 from robotraj.solution.storage.classes import mismatch
 
 
@@ -36,7 +36,8 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     Raises
     ------
     InputError
-        No such file, one of another kind or version, a damaged one, or a problem of other phases or variables.
+        No such file, one of another kind or version, a damaged one, one that another version wrote with other
+        classes, or a problem of other phases or variables.
     """
     if not isinstance(path, str | PathLike):
         raise InputError(f"rt.load_solution takes the path of a file; got {type(path).__name__}.")
@@ -48,11 +49,11 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     given = {"problem": contents.problem, "phases": tuple(contents.phases), **facts, "settings": contents.settings}
     wrong = mismatch(Solution, given)
     if wrong is not None:
-        raise InputError(f"{str(path)!r} is damaged: facts: {wrong}. Save the solution again.")
+        raise unreadable(path, contents.about, f"facts: {wrong}")
     solution = Solution(**given)
     if gains is not None:
         try:
             solution.__dict__["gains"] = Gains.of(gains)
         except (KeyError, TypeError, ValueError) as error:
-            raise InputError(f"{str(path)!r} is damaged: facts.gains: {error}. Save the solution again.") from error
+            raise unreadable(path, contents.about, f"facts.gains: {error}") from error
     return solution
