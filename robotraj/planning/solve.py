@@ -232,7 +232,7 @@ def _solve_by_interior_point(nlp: Nlp, progress: Progress | None, failed: Outcom
     iterations, times = failed.iterations + found.iterations, added_times(failed.times, found.times)
     if found.status is not Status.SOLVED:
         return replace(failed, iterations=iterations, times=times)
-    message = f"{found.message} (since IPOPT ended with: {failed.message})"
+    message = f"{found.message} (since IPOPT ended at its iteration limit)"
     return replace(found, message=message, iterations=iterations, times=times)
 
 
@@ -264,8 +264,8 @@ def _solve(
         outcome = solver.resolve(nlp, known, progress, multipliers)
     else:
         outcome = solver.solve(nlp, progress, multipliers)
-    if outcome.status in (Status.ITERATION_LIMIT, Status.STALLED) and solver == Ipopt():
-        # A default limit, or steps that no longer help, end the solve of one solver, not the plan.
+    if outcome.status is Status.ITERATION_LIMIT and solver == Ipopt():
+        # A default limit ends the solve of one solver, not the plan.
         outcome = _solve_by_interior_point(nlp, progress, outcome)
     outcome = replace(outcome, w=unwrapped(nlp, outcome.w))
     if shared is not None:
