@@ -65,7 +65,7 @@ class Equidistribute(Refinement):
 
     most: float = 4.0
     second: float = 1.5
-    finest: int = 320
+    finest: int = 640
     path: float = 1e-3
     slope: float = np.inf
 
