@@ -36,7 +36,8 @@ _REMEDIES = {
     Status.TOLERANCE_NOT_REACHED: "The error on the last mesh exceeds the tolerance; see solution.refinement. "
     "Allow a larger one, or start from a finer mesh or a scheme of higher order.",
     Status.NOT_PROVED: "The last mesh meets its rows, but not the goals between its points; see solution.proof. "
-    "Start from a finer mesh with tolerance=, or allow more time.",
+    "Start from a finer mesh with tolerance=, or allow more time. Where joints oscillate in least time, add "
+    "1e-3 * rt.objectives.SpeedVariation() to the objective.",
     Status.INFEASIBLE: "The solver found no point near the last iterate that meets all rows; see violations(). Allow "
     "more time, relax the rows named there, or start from another guess.",
     Status.NOT_ON_THIS_MESH: "A motion on another mesh meets all rows, so the limits do not conflict. Use more "

@@ -9,6 +9,7 @@ from .momentum import CentroidalMomentum
 from .rates import Jerk, TorqueRate
 from .redundancy.centering import JointCentering
 from .redundancy.manipulability import Manipulability
+from .redundancy.variation import SpeedVariation
 from .smoothness import FrameSmoothness
 from .terminal_pose import TerminalPose
 from .tracking import Tracking
@@ -32,6 +33,7 @@ __all__ = [
     "Mayer",
     "MechanicalWork",
     "Objective",
+    "SpeedVariation",
     "Sum",
     "TerminalPose",
     "TorqueRate",

@@ -77,6 +77,7 @@ from robotraj.problem.objectives.momentum import CentroidalMomentum
 from robotraj.problem.objectives.rates import Jerk, TorqueRate
 from robotraj.problem.objectives.redundancy.centering import JointCentering
 from robotraj.problem.objectives.redundancy.manipulability import Manipulability
+from robotraj.problem.objectives.redundancy.variation import SpeedVariation
 from robotraj.problem.objectives.smoothness import FrameSmoothness
 from robotraj.problem.objectives.terminal_pose import TerminalPose
 from robotraj.problem.objectives.tracking import Tracking
@@ -122,6 +123,7 @@ OF_PROBLEMS: Mapping[str, type] = {
         State, Between, Limits, AtEnd, AtStart, GroundClearance, CollisionShapes, FollowPath,
         FramePose, FramePosition, SwingApex, FrameAxis, MotorPower, SpeedTorqueCurve, PayloadScenarios, CarriedBody,
         OneOf, PoseRegion, FrameAcceleration, FrameSpeed, CircularPath, LinearPath, JointCentering, Manipulability,
+        SpeedVariation,
         DifferentialDrive, IntegralConstraint, JointAcceleration, JointEffort, JointPosition, JointVelocity,
         PathConstraint, JointJerk, JointTorqueRate, VariableBounds, Continuity, Jump, EqualDuration, Linkage,
         SameParameter, Mirror, Periodic, Liftoff, Touchdown, Duration, Effort, Lagrange, Mayer, ForceRate,

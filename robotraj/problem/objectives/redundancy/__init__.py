@@ -1,1 +1,1 @@
-"""Costs for redundant robots: manipulability, distance from the position limits."""
+"""Costs for redundant robots: manipulability, distance from the position limits, variation of speeds."""
