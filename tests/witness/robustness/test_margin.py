@@ -47,7 +47,7 @@ def test_the_runs_that_test_the_factor_are_those_of_monte_carlo(hold):
     found = rt.witness.disturbance_margin(hold, 4, bound=0.05, seed=5)
     again = rt.witness.monte_carlo(hold, 4, disturbances=found.disturbances, bound=0.05, seed=5)
     np.testing.assert_array_equal(found.runs.deviations, again.deviations)
-    assert f"{found.factor:.2g} times the disturbances" in str(found) and str(again) in str(found)
+    assert f"the plan tolerates {found.factor:.2g} times the disturbances" in str(found) and str(again) in str(found)
 
 
 def test_a_plan_without_disturbances_tolerates_at_least_the_largest_factor(hold):
