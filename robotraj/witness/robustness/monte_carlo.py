@@ -107,6 +107,12 @@ class MonteCarlo(OneLine):
             f"share of the torque reserve: median {np.median(self.used):.2g}, most {self.used.max():.2g}", "  "
         )
         lines += wrapped(f"seed {self.seed}, {self.how}", "  ")
+        if kept < len(self.worst):
+            lines += wrapped(
+                "try: rt.witness.disturbance_margin finds the disturbances that the plan tolerates; another optimum of "
+                "rt.multistart may tolerate more",
+                "  ",
+            )
         return "\n".join(lines)
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.transcription.schemes.control import Control
 from robotraj.transcription.schemes.integrators import Integrator
 
 C, X, Q = ca.SX.sym("c"), ca.SX.sym("x", 2), ca.SX.sym("q")
@@ -80,6 +83,31 @@ def test_controls_of_single_shooting_stand_on_the_mesh(control: rt.schemes.Linea
         own = shot.control_sites[shot.controls_of(j)]
         np.testing.assert_allclose(own, low + (high - low) * shot.piece_sites)
     np.testing.assert_allclose(shot.control_at_nodes @ np.arange(count), [0, count - 1])
+
+
+@dataclass(frozen=True)
+class OneSided(Control):
+    """A control with a site at one end of each interval."""
+
+    places: tuple[float, ...]
+
+    def sites(self, nodes: np.ndarray) -> np.ndarray:
+        return np.array(self.places)
+
+
+@pytest.mark.parametrize("places", [(0.0, 0.5), (0.5, 1.0)])
+def test_a_control_with_a_site_at_one_end_shares_none_with_its_neighbours(places: tuple[float, ...]) -> None:
+    shot = rt.schemes.SingleShooting(control=OneSided(places)).over(np.array([0, 0.4, 1]))
+    np.testing.assert_allclose(shot.control_sites, [0.4 * places[0], 0.4 * places[1], *(0.4 + 0.6 * np.array(places))])
+    assert [shot.controls_of(piece) for piece in (0, 1)] == [slice(0, 2), slice(2, 4)]
+
+
+@pytest.mark.parametrize("tolerance", [0.9e-14, 1.1e-2, 0.0, -1e-6, 1.0, float("nan"), "1e-6", None])
+def test_the_tolerance_of_the_adaptive_integrator_lies_between_round_off_and_a_hundredth(tolerance: object) -> None:
+    for valid in (1e-14, 1e-2):
+        assert rt.schemes.Adaptive(valid).tolerance == valid
+    with pytest.raises(rt.InputError, match="between 1e-14 and 1e-2"):
+        rt.schemes.Adaptive(tolerance)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("scheme", [rt.schemes.CompressedHermiteSimpson(), rt.schemes.MultipleShooting()], ids=str)

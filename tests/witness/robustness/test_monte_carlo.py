@@ -104,6 +104,8 @@ def test_a_large_disturbance_is_not_held(swing):
     hit = rt.witness.Disturbances(position=1.0)
     found = rt.witness.monte_carlo(swing, runs=4, disturbances=hit, bound=0.05)
     assert found.held < 0.5
+    assert "disturbance_margin" in str(found)
+    assert "disturbance_margin" not in str(rt.witness.monte_carlo(swing, runs=1, disturbances=CALM))
 
 
 @pytest.mark.parametrize(("kept", "low", "high"), [(100, 0.963, 1.0), (99, 0.9455, 0.9982), (50, 0.4038, 0.5962)])
