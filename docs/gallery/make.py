@@ -36,6 +36,16 @@ def slug(name: str) -> str:
     return re.sub(r"\W+", "_", name).strip("_")
 
 
+def verdict(plans: list[Any], shown: list[Any], passed: list[bool]) -> str:
+    """Return what holds of an example: its plans, those that its replays show, and the reports of the simulation."""
+    if not all(plan.success for plan in plans):
+        return "failed"
+    simulated = bool(passed) and all(passed)
+    if all(plan.proof is not None and plan.proof.holds for plan in shown or plans):
+        return "proved, and simulated" if simulated else "proved"
+    return "solved, and simulated" if simulated else "solved"
+
+
 def run_example(stem: str) -> Tile:
     """Run an example in this process, in the current folder, and record its plans, reports and replays."""
     import robotraj as rt
@@ -78,7 +88,6 @@ def run_example(stem: str) -> Tile:
     robot = bool(shown) and shown[0][1].problem.phases[0].robot is not None
     if last and not robot and not Path(f"{stem}.png").exists():
         last.plot().savefig(f"{stem}.png", dpi=100)
-    verdict = "proved" if passed and all(passed) else "solved" if all(plan.success for plan in plans) else "failed"
     return {
         "kind": "example",
         "name": stem,
@@ -87,7 +96,7 @@ def run_example(stem: str) -> Tile:
         "code": f"examples/{stem}.py",
         "objective": last.objective if last else None,
         "seconds": sum(seconds) or whole,  # of a replanner, the whole example
-        "verdict": verdict,
+        "verdict": verdict(plans, [solution for _, solution in shown], passed),
         "replays": [path for path, _ in shown],
         "moment": 0.45 * shown[0][1].duration if robot else None,
     }

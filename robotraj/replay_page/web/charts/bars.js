@@ -36,7 +36,7 @@ class Bars {
 
   addRow(label) {
     const row = element("div", undefined, "row");
-    const tag = element("span", label);
+    const tag = element("span", label.replace(/_(link|frame)$/, ""));
     tag.title = label;
     const track = element("div", undefined, "track");
     row.append(tag, track);
