@@ -114,7 +114,7 @@ def table(rows: Iterable[Sequence[str]], width: int = WIDTH) -> list[str]:
         widths[widths.index(max(widths))] -= 1
     lines = []
     for row in cells:
-        wrapped = [wrap(cell, size) or [""] for cell, size in zip(row, widths, strict=True)]
+        wrapped = [wrap(cell, max(size, 1)) or [""] for cell, size in zip(row, widths, strict=True)]
         for i in range(max(map(len, wrapped))):
             parts = [cell[i] if i < len(cell) else "" for cell in wrapped]
             lines.append("  ".join(part.ljust(size) for part, size in zip(parts, widths, strict=True)).rstrip())

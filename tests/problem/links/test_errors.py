@@ -97,6 +97,8 @@ def test_the_rows_of_links_are_printed_and_named(push: Any) -> None:
     printed = str(problem)
     assert "link Continuity(0, 1)  continuity, v     = 0  m/s" in printed
     assert "link equal duration    equal duration    = 0  s" in printed
+    closed = rt.links.Linkage((0,), lambda a: a.end.x["x"] - a.start.x["x"], name="closed")
+    assert str(rt.Problem([push.phase()], [closed])).endswith("link closed  closed  = 0")  # no unit in the whole table
     names = rt.transcription.transcribe(problem, rt.Mesh(2)).row_names
     assert sum("continuity" in name for name in names) == 3
     assert sum("equal duration" in name for name in names) == 1
