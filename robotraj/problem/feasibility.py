@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -12,13 +12,13 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.placeholder_dynamics import MissingEquations
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.system import System
-from robotraj.problem.constraints.base import Where, symbols_of
+from robotraj.problem.constraints.base import Constraint, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.inertia import weightless_joints
-from robotraj.robot.loading.other_units import OTHER_UNITS, other_unit_note
+from robotraj.robot.loading.other_units import OTHER_UNITS, in_other_unit, other_unit_note, seems_other
 from robotraj.robot.robot import Robot
 
 SLACK = 1e-6
@@ -77,8 +77,13 @@ def check_equations(table: RowTable, system: System) -> None:
         _ = table.dae.rates(point), table.dae.residual(point)
 
 
-def check_rows(table: RowTable, ends: Ends) -> None:
+def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -> None:
     """Refuse rows that cannot hold together, and ends at which a row cannot hold.
+
+    Warns
+    -----
+    UserWarning
+        A bound of one of the given constraints seems to be in degrees or millimetres.
 
     Raises
     ------
@@ -90,6 +95,7 @@ def check_rows(table: RowTable, ends: Ends) -> None:
     held = {end: table.bounds_by_variable(Where.THROUGHOUT, end) for end in ends}
     for rows in (rows for at in held.values() for rows in at.values()):
         _check_against_each_other(table.phase, rows)
+    _warn_of_units(table, constraints)
     for end, bounds in ends.items():
         crossed = np.flatnonzero(bounds.lower > bounds.upper)
         if crossed.size:
@@ -133,6 +139,26 @@ def _check_against_each_other(phase: str, rows: Sequence[PhaseRow]) -> None:
         )
 
 
+def _warn_of_units(table: RowTable, constraints: Iterable[Constraint]) -> None:
+    """Warn of bounds of a user that have no effect beside a joint's limits, and would have one in another unit.
+
+    Warns
+    -----
+    UserWarning
+    """
+    given = {row.number: row for each in constraints for row in table.of(each) if row.kind is Kind.BOUND}
+    limits = table.bounds_by_variable()
+    for row in given.values():
+        for other in limits.get(table.variable_of(row).name, ()):
+            for value, limit in ((row.lower, other.lower), (row.upper, other.upper)):
+                if other.number not in given and seems_other(value, limit, row.unit):
+                    warn(
+                        f"Phase {table.phase!r}: {row.label} {_range(row)} has no effect beside {_range(other)}. "
+                        f"{in_other_unit(value, row.unit)}"
+                    )
+                    break
+
+
 def _check_against_limits(table: RowTable, end: Where, bounds: Bounds, rows: Mapping[str, Sequence[PhaseRow]]) -> None:
     for variable, low, high in zip(table.dae.states, bounds.lower, bounds.upper, strict=True):
         for row in rows.get(variable.name, ()):
@@ -148,13 +174,13 @@ def _check_against_limits(table: RowTable, end: Where, bounds: Bounds, rows: Map
 
 def _other_unit(low: float, high: float, row: Row) -> str:
     """Return a sentence on the unit of a fixed value that is within its limits in degrees or millimetres."""
-    base, *rest = row.unit.split("/")
+    base = row.unit.partition("/")[0]
     if low != high or base not in OTHER_UNITS:
         return ""
-    name, factor, least = OTHER_UNITS[base]
+    _, factor, least = OTHER_UNITS[base]
     if abs(low) < least or not row.lower <= factor * low <= row.upper:
         return ""
-    return f" The unit is {row.unit}: {low:g} {'/'.join((name, *rest))} are {factor * low:.6g} {row.unit}."
+    return f" {in_other_unit(low, row.unit)}"
 
 
 def _warn_of_order(table: RowTable, end: Where, bounds: Bounds) -> None:

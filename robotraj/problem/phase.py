@@ -126,14 +126,12 @@ class Phase(OneLine):
         known, (_, longest) = self.parameter_bounds, self.duration_bounds
         if self.system is not None:
             check_equations(self.rows, self.system)
-        check_rows(self.rows, self._ends)
+        check_rows(self.rows, self._ends, self.constraints)
         if self.robot is None:
             return
         if any(each.avoids_collisions for each in self.constraints):
             from robotraj.problem.clearance.ends import check_ends
-            from robotraj.problem.clearance.plausible_obstacles import warn_of_obstacles
 
-            warn_of_obstacles(self.name, self.constraints, self.robot)
             check_ends(self.name, self.constraints, self.robot, self._ends)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body)

@@ -69,6 +69,28 @@ def test_a_value_that_is_outside_in_any_unit_has_no_hint() -> None:
     assert "degrees" not in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("bounds", "hint"),
+    [
+        (rt.constraints.JointPosition({"elbow_joint": rt.between(-90, 3.1)}), "-90 degrees are -1.5708 rad"),
+        (rt.constraints.JointPosition({"elbow_joint": rt.between(-3.1, 120)}), "120 degrees are 2.0944 rad"),
+        (rt.constraints.JointVelocity({"elbow_joint": rt.between(-1, 60)}), "60 degrees/s are 1.0472 rad/s"),
+    ],
+)
+def test_a_bound_that_has_an_effect_in_degrees_only_is_warned_of(bounds: object, hint: str) -> None:
+    with pytest.warns(UserWarning, match=f"elbow_joint .*has no effect beside .*{hint}") as caught:
+        rt.Phase(rt.load("ur5"), 2.0, rt.State(q=0, v=0), rt.State(q=0.1, v=0), constraints=[bounds])
+    assert len(caught) == 1
+
+
+@pytest.mark.parametrize("upper", [0.5, 4.0, 1e4, np.inf])
+def test_a_bound_that_is_plausible_as_it_is_or_in_no_unit_is_not_warned_of(upper: float) -> None:
+    bounds = rt.constraints.JointPosition({"elbow_joint": rt.between(-upper, upper)})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rt.Phase(rt.load("ur5"), 2.0, rt.State(q=0, v=0), rt.State(q=0.1, v=0), constraints=[bounds])
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.5])
 def test_a_root_whose_quaternion_has_w_first_is_warned_of(yaw: float) -> None:
     robot = rt.load("solo12", root="floating")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.dynamics.row import Row
 from robotraj.problem.clearance.pairs import ClearancePairs
+from robotraj.problem.clearance.plausible_obstacles import warn_of_obstacles
 from robotraj.problem.constraints.base import Constraint, Where
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.feasibility import Ends
@@ -47,7 +48,13 @@ def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends
     ------
     InputError
         A pair is nearer than the margin. The message names the worst pair and its distance.
+
+    Warns
+    -----
+    UserWarning
+        An obstacle is out of all proportion to the robot, or its quaternion seems to have w first.
     """
+    warn_of_obstacles(phase, constraints, robot)
     try:
         avoided = clearances_of(constraints, robot)
     except ShapesUnread:

@@ -14,6 +14,21 @@ LARGER, WITHIN = 5.0, 1.5
 """A limit seems to have another unit if it is so many times the robot's own, and in that unit at most so many times."""
 
 
+def seems_other(given: float, own: float, unit: str) -> bool:
+    """Return whether a limit is out of proportion to another one [rad, m, and per s], and plausible in another unit."""
+    base = unit.partition("/")[0]
+    if base not in OTHER_UNITS or not np.isfinite(given):
+        return False
+    return 0.0 < LARGER * abs(own) < abs(given) and OTHER_UNITS[base][1] * abs(given) <= WITHIN * abs(own)
+
+
+def in_other_unit(given: float, unit: str) -> str:
+    """Return a sentence on a value that may be in degrees or millimetres."""
+    base, *rest = unit.split("/")
+    name, factor, _ = OTHER_UNITS[base]
+    return f"The unit is {unit}: {given:g} {'/'.join((name, *rest))} are {factor * given:.6g} {unit}."
+
+
 def other_unit_note(own: Limits, given: Limits, units: Sequence[str]) -> str:
     """Name the first position or velocity limit that is plausible in degrees or millimetres only.
 
@@ -32,15 +47,13 @@ def other_unit_note(own: Limits, given: Limits, units: Sequence[str]) -> str:
     found = []
     for name, suffix in (("position_lower", ""), ("position_upper", ""), ("velocity", "/s")):
         for joint, mine, other, unit in zip(own.joints, getattr(own, name), getattr(given, name), units, strict=True):
-            size, least = abs(float(other)), abs(float(mine))
-            called, factor, _ = OTHER_UNITS[unit]
-            if np.isfinite(size) and 0.0 < LARGER * least < size and factor * size <= WITHIN * least:
-                found.append((joint, name.partition("_")[0], mine, other, unit + suffix, called + suffix, factor))
+            if seems_other(float(other), float(mine), unit + suffix):
+                found.append((joint, name.partition("_")[0], float(mine), float(other), unit + suffix))
     if not found:
         return ""
-    joint, name, mine, other, unit, called, factor = found[0]
+    joint, name, mine, other, unit = found[0]
     more = f" Further limits of this kind: {len(found) - 1}." if len(found) > 1 else ""
     return (
         f"The {name} limit {other:g} {unit} of {joint!r} is {abs(other / mine):.3g} times the robot's own, {mine:.4g} "
-        f"{unit}. The unit is {unit}: {other:g} {called} are {factor * other:.6g} {unit}.{more}"
+        f"{unit}. {in_other_unit(other, unit)}{more}"
     )
