@@ -47,6 +47,7 @@ LIVE_SCRIPTS = (
     "view/stage.js",
     "view/camera.js",
     "live/live_view.js",
+    "live/iterate_chart.js",
     "live/residuals.js",
     "live/live.js",
 )
@@ -122,7 +123,7 @@ def live_page(title: str, subtitle: str, description: dict[str, object], command
         "title": html.escape(title),
         "heading": html.escape(title),
         "subtitle": html.escape(subtitle),
-        "layout": "with-view" if commands is not None else "curves-only",
+        "layout": "with-view" if commands is not None else "with-curves",
     }
     return _filled("live/template.html", fields, LIVE_SCRIPTS, LIVE_STYLES, "'self' data: blob:", description, commands)
 

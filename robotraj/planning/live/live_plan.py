@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.planning.live.iterate_curves import iterate_charts
 from robotraj.problem.problem import Problem
+from robotraj.replay_page.colors import palette
 from robotraj.replay_page.live.live_window import BrowserWindow, Event, LiveWindow
 from robotraj.replay_page.page import live_page
 from robotraj.replay_page.verdict import verdict
@@ -19,7 +21,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import normalised
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Iteration, Origin, Progress
-from robotraj.transcription.extract import extract
+from robotraj.transcription.extract import PhaseTrajectory, extract
 
 if TYPE_CHECKING:
     from robotraj.replay_page.live.live_scene import LiveScene
@@ -78,12 +80,14 @@ class LivePlan:
         """Show the solution and the verdict on it."""
         if not self._opened:
             return
-        if self._robot is not None:
+        last: Event = {"solve": self._solves, "intervals": self._intervals, "number": solution.iterations}
+        last |= {"kind": "iterate", "objective": _number(solution.objective), "infeasibility": None}
+        if self._robot is None:
+            self._window.send(last | self._curves([part.trajectory for part in solution.phases]))
+        else:
             times = np.linspace(0.0, solution.duration, SAMPLES) + solution.phases[0].t0
             q = np.array([solution.at(t).q for t in times], dtype=float)
-            last = {"solve": self._solves, "intervals": self._intervals, "number": solution.iterations}
-            event = {"kind": "iterate", "objective": _number(solution.objective), "infeasibility": None}
-            self._window.send(event | last | self._poses(q, solution.duration))
+            self._window.send(last | self._poses(q, solution.duration))
         judged = verdict(solution)
         self._window.send({"kind": "end", "text": judged.text, "colour": judged.colour, "message": solution.message})
 
@@ -109,7 +113,12 @@ class LivePlan:
             q = np.concatenate(parts)
         if not self._opened:
             self._open(q)
-        return {"intervals": self._intervals, "duration": end - start} | self._poses(q, end - start)
+        seen = self._curves(trajectories) if self._robot is None else self._poses(q, end - start)
+        return {"intervals": self._intervals, "duration": end - start} | seen
+
+    def _curves(self, parts: Sequence[PhaseTrajectory]) -> Event:
+        """Return the curves of a System; its page has no robot."""
+        return {"charts": iterate_charts(self._problem, parts, SAMPLES)}
 
     def _poses(self, q: Array, duration: float) -> Event:
         if self._scene is None or not np.all(np.isfinite(q)):
@@ -122,7 +131,7 @@ class LivePlan:
         if self._robot is None:
             system = self._problem.phases[0].system
             title = system.name if system is not None else "problem"
-            self._window.open(live_page(title, names, {"scene": None}, None))
+            self._window.open(live_page(title, names, {"scene": None, "palette": palette()}, None))
             return
         from robotraj.replay_page.live.live_scene import LiveScene
 

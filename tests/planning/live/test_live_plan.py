@@ -100,14 +100,23 @@ def test_the_page_may_read_from_its_own_server_and_from_nowhere_else(arm: rt.Rob
     assert "two_link_arm" in window.pages[0]
 
 
-def test_a_system_has_numbers_and_no_poses() -> None:
+def test_a_system_has_curves_and_no_poses() -> None:
     block = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda p: [p.x["v"], p.u["u"]], name="block")
     move = rt.Phase(block, duration=1.0, start=rt.State([0, 0]), end=rt.State([1, 0]), objective=rt.Effort())
     window = Recorder()
-    rt.plan(move, mesh=rt.Mesh(4), watch=window)
+    solution = rt.plan(move, mesh=rt.Mesh(4), watch=window)
     assert window.iterates[0]["number"] == 0
     assert not any("poses" in event for event in window.events)
     assert window.events[-1]["kind"] == "end"
+    states, controls = window.iterates[-1]["charts"]
+    assert [curve["label"] for curve in states["curves"]] == ["x", "v"]
+    (force,) = controls["curves"]
+    sample = solution.at(np.array(force["t"]))
+    np.testing.assert_allclose(force["y"], sample.u["u"], atol=1e-4)
+    for curve in states["curves"]:
+        np.testing.assert_allclose(curve["y"], sample.x[curve["label"]], atol=1e-4)
+    # The first guess is a straight line at rest.
+    assert window.iterates[0]["charts"][0]["curves"][0]["y"] != states["curves"][0]["y"]
 
 
 def test_a_plan_that_fails_says_so_and_closes_its_window(arm: rt.Robot) -> None:

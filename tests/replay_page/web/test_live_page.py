@@ -1,7 +1,9 @@
 """The page of a plan that is being made, in a headless Chromium that reads from the plan's own thread."""
 
+import re
 import threading
 import webbrowser
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -48,3 +50,25 @@ def test_the_robot_moves_towards_the_solution_and_the_verdict_comes_last(
     assert console == []
     own = {url for url in requests if not url.startswith(("data:", "blob:"))}
     assert own == {window.address, window.address + "events"}
+
+
+def test_a_system_shows_the_curves_of_every_iterate(browser: Any, tmp_path: Any) -> None:
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]], units={"x": "m"}, name="block")
+    move = rt.Phase(system, 1.0, rt.State([0, 0]), rt.State([1, 0]), rt.Effort(), name="move")
+    pages: list[str] = []
+    events: list[dict[str, Any]] = []
+    window = SimpleNamespace(open=pages.append, send=events.append, close=lambda: None)
+    rt.plan(move, mesh=rt.Mesh(4), watch=window)
+    path = tmp_path / "live.html"
+    path.write_text(pages[0].replace("EventSource(EVENTS)", "Object()"))  # there is no server here
+    # The page's own policy refuses a script that was changed, so that it is left out.
+    path.write_text(re.sub(r"<meta http-equiv=[^>]*>", "", path.read_text()))
+    page = browser.open(path, 1024, 768)
+    page.evaluate("events => events.forEach((event) => robotraj.live.take(event))", events)
+    page.wait_for_function("() => document.getElementById('status').textContent.startsWith('solved')")
+    assert page.locator("#iterate canvas").count() == 2
+    assert page.locator("#iterate .labels").first.inner_text().split() == ["x", "[m]", "v"]
+    assert page.locator("#latest").is_visible() and not page.locator("#pane").is_visible()
+    page.evaluate("() => robotraj.live.go(0, false)")
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 1024
+    browser.check(path)

@@ -1,8 +1,9 @@
 "use strict";
-// Scales of the axes, and values of curves between their samples.
+// Scales of the axes, dashes, and values of curves between their samples.
 
 const STEPS = [10, 5, 2.5, 2, 1];
 const LEAST_LABELS = 3;
+const DASHES = [[], [9, 4], [3, 3], [12, 3, 3, 3], [6, 2.5], [12, 3, 3, 3, 3, 3], [1.5, 3]];
 
 // Round values between two bounds with their texts: about `count` of them, and never fewer than three.
 function ticks(low, high, count) {

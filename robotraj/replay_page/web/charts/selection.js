@@ -2,7 +2,6 @@
 // What the charts show: the group of joints, single curves, the solution in focus and the window of time.
 
 const [ABSENT, FAINT, THIN, STRONG] = [0, 1, 2, 3];
-const DASHES = [[], [9, 4], [3, 3], [12, 3, 3, 3], [6, 2.5], [12, 3, 3, 3, 3, 3], [1.5, 3]];
 const FEW = 7;
 const ALL = -1;
 

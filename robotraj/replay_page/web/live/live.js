@@ -5,8 +5,8 @@ const LEAST_TIME = 120;
 const EVENTS = "events";
 
 class Live {
-  constructor(view, charts) {
-    Object.assign(this, { view, charts, iterates: [], shown: -1, latest: true, count: 0, since: 0, ended: null });
+  constructor(view, curves, charts) {
+    Object.assign(this, { view, curves, charts, iterates: [], shown: -1, latest: true, count: 0, since: 0, ended: null });
     byId("scrubber").addEventListener("input", () => this.go(Number(byId("scrubber").value), false));
     byId("latest").addEventListener("click", () => this.setLatest(!this.latest));
     if (view) byId("home").addEventListener("click", () => view.camera.home());
@@ -27,7 +27,7 @@ class Live {
     const starts = event.number === 0;
     this.charts.residuals.add(event.infeasibility, starts);
     this.charts.objectives.add(event.objective, starts);
-    if (event.poses || !this.view) this.iterates.push({ ...event, place: this.count });
+    if (event.poses || event.charts) this.iterates.push({ ...event, place: this.count });
     this.count += 1;
     byId("scrubber").max = Math.max(0, this.iterates.length - 1);
     this.stale = true;
@@ -53,7 +53,8 @@ class Live {
     byId("infeasibility").textContent = iterate.infeasibility === null ? "–" : minus(iterate.infeasibility.toExponential(1));
     if (!this.ended) byId("status").textContent = "planning";
     for (const chart of Object.values(this.charts)) chart.marked = iterate.place;
-    if (this.view) this.view.take(iterate);
+    if (iterate.poses && this.view) this.view.take(iterate);
+    if (iterate.charts) this.curves.take(iterate);
     this.stale = true;
   }
 
@@ -92,8 +93,10 @@ async function startLive() {
     showFailure(`The 3D view needs WebGL, which this browser does not offer here (${error.message}).`);
   }
   const charts = { residuals: new MeasureChart(byId("residuals"), theme, true), objectives: new MeasureChart(byId("objectives"), theme, false) };
-  const live = new Live(view, charts);
+  const curves = new IterateCharts(byId("iterate"), theme, data.palette);
+  const live = new Live(view, curves, charts);
   parts.redraw = () => {
+    curves.draw();
     for (const chart of Object.values(charts)) chart.draw();
     if (view) view.recolor();
   };
