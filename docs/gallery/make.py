@@ -178,13 +178,13 @@ def main(names: list[str]) -> None:
     command = ["git", "rev-parse", "--short", "HEAD"]
     commit = subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
     made = [tile | {"commit": commit} for tile in examples(names) + cases(names)]
-    draw(made, FOLDER)
     old = json.loads(RESULTS.read_text())["tiles"] if RESULTS.exists() and names else []
     tiles = {tile["file"]: tile for tile in old} | {tile["file"]: tile for tile in made}
     order = sorted(
         tiles.values(), key=lambda tile: (tile["kind"] != "example", tile["name"] * (tile["kind"] == "example"))
     )
     RESULTS.write_text(json.dumps({"written by": "python docs/gallery/make.py", "tiles": order}, indent=1) + "\n")
+    draw(made, FOLDER)
 
 
 if __name__ == "__main__":

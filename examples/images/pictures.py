@@ -29,7 +29,7 @@ QUIET = "header, footer, #marks, #legend, #follow, #home, .legend { visibility: 
 def open_view(page: Page, replay: Path) -> None:
     """Open a replay and show the robot alone, without labels and buttons."""
     page.goto(replay.as_uri())
-    page.wait_for_function("window.robotraj && document.querySelector('#pane canvas')")
+    page.wait_for_function("() => window.robotraj && document.querySelector('#pane canvas')")
     page.wait_for_timeout(3000)
     page.add_style_tag(content=QUIET)
 

@@ -26,6 +26,7 @@ SCRIPTS = (
     "panels/tabs.js",
     "panels/proof.js",
     "panels/meshes.js",
+    "panels/settings.js",
     "view/stage.js",
     "view/camera.js",
     "view/contacts.js",

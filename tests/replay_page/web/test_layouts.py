@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+import robotraj as rt
 from robotraj.replay_page.write import replay
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -119,3 +120,16 @@ def test_dark_and_light_follow_the_system_until_chosen(walk: Any, browser: Any, 
     light.emulate_media(color_scheme="dark")
     light.wait_for_function("() => document.documentElement.dataset.theme === 'dark'")
     browser.check(path)
+
+
+def test_settings_wrap_in_a_table_with_their_reasons(browser: Any, tmp_path: Any) -> None:
+    phase = rt.Phase(rt.load("pendulum"), 2.0, rt.State(q=0, v=0), rt.State(q=3.0, v=0), rt.Effort())
+    solution = rt.plan(phase, mesh=rt.Mesh(8))
+    page = browser.open(replay(solution, tmp_path / "swing.html"), *PHONE)
+    page.locator("#tab-settings").click()
+    rows = page.locator("#panel-settings tr").evaluate_all("rows => rows.map((row) => row.innerText.split('\\t'))")
+    found = {name: " ".join(choice.split()) for name, choice in rows}
+    assert list(found)[:3] == ["tolerance", "goals", "mesh"] and len(found) >= 8
+    assert " ".join(str(solution.settings).split()) == " ".join(f"{name} {choice}" for name, choice in found.items())
+    overflow = "(e) => e.scrollWidth - e.clientWidth"
+    assert page.locator("#panel-settings").evaluate(overflow) <= 1

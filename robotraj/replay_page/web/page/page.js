@@ -78,12 +78,13 @@ async function start() {
   tabs.add("curves", "Curves", byId("curves"));
   const proof = new ProofPanel(tabs.add("proof", "Proof"), stop);
   const meshes = new MeshPanel(tabs.add("meshes", "Meshes"), theme);
-  const texts = { problem: tabs.add("problem", "Problem"), settings: tabs.add("settings", "Settings") };
+  const [problem, settings] = [tabs.add("problem", "Problem"), tabs.add("settings", "Settings")];
   const fillPanels = () => {
     const run = runs[selection.run];
     proof.fill(run.proof, run.status);
     meshes.fill(run.proof);
-    for (const [name, host] of Object.entries(texts)) host.replaceChildren(Object.assign(element("pre", run.proof[name] || "None."), { tabIndex: 0 }));
+    problem.replaceChildren(Object.assign(element("pre", run.proof.problem), { tabIndex: 0 }));
+    settings.replaceChildren(settingsTable(run.proof.settings));
   };
   fillPanels();
   tabs.show(0);
