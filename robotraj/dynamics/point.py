@@ -168,7 +168,7 @@ class RobotPoint(Point):
     def inverse_dynamics(self) -> ca.SX:
         """RNEA(q, v, a), the generalised force (nv,) of the motion without contacts, damping or friction [N m, N].
 
-        ``dynamics.torques`` replaces it by symbols before it is first read.
+        ``dynamics.torque_symbols`` replaces it by symbols before it is first read.
         """
         no_force = ca.SX(6, self.robot.model.njoints)
         return self.symbolic.inverse_dynamics(self.q, self.v, self.a, no_force)

@@ -1,9 +1,9 @@
 """A robot as a DAE: by inverse dynamics (RNEA, the default) or by forward dynamics (ABA).
 
-Both forms represent one equation of motion, M(q) a + h(q, v) = B tau - d(v) + J(q)' f. d is the joint damping and
-smoothed Coulomb friction of the URDF. f are the forces of the contacts. The inverse form makes the accelerations and
-the contact forces algebraic variables. The rates (v, a) are then linear, and RNEA is the only nonlinear block of a
-point. Contacts add their accelerations to the rows of g, and their positions and velocities to the invariants.
+Both forms represent one equation of motion, M(q) a + h(q, v) = B tau - d(v) + J(q)' f. d is the damping and friction of
+the joints (``motors_and_friction``). f are the forces of the contacts. The inverse form makes the accelerations and the
+contact forces algebraic variables. The rates (v, a) are then linear, and RNEA is the only nonlinear block of a point.
+Contacts add their accelerations to the rows of g, and their positions and velocities to the invariants.
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5, 7 and 8.
 """
 
@@ -21,6 +21,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.holding import contact_terms_of, correct, hold, pinned
+from robotraj.dynamics.motors_and_friction import joint_forces
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Column, Named, Variable
 
@@ -48,7 +49,7 @@ class RigidBody(OneLine):
     contacts : tuple of BoundContact
         Contacts that hold throughout the phase.
     softening : float
-        0 for the robot's own friction; see ``rigid_body_forms``.
+        0 for the robot's own friction; see ``motors_and_friction``.
     """
 
     robot: Robot
@@ -115,25 +116,6 @@ class RigidBody(OneLine):
             return self.robot.symbolic, self.robot.damping
         bodies = self.design.bodies(Named("parameter", names, p))
         return self.design.model(bodies), bodies.damping
-
-    def _applied(self, v: ca.SX, tau: ca.SX, damping: Column) -> ca.SX:
-        """Generalised force B tau - d(v) of the motors, the damping and the friction, (nv,)."""
-        robot = self.robot
-        force = ca.SX(robot.nv, 1)
-        for i, joint in enumerate(robot.actuated):
-            force[robot.velocity_names.index(joint)] = tau[i]
-        # A robot without damping has no product in its graph.
-        if not isinstance(damping, np.ndarray) or damping.any():
-            force -= damping * v
-        # Frictionless joints have no tanh in the graph.
-        rough = np.flatnonzero(robot.friction).tolist()
-        for i in rough:
-            force[i] -= robot.friction[i] * self._saturation(v[i] / robot.friction_speed)
-        return force
-
-    def _saturation(self, speed: ca.SX) -> ca.SX:
-        """Share of the dry friction, from -1 to 1, at a speed relative to ``friction_speed``."""
-        return speed / ca.sqrt(speed**2 + self.softening**2) if self.softening else ca.tanh(speed)
 
     def _point(
         self,
@@ -246,7 +228,7 @@ class InverseRigidBody(RigidBody):
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
-        balance = point.inverse_dynamics - self._applied(point.v, point.tau, point.damping)
+        balance = point.inverse_dynamics - joint_forces(self.robot, point.v, point.tau, point.damping, self.softening)
         terms = [contact_terms_of(contact, point) for contact in self.contacts]
         for each in terms:
             balance += each.reaction
@@ -268,7 +250,8 @@ class ForwardRigidBody(RigidBody):
         if u is not None:
             no_force = ca.SX(6, robot.model.njoints)
             v = x[robot.nq :]
-            a = symbolic.forward_dynamics(x[: robot.nq], v, self._applied(v, u, damping), no_force)
+            force = joint_forces(robot, v, u, damping, self.softening)
+            a = symbolic.forward_dynamics(x[: robot.nq], v, force, no_force)
         return self._point(t, x, a, ca.SX(0, 1), u, p, names, symbolic, damping)
 
     def residual(self, point: RobotPoint) -> ca.SX:

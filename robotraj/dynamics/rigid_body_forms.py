@@ -19,25 +19,36 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class InverseDynamics:
+class RigidBodyForm:
+    """Base class of the forms.
+
+    Attributes
+    ----------
+    softening : float
+        c of the dry friction (``robotraj.dynamics.motors_and_friction``); 0 for the robot's own.
+    """
+
+    softening: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (is_number(self.softening) and 0.0 <= float(self.softening) < np.inf):
+            raise InputError(f"softening={self.softening!r} must be a number from 0.")
+
+
+@dataclass(frozen=True)
+class InverseDynamics(RigidBodyForm):
     """Choose RNEA with the accelerations as unknowns: the default, with fewer operations; it supports contacts.
 
     Parameters
     ----------
     softening : float
-        0 plans with the robot's dry friction F tanh(v / v_s). A larger c plans with F v / sqrt(v^2 + (c v_s)^2), which
-        is another friction: its solutions are guesses. See ``robotraj.planning.proving.soft_friction``.
+        c of the dry friction (``robotraj.dynamics.motors_and_friction``); 0 for the robot's own.
 
     Raises
     ------
     InputError
         ``softening`` is negative or not finite.
     """
-
-    softening: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check_softening(self.softening)
 
     def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> InverseRigidBody:
         """Bind to a robot."""
@@ -45,24 +56,19 @@ class InverseDynamics:
 
 
 @dataclass(frozen=True)
-class ForwardDynamics:
+class ForwardDynamics(RigidBodyForm):
     """Choose ABA: no algebraic unknowns, a denser and larger derivative.
 
     Parameters
     ----------
     softening : float
-        As for ``InverseDynamics``.
+        c of the dry friction (``robotraj.dynamics.motors_and_friction``); 0 for the robot's own.
 
     Raises
     ------
     InputError
         ``softening`` is negative or not finite.
     """
-
-    softening: float = 0.0
-
-    def __post_init__(self) -> None:
-        _check_softening(self.softening)
 
     def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> ForwardRigidBody:
         """Bind to a robot.
@@ -74,8 +80,3 @@ class ForwardDynamics:
         """
         refuse_contacts(contacts, "ForwardDynamics")
         return ForwardRigidBody(robot, design, softening=self.softening)
-
-
-def _check_softening(softening: object) -> None:
-    if not (is_number(softening) and 0.0 <= float(softening) < np.inf):  # type: ignore[arg-type]
-        raise InputError(f"softening={softening!r} must be a number from 0.")

@@ -17,8 +17,9 @@ from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
+from robotraj.planning.live.terminal_line import watching
 from robotraj.planning.many.candidates import has_candidates, with_candidates
-from robotraj.planning.progress import LimitReached, PlanLimits, watching
+from robotraj.planning.plan_limits import LimitReached, PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import solve, solve_on_coarse_mesh
 from robotraj.problem.constraints.base import Where

@@ -16,7 +16,7 @@ from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
-from robotraj.planning.progress import PlanLimits
+from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.planning.warm_start import (

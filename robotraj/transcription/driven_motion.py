@@ -25,7 +25,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import separate_contact_terms
 from robotraj.dynamics.rigid_body import InverseRigidBody
-from robotraj.dynamics.torques import separate_torques
+from robotraj.dynamics.torque_symbols import separate_torques
 from robotraj.robot.tangent import normalised
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.exact_motion import is_exact

@@ -10,7 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.diagnosis.memory import resident
-from robotraj.planning.progress import LimitReached, PlanLimits
+from robotraj.planning.plan_limits import LimitReached, PlanLimits
 from robotraj.solvers.base import Iteration
 
 
@@ -121,7 +121,7 @@ def test_compilers_are_part_of_the_plan_and_stop_at_its_limit(tmp_path: Path) ->
 
 def test_a_plan_stops_at_its_memory_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     held = iter([100.0, 100.0, *[300.0] * 100])
-    monkeypatch.setattr("robotraj.planning.progress.resident", lambda: next(held))
+    monkeypatch.setattr("robotraj.planning.plan_limits.resident", lambda: next(held))
     solution = rt.plan(cartpole(), memory_limit=200.0, check=False)
     assert solution.status is rt.solvers.Status.MEMORY_LIMIT and not solution.success
     assert solution.message.endswith("the memory limit of 200 MB was reached")

@@ -14,7 +14,7 @@ import numpy as np
 
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_certain
-from robotraj.planning.progress import PlanLimits
+from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import Measured, measured
 from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, softened
 from robotraj.planning.restarts import RESTARTED_FROM

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
 from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, insert_graphs
-from robotraj.dynamics.torques import Torques
+from robotraj.dynamics.torque_symbols import Torques
 from robotraj.native.build import load_native
 from robotraj.native.stage_tapes import Tapes
 from robotraj.native.tape import nonzeros

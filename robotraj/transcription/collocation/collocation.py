@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from robotraj._util.sparse import csr_array
 from robotraj.dynamics.contact_terms import separate_contact_terms
 from robotraj.dynamics.expression_values import as_rows
-from robotraj.dynamics.torques import separate_torques
+from robotraj.dynamics.torque_symbols import separate_torques
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets

@@ -1,10 +1,8 @@
-"""Callbacks of solvers: progress in one line of a terminal, and limits on time and memory of a whole plan."""
+"""Limits on the time and the memory of a whole plan, read by a callback of the solvers."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,31 +10,9 @@ from robotraj._util.errors import InputError
 from robotraj._util.time_left import used_time
 from robotraj.planning.diagnosis.memory import least_memory, resident
 from robotraj.problem.problem import Problem
-from robotraj.solvers.base import Iteration, Progress, Solver
+from robotraj.solvers.base import Iteration, Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.schemes.mesh import Mesh
-
-
-@contextmanager
-def watching(solver: Solver, show: bool | None) -> Iterator[Progress | None]:
-    """Yield a callback that shows iterations, or None if they are not shown."""
-    if show is False or (show is None and not sys.stderr.isatty()):
-        yield None
-        return
-    from rich.console import Console
-    from rich.status import Status as Spinner
-
-    console = Console(stderr=True)
-    name = type(solver).__name__
-    with Spinner(f"{name}: starting", console=console) as spinner:
-
-        def update(iteration: Iteration) -> None:
-            spinner.update(
-                f"{name}: iteration {iteration.number}, objective {iteration.objective:.6g}, "
-                f"largest violated row {iteration.infeasibility:.1e}"
-            )
-
-        yield update
 
 
 class LimitReached(KeyboardInterrupt):

@@ -1,4 +1,4 @@
-"""The inverse dynamics of a robot as symbols r in the expressions of a stage."""
+"""Symbols r that represent the inverse dynamics of a robot in the expressions of a stage."""
 
 from __future__ import annotations
 

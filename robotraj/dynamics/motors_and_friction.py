@@ -1,0 +1,53 @@
+"""Generalised forces of the motors, and of the damping and dry friction that a URDF gives its joints.
+
+    B tau - d v - F tanh(v / v_s)
+
+with d the damping, F the dry friction and v_s the robot's ``friction_speed``. The last term is a smooth F sign(v).
+A softening c > 0 replaces tanh(s) by s / sqrt(s^2 + c^2), s = v / v_s. That is another friction, whose solutions are
+guesses only (``robotraj.planning.proving.soft_friction``).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from robotraj.dynamics.variable import Column
+
+if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
+
+
+def joint_forces(robot: Robot, v: ca.SX, tau: ca.SX, damping: Column, softening: float = 0.0) -> ca.SX:
+    """Return the generalised force of the motors, the damping and the friction, (nv,) [N m, N].
+
+    Parameters
+    ----------
+    robot : Robot
+        Its motors, its dry friction and the speed of its friction.
+    v : casadi.SX (nv,)
+        Velocities [rad/s, m/s].
+    tau : casadi.SX (nu,)
+        Torques and forces of the motors [N m, N].
+    damping : array or casadi.SX (nv,)
+        Viscous damping, of the design if there is one [N m s/rad, N s/m].
+    softening : float
+        c; 0 for the robot's own friction.
+    """
+    force = ca.SX(robot.nv, 1)
+    for i, joint in enumerate(robot.actuated):
+        force[robot.velocity_names.index(joint)] = tau[i]
+    # A robot without damping has no product in its graph.
+    if not isinstance(damping, np.ndarray) or damping.any():
+        force -= damping * v
+    # Frictionless joints have no tanh in the graph.
+    for i in np.flatnonzero(robot.friction).tolist():
+        force[i] -= robot.friction[i] * _saturation(v[i] / robot.friction_speed, softening)
+    return force
+
+
+def _saturation(speed: ca.SX, softening: float) -> ca.SX:
+    """Return the share of the dry friction, from -1 to 1, at a speed relative to ``friction_speed``."""
+    return speed / ca.sqrt(speed**2 + softening**2) if softening else ca.tanh(speed)
