@@ -22,6 +22,7 @@ from robotraj.dynamics.obstacles.primitives import labels_of
 from robotraj.problem.clearance.carried_obstacles import with_carried_obstacles
 from robotraj.problem.clearance.levers import levers
 from robotraj.problem.clearance.sphere_tree import sphere_tree
+from robotraj.robot.collision.link_pairs import always_touching
 from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.collision.robot_spheres import RobotSpheres, robot_spheres
 from robotraj.robot.robot import Robot
@@ -230,6 +231,8 @@ def clearance_pairs(
         second.append(np.full(len(own), number))
     against = sum(map(len, first))
     if self_collision:
+        if margin > 0.0:
+            spheres = replace(spheres, link_pairs=spheres.link_pairs[~always_touching(robot, spheres, margin)])
         first.append(spheres.sphere_pairs[:, 0])
         second.append(spheres.sphere_pairs[:, 1])
     return ClearancePairs(

@@ -48,8 +48,10 @@ def link_shapes(
     return own, {frozenset(pair) for pair in candidate_pairs(robot, links, disabled)}
 
 
-def sometimes_apart(robot: Robot, shapes: Sequence[ExactShape], among: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the pairs of shapes whose links do not touch in every sampled configuration."""
+def sometimes_apart(
+    robot: Robot, shapes: Sequence[ExactShape], among: list[tuple[int, int]], margin: float = 0.0
+) -> list[tuple[int, int]]:
+    """Return the pairs of shapes whose links are not nearer than ``margin`` [m] in every sampled configuration."""
     touching = {frozenset((shapes[i].label, shapes[j].label)) for i, j in among}
     data = robot.model.createData()
     for q in sampled_configurations(robot):
@@ -57,7 +59,9 @@ def sometimes_apart(robot: Robot, shapes: Sequence[ExactShape], among: list[tupl
             break
         places = _places(robot, data, shapes, q)
         open_ = [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) in touching]
-        touching &= {frozenset((shapes[i].label, shapes[j].label)) for i, j in open_ if _touch(shapes, places, i, j)}
+        touching &= {
+            frozenset((shapes[i].label, shapes[j].label)) for i, j in open_ if _touch(shapes, places, i, j, margin)
+        }
     return [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) not in touching]
 
 
@@ -77,7 +81,10 @@ def _places(robot: Robot, data: pin.Data, shapes: Sequence[ExactShape], q: Array
     return [coal.Transform3s(place.rotation, place.translation) for place in placed]
 
 
-def _touch(shapes: Sequence[ExactShape], places: Sequence[coal.Transform3s], i: int, j: int) -> bool:
+def _touch(
+    shapes: Sequence[ExactShape], places: Sequence[coal.Transform3s], i: int, j: int, margin: float = 0.0
+) -> bool:
     found = coal.CollisionResult()
     request = coal.CollisionRequest()
+    request.security_margin = margin
     return bool(coal.collide(shapes[i].geometry, places[i], shapes[j].geometry, places[j], request, found))

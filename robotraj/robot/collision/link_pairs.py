@@ -1,7 +1,8 @@
 """Pairs of links that are checked against each other.
 
 Four kinds of pairs are not checked. An SRDF disables them, a joint connects the links, the links do not move relative
-to each other, or their shapes touch in every configuration.
+to each other, or their shapes touch in every configuration. Links that are nearer than a margin in every configuration
+need not keep it; the witness checks that they do not touch.
 
 A fifth kind is too close for spheres. The spheres around the forearm and the wrist of an arm overlap in half of its
 configurations, while the shapes touch in few. The witness checks these pairs with the exact shapes.
@@ -85,9 +86,9 @@ class Spheres(Protocol):
         """Return the distance [m] of each pair of links (configurations, pairs)."""
 
 
-def always_touching(robot: Robot, spheres: Spheres) -> npt.NDArray[np.bool_]:
-    """Return which pairs of links touch in all of ``sampled_configurations``, (pairs,)."""
-    return np.asarray(np.all(spheres.self_distances(robot, sampled_configurations(robot)) < 0.0, axis=0))
+def always_touching(robot: Robot, spheres: Spheres, margin: float = 0.0) -> npt.NDArray[np.bool_]:
+    """Return which pairs of links are nearer than ``margin`` [m] in all of ``sampled_configurations``, (pairs,)."""
+    return np.asarray(np.all(spheres.self_distances(robot, sampled_configurations(robot)) < margin, axis=0))
 
 
 def too_coarse(

@@ -78,11 +78,19 @@ def clearance_of(
         if isinstance(free, CollisionFree):
             shapes, pairs = _pairs(phase.robot, free)
             least = _least(planned, phase.robot, shapes, pairs, clock)
+            near = [pair for pair, (distance, _) in zip(pairs, least, strict=True) if 0.0 <= distance < free.margin]
+            always_near = _always_near(phase.robot, shapes, near, float(free.margin))
             found = [
-                Clearance(phase.name, f"{shapes[a].label} and {shapes[b].label}", distance, float(free.margin), time)
+                Clearance(
+                    phase.name,
+                    f"{shapes[a].label} and {shapes[b].label}",
+                    distance,
+                    0.0 if (a, b) in always_near else float(free.margin),
+                    time,
+                )
                 for (a, b), (distance, time) in zip(pairs, least, strict=True)
             ]
-            nearest += sorted(found, key=lambda each: each.distance)[:1]
+            nearest += sorted(found, key=lambda each: each.distance - each.margin)[:1]
             broken += _violations(found)
     return nearest, broken
 
@@ -148,6 +156,15 @@ def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[
         own_and_carried = [ExactShape(*shape[:4]) for shape in shapes]
         pairs += sometimes_apart(robot, own_and_carried, among)
     return shapes, pairs
+
+
+def _always_near(
+    robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]], margin: float
+) -> set[tuple[int, int]]:
+    """Return the pairs of links, or of links and carried obstacles, that are never further apart than a margin."""
+    own = [(a, b) for a, b in pairs if shapes[a].joint and shapes[b].joint]
+    exact = [ExactShape(*shape[:4]) for shape in shapes]
+    return set(own) - set(sometimes_apart(robot, exact, own, margin))
 
 
 def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[coal.Transform3s]:

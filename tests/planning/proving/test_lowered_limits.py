@@ -24,3 +24,17 @@ def test_positions_stay_within_limits_that_they_touch(panda: rt.Robot, seed: int
     excess = np.maximum(lower - q, q - upper)
     assert excess.max() > -1e-4, "the motion touches a limit"
     assert excess.max() < 1e-8
+
+
+def test_an_end_beyond_a_limit_by_round_off_lowers_nothing() -> None:
+    """Goals of measured joints are 3e-7 rad beyond a limit: no round of lower limits can reach them."""
+    arm = rt.load("ur5")
+    start, end = np.array([0.0, -1.2, 1.4, -1.5, -1.57, 0.0]), np.array([1.0, -0.9, 1.0, -1.0, -1.2, 0.0])
+    limits = arm.limits.with_(position={"wrist_3_joint": 1.0})
+    plans = []
+    for beyond in (0.0, 3e-7):
+        end[5] = 1.0 + beyond
+        phase = rt.Phase(arm, (0.1, 10), rt.State(q=start, v=0), rt.State(q=end, v=0), rt.Duration(), limits=limits)
+        plans.append(rt.plan(phase))
+    assert all(plan.proof.holds for plan in plans)
+    assert plans[1].iterations < 1.5 * plans[0].iterations

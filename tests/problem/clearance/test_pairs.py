@@ -100,3 +100,17 @@ def test_what_is_no_obstacle_or_robot_is_refused(arm: rt.Robot) -> None:
     slider = rt.System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
     with pytest.raises(rt.InputError, match="needs a robot"):
         rt.Phase(slider, 1.0, constraints=[rt.CollisionFree()])
+
+
+def test_links_that_are_always_nearer_than_a_margin_need_not_keep_it() -> None:
+    """The flange of a ur3 is 7 mm from its second wrist at all angles: a margin of 1 cm is about all other pairs."""
+    arm = rt.load("ur3")
+    touching, apart = (rt.CollisionFree(margin=margin).pairs(arm) for margin in (0.0, 0.01))
+    near = {frozenset(touching.names(k)) for k in range(len(touching))} - {
+        frozenset(apart.names(k)) for k in range(len(apart))
+    }
+    assert near == {frozenset(("wrist_2_link", "ee_link"))}
+    home, away = np.array([0.0, -1.2, 1.4, -1.5, -1.57, 0.0]), np.array([1.0, -0.9, 1.0, -1.0, -1.2, 0.5])
+    ends = rt.State(q=home, v=0), rt.State(q=away, v=0)
+    plan = rt.plan(rt.Phase(arm, (0.1, 10), *ends, rt.Duration(), [rt.CollisionFree(margin=0.01)]))
+    assert plan.proof.holds and rt.validate(plan).passed
