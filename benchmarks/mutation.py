@@ -149,7 +149,7 @@ def main() -> None:
             limit = PATIENCE * (time.monotonic() - start)
             killed, sample = 0, mutants(room, given.each)
             survivors[room] = []
-            for path, number in sample:
+            for count, (path, number) in enumerate(sample, 1):
                 target = Path(folder) / path.relative_to(ROOT)
                 tree = ast.parse(path.read_text())
                 done = change(places(tree)[number])
@@ -159,9 +159,10 @@ def main() -> None:
                 else:
                     survivors[room].append(f"- {path.relative_to(ROOT)}:{done}")
                 target.write_text(path.read_text())
-            rows[room] = f"| {room} | {len(sample)} | {killed} | {100 * killed / len(sample):.0f} % |"
+                # An interrupted run leaves a row for the mutants that it tried.
+                rows[room] = f"| {room} | {count} | {killed} | {100 * killed / count:.0f} % |"
+                write(rows.copy(), survivors.copy())
             print("\n".join([rows[room], *survivors[room]]), flush=True)
-            write(rows.copy(), survivors.copy())
 
 
 if __name__ == "__main__":
