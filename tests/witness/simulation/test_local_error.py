@@ -67,6 +67,33 @@ def test_a_torque_that_the_motion_does_not_need_shows_in_tracking(make):
         report.check(local=1e9)
 
 
+def test_the_final_local_error_is_that_of_the_last_window(make):
+    """Without a control the block rises by 0.1 m in the last interval but one, and by nothing in the others."""
+    block = rt.System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
+    planned = make.plan(
+        make.phase(system=block),
+        np.linspace(0, 10, 41),
+        x=lambda t, k: 0.1 * np.clip((t - 9.5) / 0.25, 0.0, 1.0),
+        u=lambda t, k: 0.0,
+        z=lambda t, k: np.zeros(0),
+    )
+    row = validate(make.solution(planned)).local["x"]
+    assert row.final == pytest.approx(0.0, abs=1e-9)
+    assert (row.largest, row.time) == (pytest.approx(0.1), 9.75)
+
+
+def test_feedback_goes_on_from_the_end_of_a_phase_through_a_jump():
+    """The speed doubles between two phases; the state before the jump is that of the last interval's polynomial."""
+    hinge = pendulum()
+    start, end = rt.State(q=[0.0], v=[0.0]), rt.State(q=[2.0], v=[0.0])
+    swing = rt.Phase(hinge, 0.5, start, rt.State(q=[1.0], v=[3.0]), rt.Effort(), limits=None)
+    on = rt.Phase(hinge, 0.5, rt.State(v=[6.0]), end, rt.Effort(), limits=None)
+    plan = rt.plan(rt.Problem([swing, on], [rt.links.Jump(0, 1, {"v.hinge": 3.0})]), rt.Mesh(6))
+    report = validate(plan)
+    assert report.closed_loop.reason is None
+    assert report.closed_loop.error.worst.relative < 1e-3
+
+
 def test_the_local_error_falls_with_the_order_of_the_scheme(make):
     model = make.robot([("driven", pin.JointModelRY()), ("free", pin.JointModelRY())], armature=0.1).model
     robot = rt.load(model, actuated=["driven"])

@@ -69,6 +69,17 @@ def test_a_robot_with_symmetric_inertia_is_its_own_image():
             np.testing.assert_allclose(own.matrix(), other.matrix(), atol=1e-5 * max(1e-3, own.mass))
 
 
+def test_inertias_are_compared_relative_to_their_size():
+    """A robot of a billionth of the mass has an image as well; differences of round-off are none at any mass."""
+    robot = rt.load("hyq", root="floating")
+    mirror = rt.gait.mirror(robot, tolerance=2e-2, imbalance=1.0)
+    for scale in (1e-9, 1e9):
+        model = pin.Model(robot.model)
+        for i in range(1, model.njoints):
+            model.inertias[i] = pin.Inertia.FromDynamicParameters(scale * robot.model.inertias[i].toDynamicParameters())
+        assert mirror_image(dataclasses.replace(robot, model=model), mirror) is not None
+
+
 def test_links_that_repeat_a_motion_as_it_is_have_no_mirror():
     assert mirror_of(SimpleNamespace(problem=SimpleNamespace(links=(rt.Periodic(),)))) is None
     mirror = rt.Mirror(partners={"left": "right"})
