@@ -63,6 +63,19 @@ def test_a_stiff_motion_takes_few_steps_and_keeps_its_tolerance():
     assert motion.states[-1, 1] == pytest.approx((1.0 + np.sin(3.0)) / 1e6, rel=1e-2, abs=1e-9)
 
 
+@pytest.mark.parametrize("place", [0, 9])
+@pytest.mark.parametrize(("product", "stiff"), [(19.0, False), (21.0, True)])
+def test_the_first_and_the_last_span_alone_may_be_stiff(place, product, stiff):
+    """A span counts as stiff if the largest eigenvalue times its length exceeds 20."""
+
+    class Sticking(Friction):
+        def jacobian(self, t, x, given):
+            return np.diag([0.0, -product / 0.1 if int(round(t / 0.1)) == place else -1.0])
+
+    spans = [Span(0.1 * k, 0.1 * (k + 1), k) for k in range(10)]
+    assert is_stiff(Sticking(), spans) == stiff
+
+
 def test_a_motion_that_explodes_is_reported_with_its_time():
     class Explosion(Friction):
         def rate(self, t, x, given):
