@@ -62,14 +62,14 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
             longest = float(np.clip(longest, SHORTEST_WINDOW, LONGEST_WINDOW))
         knots = np.asarray(planned.knots, dtype=float)
         plant, phase = plant_of(planned), planned.phase.name
+        own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]
+        if before is not None:
+            found.append(_seam(plant, handed_on(solution, i, plant, own, before), own, float(knots[0]), phase))
         found.append(local_error_of(plant, knots, longest, phase, rtol, atol, clock))
         image = None if mirror is None else mirror_image(realised(planned), mirror)
         if image is not None:
             half = RobotPlant(planned, robot=image)
             found.append(local_error_of(half, knots, longest, phase + MIRRORED, rtol, atol, clock))
-        own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]
-        if before is not None:
-            found.append(_seam(plant, handed_on(solution, i, plant, own, before), own, float(knots[0]), phase))
         before = plant, end, end
     return merge(found)
 

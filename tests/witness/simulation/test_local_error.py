@@ -82,6 +82,23 @@ def test_the_final_local_error_is_that_of_the_last_window(make):
     assert (row.largest, row.time) == (pytest.approx(0.1), 9.75)
 
 
+def test_a_gap_between_phases_is_an_error_at_the_time_of_their_seam(make):
+    block = rt.System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
+    first, second = (
+        make.plan(
+            make.phase(name, system=block),
+            knots,
+            x=lambda t, k, place=place: place,
+            u=lambda t, k: 0.0,
+            z=lambda t, k: np.zeros(0),
+        )
+        for name, knots, place in (("first", np.linspace(0, 1, 5), 0.2), ("second", np.linspace(1, 2, 5), 0.5))
+    )
+    row = validate(make.solution(first, second)).local["x"]
+    assert (row.largest, row.time, row.phase) == (pytest.approx(0.3), 1.0, "second")
+    assert row.final == pytest.approx(0.0, abs=1e-9)
+
+
 def test_feedback_goes_on_from_the_end_of_a_phase_through_a_jump():
     """The speed doubles between two phases; the state before the jump is that of the last interval's polynomial."""
     hinge = pendulum()

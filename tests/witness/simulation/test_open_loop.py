@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from robotraj.witness.simulation.integration import integrate
 from robotraj.witness.simulation.open_loop import handed_on
 from robotraj.witness.simulation.runge_kutta import NODES, STAGES, stage_times
 from robotraj.witness.simulation.spans import Span
@@ -49,3 +50,11 @@ def test_the_plan_is_sampled_at_the_stages_of_equal_steps(steps: int) -> None:
     assert len(times) == STAGES * steps + 1
     np.testing.assert_allclose(times, expected, atol=1e-6)
     assert times.min() > 2.0 and times.max() < 4.0
+
+
+@pytest.mark.parametrize(
+    ("x", "rate"), [([1.0, np.nan], [0.0, 0.0]), ([1.0, 0.0], [0.0, np.nan]), ([np.inf, 0.0], [np.inf, 0.0])]
+)
+def test_a_state_or_a_rate_that_is_no_number_ends_the_integration_at_once(x: list[float], rate: list[float]) -> None:
+    motion = integrate(lambda t, state, k: np.array(rate), np.array(x), np.array([0.5, 1.0]))
+    assert motion.failure == "the state or its rates are not finite" and motion.stopped == 0.5

@@ -63,6 +63,17 @@ def test_a_stiff_motion_takes_few_steps_and_keeps_its_tolerance():
     assert motion.states[-1, 1] == pytest.approx((1.0 + np.sin(3.0)) / 1e6, rel=1e-2, abs=1e-9)
 
 
+def test_the_reference_is_exact_for_polynomials_of_its_degree():
+    """p(t) = t^3 - t and its rate, from samples at the Chebyshev points of the span."""
+    span = Span(2.0, 4.0, 0)
+    sites = sdirk.StatePolynomial.times(span)
+    np.testing.assert_allclose(sites, 3.0 - np.cos(np.pi * np.arange(sdirk.POINTS) / (sdirk.POINTS - 1)), atol=1e-6)
+    t = np.linspace(2.0, 4.0, 7)
+    values, rates = sdirk.StatePolynomial(span, (sites**3 - sites)[:, None]).at(t)
+    np.testing.assert_allclose(values[:, 0], t**3 - t, atol=1e-4)
+    np.testing.assert_allclose(rates[:, 0], 3.0 * t**2 - 1.0, atol=1e-3)
+
+
 @pytest.mark.parametrize("place", [0, 9])
 @pytest.mark.parametrize(("product", "stiff"), [(19.0, False), (21.0, True)])
 def test_the_first_and_the_last_span_alone_may_be_stiff(place, product, stiff):
