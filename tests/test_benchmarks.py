@@ -1,4 +1,4 @@
-"""Benchmarks that reach into the solver still do: on meshes so small that they measure nothing."""
+"""Benchmarks that use internals of the solver still run, on meshes that are too small to measure anything."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The house: imports point down between rooms, inside a room there is no circle, and every folder can be overlooked.
+"""Imports go to lower rooms only, have no circle inside a room, and every folder has at most 15 files.
 
 Imports inside functions and those for types alone count as well.
 """
@@ -31,7 +31,7 @@ ROOMS = (
     ("planning",),
     ("cli",),
 )
-"""Floors from the ground up; the three readers of a solution share one and do not import each other."""
+"""Floors in ascending order; the three readers of a solution are on one floor and do not import each other."""
 
 FLOOR = {room: floor for floor, rooms in enumerate(ROOMS) for room in rooms}
 
@@ -40,7 +40,7 @@ CLOSED = {
     "replay_page": {"transcription", "solvers"},
     "witness": {"transcription", "solvers"},
 }
-"""Rooms below that a room does not open all the same: whoever checks a plan shares no code with its maker."""
+"""Lower rooms that a room may not import: code that checks a plan shares none with code that makes it."""
 
 
 def module_of(path: Path, package: Path) -> str:
@@ -69,7 +69,7 @@ def graph_of(package: Path) -> dict[str, set[str]]:
 
 
 def circles(graph: dict[str, set[str]]) -> list[str]:
-    """What is left when modules that import nothing, or that nothing imports, are taken away again and again."""
+    """Modules that are left after repeated removal of those that import nothing or that nothing imports."""
     left = {name: set(needed) for name, needed in graph.items()}
     while True:
         wanted = set().union(*left.values()) if left else set()

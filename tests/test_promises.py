@@ -1,4 +1,4 @@
-"""What must not be lost on the way: rows a file cannot keep, a solution inside an error, the sign of a cost."""
+"""Rows that a file cannot save, the solution inside an error, and the sign of a cost are kept."""
 
 from __future__ import annotations
 

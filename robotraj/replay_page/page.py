@@ -1,4 +1,4 @@
-"""One HTML file with template, styles, scripts, meshcat's viewer and the data inlined."""
+"""One HTML file with body, styles, scripts, meshcat's viewer and the data inlined."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from robotraj._util.values import dataclass
 SCRIPTS = (
     "page/elements.js",
     "page/theme.js",
+    "charts/pen.js",
     "charts/scale.js",
     "charts/selection.js",
     "charts/drawing.js",
@@ -44,6 +45,7 @@ STYLES = ("styles/themes.css", "styles/page.css", "styles/charts.css", "styles/s
 LIVE_SCRIPTS = (
     "page/elements.js",
     "page/theme.js",
+    "charts/pen.js",
     "charts/scale.js",
     "view/stage.js",
     "view/camera.js",
@@ -87,7 +89,7 @@ class Heading(OneLine):
 
 
 def page(heading: Heading, description: dict[str, object], commands: bytes | None) -> str:
-    """Fill the template.
+    """Return the page of a replay.
 
     Parameters
     ----------
@@ -108,11 +110,11 @@ def page(heading: Heading, description: dict[str, object], commands: bytes | Non
         ),
         "layout": "with-view" if commands is not None else "curves-only",
     }
-    return _filled("template.html", fields, SCRIPTS, STYLES, "data: blob:", description, commands)
+    return _filled("body.html", fields, SCRIPTS, STYLES, "data: blob:", description, commands)
 
 
 def live_page(title: str, subtitle: str, description: dict[str, object], commands: bytes | None) -> str:
-    """Fill the template of the page that shows a plan while it is made; it may read from its own server.
+    """Return the page that shows a plan while it is made; it may read from its own server.
 
     Parameters
     ----------
@@ -121,16 +123,16 @@ def live_page(title: str, subtitle: str, description: dict[str, object], command
         As for ``page``.
     """
     fields = {
-        "title": html.escape(title),
+        "title": html.escape(f"{title} · live"),
         "heading": html.escape(title),
         "subtitle": html.escape(subtitle),
         "layout": "with-view" if commands is not None else "with-curves",
     }
-    return _filled("live/template.html", fields, LIVE_SCRIPTS, LIVE_STYLES, "'self' data: blob:", description, commands)
+    return _filled("live/body.html", fields, LIVE_SCRIPTS, LIVE_STYLES, "'self' data: blob:", description, commands)
 
 
 def _filled(
-    template: str,
+    body: str,
     fields: dict[str, str],
     scripts: tuple[str, ...],
     styles: tuple[str, ...],
@@ -138,7 +140,7 @@ def _filled(
     description: dict[str, object],
     commands: bytes | None,
 ) -> str:
-    """Fill a template with texts, and with the scripts, styles and data that every page has."""
+    """Fill the document of all pages with a body, texts, scripts, styles and data."""
     text = json.dumps(description, separators=(",", ":"), allow_nan=False).encode()
     viewer = _inline(_meshcat("dist/main.min.js")) if commands is not None else ""
     script = _inline("\n".join(_own(name) for name in scripts))
@@ -151,6 +153,11 @@ def _filled(
         "data": _base64(gzip.compress(text, 9, mtime=0)),
         "commands": _base64(commands) if commands is not None else "",
     }
+    return _with_fields("document.html", fields | {"body": _with_fields(body, fields)})
+
+
+def _with_fields(template: str, fields: dict[str, str]) -> str:
+    """Replace every ``{{ name }}`` of a template by the field of that name."""
     parts = _own(template).split("{{")
     filled = [parts[0]]
     for part in parts[1:]:

@@ -1,4 +1,4 @@
-"""Constructors that take numbers and names refuse all else by one InputError, whatever it is."""
+"""Constructors that take numbers and names refuse every other value by an InputError."""
 
 from __future__ import annotations
 

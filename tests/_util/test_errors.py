@@ -1,4 +1,4 @@
-"""Functions that users give fail under their own names, with their own error as the cause."""
+"""An error in a user's function is reported with the function's name and with the original error as its cause."""
 
 from __future__ import annotations
 

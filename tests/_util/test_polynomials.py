@@ -1,4 +1,4 @@
-"""Quadrature on Legendre's points: NumPy's own numbers, to the last bit."""
+"""Quadrature on Legendre's points equals NumPy's to the last bit."""
 
 from __future__ import annotations
 

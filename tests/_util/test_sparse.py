@@ -1,4 +1,4 @@
-"""Sparse matrices against SciPy's: the same names, the same numbers."""
+"""Sparse matrices have the methods and the values of SciPy's."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Splines: they pass through what they are given, are smooth, and are the curves that SciPy makes."""
+"""Splines interpolate the given points, are smooth, and equal SciPy's."""
 
 from __future__ import annotations
 

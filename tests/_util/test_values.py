@@ -121,7 +121,7 @@ def test_a_plain_subclass_may_hold_more(kind: Callable[..., Any]) -> None:
 def test_what_a_class_defines_is_kept(kind: Callable[..., Any]) -> None:
     @kind(frozen=True)
     class Own:
-        """Prints and compares in its own way."""
+        """Defines its own ``__repr__`` and ``__eq__``."""
 
         x: int
 
@@ -133,7 +133,7 @@ def test_what_a_class_defines_is_kept(kind: Callable[..., Any]) -> None:
 
     @kind(frozen=True)
     class Hashed:
-        """Hashes in its own way."""
+        """Defines its own ``__hash__``."""
 
         x: int
 
@@ -163,7 +163,7 @@ def test_options(kind: Callable[..., Any]) -> None:
 
     @kind(frozen=True, init=False)
     class Made:
-        """Has its own way of being made."""
+        """Defines its own ``__init__``."""
 
         x: int
 

@@ -1,4 +1,4 @@
-"""The table of `python benchmarks/cases.py`: every case reaches its optimum from its guess, on no mesh of ours."""
+"""The table of `python benchmarks/cases.py`: every case reaches its optimum from its guess, without a given mesh."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_quick_case_reaches_its_optimum(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["brachistochrone", "biped, torso of the code", "sliding mass, 3 phases"])
 def test_the_interior_point_method_reaches_it_with_nothing_to_fall_back_on(name: str) -> None:
-    """The first stalls unless the problem of every barrier is solved better; added rows of the second are linear."""
+    """The first stalls unless each barrier problem is solved more accurately; added rows of the second are linear."""
     (case,) = (case for case in EVERY if case.name == name)
     solver = rt.InteriorPoint(fallback=None)
     solution = rt.plan(case.problem, guess=case.guess, tolerance=TOLERANCE, solver=solver)

@@ -1,4 +1,4 @@
-"""The command line does what its help describes, writes to the given paths, and fails with one clear line."""
+"""Commands do what their help describes, write to the given paths, and report an error in one line."""
 
 from __future__ import annotations
 
@@ -12,40 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
 
 import robotraj as rt
-from robotraj.cli.app import app
 from robotraj.cli.demos.table import DEMOS
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
+from tests.cli.shell import completions, fail, run, succeed
 
 PARTS = ("combinations", "functions", "linear", "steps")
 """Parts of the processor time that the interior-point method, the default for arms, reports."""
-
-
-def run(*arguments: Any) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments], env={"COLUMNS": "200"})
-
-
-def succeed(*arguments: Any) -> str:
-    result = run(*arguments)
-    assert result.exit_code == 0, result.output
-    return result.stdout
-
-
-def fail(*arguments: Any, code: int = 2) -> str:
-    result = run(*arguments)
-    assert result.exit_code == code and isinstance(result.exception, SystemExit)
-    assert "Traceback" not in result.output
-    (line,) = result.stderr.strip().splitlines()
-    assert line.startswith("error: ")
-    return line
 
 
 def test_demo_prints_the_phase_and_the_proof_and_writes_its_replay(here: Path) -> None:
@@ -281,7 +254,7 @@ def test_a_reader_that_closes_the_pipe_is_no_error(here: Path) -> None:
     )
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, "")
-    # The work goes on: only what is printed is lost.
+    # The command continues; only its output is lost.
     assert (here / "block.html").is_file()
 
 
@@ -289,10 +262,7 @@ def test_a_reader_that_closes_the_pipe_is_no_error(here: Path) -> None:
     ("words", "offered"), [("plan ur5", "ur5_limited"), ("demo five", "five_link_walking"), ("pro", "profile")]
 )
 def test_the_shell_completes_commands_robots_and_demos(words: str, offered: str) -> None:
-    environment = {"_ROBOTRAJ_COMPLETE": "complete_bash", "COMP_WORDS": f"robotraj {words}"}
-    environment["COMP_CWORD"] = str(len(words.split()))
-    result = CliRunner().invoke(app, [], prog_name="robotraj", env=environment)
-    assert offered in result.stdout.split()
+    assert offered in completions(words)
 
 
 def test_the_version_is_printed() -> None:

@@ -1,4 +1,4 @@
-"""Every demo plans and passes its proof, without a limit broken between the knots."""
+"""Every demo is planned and validated, with no limit violated between the knots."""
 
 from __future__ import annotations
 

@@ -6,14 +6,12 @@ import csv
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
-from typer.testing import CliRunner, Result
 
 import robotraj as rt
-from robotraj.cli.app import app
 from robotraj.robot.known_robots.catalogue import find
+from tests.cli.shell import completions, fail, run, succeed
 
 BLOCK = """
 [robot]
@@ -36,29 +34,6 @@ title = "a block is pushed"
 html = "push.html"
 save = "push.npz"
 """
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run(*arguments: Any) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments], env={"COLUMNS": "200"})
-
-
-def succeed(*arguments: Any) -> str:
-    result = run(*arguments)
-    assert result.exit_code == 0, result.output
-    return result.stdout
-
-
-def fail(*arguments: Any, code: int = 2) -> str:
-    result = run(*arguments)
-    assert result.exit_code == code and "Traceback" not in result.output
-    (line,) = result.stderr.strip().splitlines()
-    return line
 
 
 @pytest.fixture
@@ -153,7 +128,7 @@ def test_every_line_that_a_first_problem_suggests_is_valid(here: Path, robot: st
     for lines in suggested:
         plain = re.sub(r"^# ", "", lines, flags=re.MULTILINE)
         key = plain.split(" ")[0]
-        # A suggestion takes the place of the same key in the table above it.
+        # A suggestion replaces the same key in the table above it.
         changed = re.sub(rf"^{re.escape(key)} = .*\n(?=(?:.*\n)?{re.escape(lines)})", "", text, flags=re.MULTILINE)
         (here / "changed.toml").write_text(changed.replace(lines, plain, 1))
         assert rt.load_problem("changed.toml").problem.phases
@@ -213,7 +188,4 @@ def test_the_schema_is_printed(here: Path) -> None:
 
 @pytest.mark.parametrize(("words", "offered"), [("init ur5", "ur5_limited"), ("schema Ground", "GroundClearance")])
 def test_the_shell_completes_robots_and_types(words: str, offered: str) -> None:
-    environment = {"_ROBOTRAJ_COMPLETE": "complete_bash", "COMP_WORDS": f"robotraj {words}"}
-    environment["COMP_CWORD"] = str(len(words.split()))
-    result = CliRunner().invoke(app, [], prog_name="robotraj", env=environment)
-    assert offered in result.stdout.split()
+    assert offered in completions(words)

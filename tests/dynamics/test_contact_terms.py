@@ -18,7 +18,7 @@ def robot() -> rt.Robot:
 
 
 def rows(phase: rt.Phase, point: RobotPoint, c: ca.SX) -> ca.SX:
-    """All rows that contacts have a part in."""
+    """All rows that depend on contacts."""
     body = phase.body
     return ca.vertcat(body.residual(point), body.correction(point, c), body.invariant(point))
 
@@ -68,7 +68,7 @@ def test_what_reads_expressions_is_written_out(robot: rt.Robot) -> None:
     y = rows(phase, point, c)
     known = ca.vertcat(point.q, point.v, point.a, *point.p.values(), c)
     rest, added = extract_addends(y, known, parts)
-    # The forces are no symbols of it: only the reactions read them.
+    # The forces are not among its symbols: only the reactions depend on them.
     assert len(added) == 8
     reactions = ca.vertcat(*(part.symbols for part in parts if part.symbols.numel() == robot.nv))
     assert not ca.depends_on(rest, reactions)

@@ -1,4 +1,4 @@
-"""What users' functions return, and NaN that Python's math makes of symbols."""
+"""Values that users' functions return, and NaN from Python's math functions of symbols."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Robots whose root moves, through the whole package: plan, prove, sample, save, draw, export, replay, go on from."""
+"""Robots with a moving root in all of the package: plan, validate, sample, save, plot, export, replay, warm start."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ENERGETIC = {"effort": 50.0}
 
 
 def thrown(root):
-    """A hopper let go in the air, turning, that swings its leg."""
+    """A hopper that is released in the air, rotates, and swings its leg."""
     robot = rt.load("hopper", root=root, limits=ENERGETIC)
     speed = {"planar": {"root_x": 1.0, "root_z": 2.0, "root_pitch": 1.5}}.get(
         root, {"root_vx": 1.0, "root_vy": -0.4, "root_vz": 2.0, "root_wx": 0.7, "root_wy": 1.5, "root_wz": -0.6}

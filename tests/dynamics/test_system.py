@@ -1,4 +1,4 @@
-"""Systems: any semi-explicit DAE by its equations, in whatever form a user writes them."""
+"""Systems: semi-explicit DAEs, in every form in which a user may write the equations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fuzz for hours: `python tests/fuzz --hours 1`. Seeds that fail are printed, and become tests of their own."""
+"""Fuzz for hours: `python tests/fuzz --hours 1`. It prints the seeds that fail, which are then added to the tests."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FIRST = 100_000
 
 
 def main() -> None:
-    """Attack until the time is over."""
+    """Try seeds until the time is over."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hours", type=float, default=1.0)
     parser.add_argument("--first", type=int, default=FIRST, help="first seed")

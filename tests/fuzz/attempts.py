@@ -61,9 +61,9 @@ def load_urdf(path: str) -> None:
 
 
 def main() -> None:
-    """Answer every line of the standard input."""
+    """Make one attempt for each line of the standard input."""
     answers = os.fdopen(os.dup(1), "w")
-    # Parsers print their warnings: they must not reach the answers.
+    # Warnings that parsers print must not be mixed with the results.
     os.dup2(2, 1)
     warnings.simplefilter("ignore")
     import robotraj as rt
@@ -71,7 +71,7 @@ def main() -> None:
     known = {"saved": load_saved, "urdf": load_urdf}
     known_paths = {"saved": rt.load_solution, "urdf": rt.load}
     for name in known:
-        # Modules that are imported late write nothing either, but they are read from elsewhere.
+        # Modules that are imported later write nothing, but are read from other folders.
         with contextlib.suppress(rt.InputError):
             known_paths[name](os.path.join(os.sep, "nowhere", name + ".urdf"))
     sys.addaudithook(watch)

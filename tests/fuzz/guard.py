@@ -1,4 +1,4 @@
-"""A child process that makes the attempts: a crash, a hang or a raw exception of it is seen from outside."""
+"""A child process makes the attempts, so that its crash, hang or unexpected exception is detected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plan of a random problem claims, compared with what it does."""
+"""Compares the status of a plan of a random problem with the planned motion."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ PASSIVE = ("cartpole", "acrobot")
 SYSTEMS = ("double_integrator", "oscillator", "van_der_pol", "duffing", "car", "quadrotor", "rod")
 SUBJECTS = (*ARMS, *PASSIVE, *SYSTEMS)
 SHOT = ("pendulum", "block", *SYSTEMS)
-"""Subjects that shooting is tried on."""
+"""Subjects that are also solved by shooting."""
 SLACK = 1.5
 """Ratio of a limit to what the motion needs."""
 STEPS = 400

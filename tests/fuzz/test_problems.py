@@ -1,4 +1,4 @@
-"""Random problems that have a solution: no false success, no silent breach, nothing late, next to nothing unsolved."""
+"""Random problems that have a solution: no false success, no unreported violation, none late, few unsolved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The compass gait as a plan: its passive cycle found, not simulated, and what level ground costs.
+"""The compass gait as a plan: its passive cycle, and its cost on level ground.
 
 The cycle's numbers are those that tests/robots/test_compass_walker.py finds by simulation and its own impact.
 """
@@ -19,7 +19,7 @@ LOBATTO = rt.Mesh(10, rt.schemes.LobattoIIIA(4))
 
 
 def step(descent: float, length: Any, duration: Any = (0.65, 1.2), **more: Any) -> rt.Problem:
-    """One step on a slope whose swing foot ends on it; the legs' motor is the textbook's."""
+    """One step on a slope, after which the swing foot is on the ground; the motor of the hip is the textbook's."""
     walker = rt.load("compass_walker", root="planar")
     rise = -np.tan(descent)
 

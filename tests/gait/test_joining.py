@@ -1,4 +1,4 @@
-"""From rest into a walk and back: the ends are states of the walk, so that the motions follow one another."""
+"""From rest into a walk and back: the ends are states of the walk, so that the motions join."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_biped_stops_from_its_walk(walk: rt.Solution) -> None:
     np.testing.assert_allclose(stop.at(0.0).q, walk.at(0.0).q, atol=1e-6)
     np.testing.assert_allclose(stop.at(0.0).v, walk.at(0.0).v, atol=1e-6)
     np.testing.assert_allclose(stop.at(stop.duration).v, 0.0, atol=1e-8)
-    # The last step sets the swing foot down beside the other one, half as far as a whole step.
+    # The last step places the swing foot beside the other one, half a step ahead.
     bearing, swinging = (feet_at(walk, 0.0)[name] for name in ("left_foot", "right_foot"))
     assert bearing - swinging == pytest.approx(0.4, abs=1e-6)
     assert list(feet_at(stop, stop.duration).values()) == pytest.approx([bearing + 0.4] * 2, abs=1e-6)

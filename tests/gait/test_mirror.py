@@ -1,4 +1,4 @@
-"""Mirror images: a gait's end is the image of its start, and the image of a robot is the robot."""
+"""Mirror images: the end of a gait is the image of its start, and the image of a symmetric robot is the robot."""
 
 from __future__ import annotations
 

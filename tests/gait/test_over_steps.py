@@ -1,4 +1,4 @@
-"""Stairs and gaps as calls: feet land on treads, away from edges, and the robot ends at rest beyond the last one."""
+"""Calls for stairs and gaps: feet land on treads, away from edges, and the robot ends at rest beyond the last one."""
 
 from __future__ import annotations
 

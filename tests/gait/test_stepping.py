@@ -137,8 +137,8 @@ def test_a_planar_robot_has_no_side(biped: rt.Robot) -> None:
 def test_talos_lifts_its_feet_high_in_a_small_turn(tmp_path: Path) -> None:
     robot, soles = rt.load("talos_legs", root="floating"), ("left_sole_link", "right_sole_link")
     sole = partial(rt.FlatFoot, length=0.2, width=0.1, friction=0.7)
-    # A foot that moves a centimetre rises by five: over its way alone that would be a wall. On five intervals it dips
-    # by another 0.05 mm between the points; the proved plan does not.
+    # A foot that moves by 1 cm rises by 5 cm: an arc over so short a way would be too steep. On five intervals the foot
+    # is up to 0.05 mm too low between the points; in the proved plan it is not.
     solution = rt.plan(rt.gait.turn(robot, angle=0.1, contact=sole, feet=soles, clearance=0.05))
     assert_it_rests(solution)
     assert yaw(solution.at(solution.duration).q) == pytest.approx(0.1, abs=1e-5)

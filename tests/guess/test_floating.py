@@ -1,4 +1,4 @@
-"""Guesses for floating roots: unit quaternions, velocities in the body that move them, ends met."""
+"""Guesses for floating roots: unit quaternions, body velocities that are their rates, and the given ends."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def test_fixed_footholds_are_reached() -> None:
     q = gait.stand(robot, feet=every)
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
-    # Steps of different length: no even walk goes there.
+    # Steps of different length: a walk with equal steps does not reach the end.
     steps = {"FR_FOOT": 0.02, "HL_FOOT": 0.07}
     spots = {foot: float(data.oMf[robot.frame(foot)].translation[0]) + step for foot, step in steps.items()}
 

@@ -1,4 +1,4 @@
-"""Ends that poses decide: every branch reaches the pose, the fastest is taken, and poses in a row need no own guess."""
+"""Ends given as poses: every branch reaches the pose, the fastest is used, and successive poses need no guess."""
 
 import numpy as np
 import pinocchio as pin

@@ -1,4 +1,4 @@
-"""The report on Pontryagin's necessary conditions: quiet on optima, loud on what is none."""
+"""The report on Pontryagin's necessary conditions accepts optima and rejects other motions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_a_robot_with_a_saturated_motor_is_reported_by_joint(swing_up: Any) -> N
 
 
 def test_minimum_time_has_a_hamiltonian_of_minus_one(block: Any) -> None:
-    # The interval beside the switch bends, and moves H there by the square of its length.
+    # The control is curved in the interval beside the switch, where the error of H is of the order of h^2.
     report = rt.indirect.conditions(rt.plan(block(), rt.Mesh(20)), tolerance=2e-2)
     assert report.passed, str(report)
     final = next(c for c in report.conditions if c.label == "final time")

@@ -131,7 +131,7 @@ def in_three_arcs(phase: rt.Phase, top: float) -> rt.Problem:
     ids=str,
 )
 def test_bryson_denhams_costates_without_knowing_the_junctions(bryson_denham: Any, mesh: rt.Mesh, top: float) -> None:
-    """The plan finds where the arcs join, to 1e-6 s, and both costates over the whole second.
+    """The plan finds the junctions to 1e-6 s, and both costates in the whole second.
 
     At the junctions, where the costate of x jumps, every phase gives the limit from its side.
     """
@@ -239,12 +239,12 @@ def test_initial_costate_of_a_dae_with_an_end_cost(algebraic: Any) -> None:
 
 
 def test_added_rows_between_collocation_points_change_the_costates_too(bryson_denham: Any) -> None:
-    # On 4 intervals of two Gauss points the bound bulges over between them: rows are set there.
+    # On 4 intervals of two Gauss points the bound is violated between them, where rows are added.
     mesh = rt.Mesh(5, rt.schemes.GaussLegendre(points=2))
     solution = rt.plan(bryson_denham.phase(), mesh, solver=TIGHT)
     part = rt.indirect.costates(solution).phases[0]
     assert solution.added_rows and len(part.duals.costate.breaks) > len(solution.knots)
-    # From this solution the moved problems take over its rows: rows at other places have another optimum.
+    # The perturbed problems start from this solution and keep its rows: rows at other times have another optimum.
     slope = sensitivity(bryson_denham.phase, mesh, [0.0, 1.0], 1, 1e-5, guess=solution)
     assert part.initial[1] == pytest.approx(slope, rel=1e-6)
 
@@ -252,7 +252,7 @@ def test_added_rows_between_collocation_points_change_the_costates_too(bryson_de
 def test_the_hamiltonian_of_an_autonomous_motion_is_constant_and_minus_one_in_minimum_time(block: Any) -> None:
     solution = rt.plan(block(), rt.Mesh(20), solver=TIGHT)
     t = np.linspace(0, solution.duration, 50)
-    # The cubic of the two intervals beside the switch bends; everywhere else the control is at its bound.
+    # Only in the two intervals beside the switch is the control not at its bound.
     t = t[np.abs(t - solution.duration / 2) > solution.duration / 19]
     assert rt.indirect.costates(solution).at(t).hamiltonian == pytest.approx(-np.ones(len(t)), abs=1e-6)
 

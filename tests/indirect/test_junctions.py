@@ -1,4 +1,4 @@
-"""Motions cut where bounds on states are met and left: junctions and costates come out exactly."""
+"""Motions divided where bounds on states become active and inactive: junctions and costates are exact."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PEAK, REACH = 1.2, 0.25
 
 
 def cut(phase: rt.Phase, mesh: rt.Mesh) -> rt.Solution:
-    """Plan without knowing anything of the arcs, cut, and plan again."""
+    """Plan without knowledge of the arcs, divide the motion at the junctions, and plan again."""
     problem, guess = rt.indirect.cut_at_junctions(rt.plan(phase, tolerance=1e-6))
     return rt.plan(problem, mesh, guess, TIGHT)
 
@@ -99,7 +99,7 @@ def test_a_free_duration_stays_free() -> None:
     total = 1 / PEAK + 2 * ramp / 3
     assert solution.objective == pytest.approx(4 * PEAK**2 / (3 * ramp) + 20 * total, rel=1e-9)
     assert [part.duration for part in solution.phases] == pytest.approx([ramp, total - 2 * ramp, ramp], abs=1e-6)
-    # Time is a cost of the end: the Hamiltonian, of the effort alone, is minus its price all along.
+    # Time is a Mayer term: the Hamiltonian contains the effort alone, and equals minus the price of time throughout.
     for part in rt.indirect.costates(solution).phases:
         t = np.linspace(part.solution.t0, part.solution.t0 + part.solution.duration, 21)
         assert part.at(t).hamiltonian == pytest.approx(np.full(21, -20.0), rel=1e-5)

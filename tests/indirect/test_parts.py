@@ -1,4 +1,4 @@
-"""Parts of the indirect view by themselves."""
+"""Unit tests of the parts of the indirect method."""
 
 from __future__ import annotations
 

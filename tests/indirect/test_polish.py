@@ -1,4 +1,4 @@
-"""The hybrid method: direct solutions brought to 1e-9 by Pontryagin's equations."""
+"""The hybrid method: direct solutions polished to 1e-9 by Pontryagin's conditions."""
 
 from __future__ import annotations
 
@@ -210,7 +210,7 @@ def test_free_duration_explicit_time_and_a_fixed_parameter() -> None:
 
     best = polished.duration
     assert cost(best) == pytest.approx(polished.objective, abs=1e-9)
-    # A minimum: no slope, and a bend upwards.
+    # A minimum: the first derivative is zero, and the second one positive.
     step = 1e-3
     after, before = cost(best + step), cost(best - step)
     assert after - before == pytest.approx(0.0, abs=1e-7)

@@ -71,7 +71,7 @@ class Points:
 
 @dataclass
 class Written:
-    """A program and what it was written from, for checks that do not go through it."""
+    """A program and the expressions that it was built from, for independent checks."""
 
     stages: tuple[list[int], list[int], list[int], list[int]]
     linear: Array

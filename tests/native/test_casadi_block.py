@@ -46,7 +46,7 @@ def test_every_point_gets_its_own_answer(functions: dict[str, ca.Function], batc
 
 
 def test_a_block_serves_several_threads_one_after_another() -> None:
-    """Plans in threads share the stages of a phase: what one works in must not reach the other."""
+    """Plans in threads share the stages of a phase; their work memory must be separate."""
     v, c = ca.SX.sym("v", 6), ca.SX.sym("c", 0)
     y, count = ca.vertcat(*(ca.sin(v[i]) * ca.exp(-v[i - 1]) for i in range(6))), 500
     values = ca.Function("values", [v, c], [y])

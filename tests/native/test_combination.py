@@ -1,4 +1,4 @@
-"""Sparse combinations against dense products: whatever repeats, nothing changes but how much is kept."""
+"""Sparse combinations against dense products: repetition changes their memory only, not their values."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_blocks_that_repeat_are_kept_once(stages: int, threads: int, processor: 
 
 
 def test_sections_and_what_lies_between_them() -> None:
-    """Two staircases with rows of no order before, between and behind them, as a first and a last stage are."""
+    """Two staircases, with irregular rows before, between and after them, as of a first and a last stage."""
     rng = np.random.default_rng(5)
     first, second = staircase(50, 33, 20, 0, rng), staircase(50, 17, 20, 0, rng)
     rest = [random_rows(count, first.shape[1], rng) for count in (70, 45, 90)]

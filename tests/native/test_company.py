@@ -1,4 +1,4 @@
-"""A program among others: callbacks, threads, forked processes, signals and the clock."""
+"""A compiled solve beside callbacks, threads, forked processes, signals and time limits."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_a_callback_may_solve_with_casadi(pendulum: Any, plugin: str) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_forked_process_solves_and_frees_what_it_was_given(pendulum: Any) -> None:
-    """Threads that wait for work are in the parent alone; the child makes its own, and joins no others."""
+    """Threads that wait for work exist in the parent only; the child starts its own and joins no others."""
     written = pendulum.write()
     written.threads = 2
     program = written.build()

@@ -65,7 +65,7 @@ def test_free_duration_carried_as_a_state_reaches_the_minimum_time(shooting: Any
 
     problem = shooting(step, 3, 1, n + 1, lambda x, u: x[2] / n, [0.0, 0.0, 0.0], [10.0, 0.0, 0.0], limited)
     written = problem.write()
-    # Nothing holds the carried duration: the rows of its value at the two ends go.
+    # The carried duration is free: the rows that fix it at the two ends are removed.
     dynamics = 3 * n
     keep = np.setdiff1d(np.arange(written.linear.shape[0]), [dynamics + 2, dynamics + 5])
     written.linear, written.offset = written.linear[keep], written.offset[keep]
@@ -147,7 +147,7 @@ def test_a_swing_up_agrees_with_ipopt(pendulum: Any) -> None:
 
 
 def test_active_bounds_do_not_end_the_convergence_of_newton(shooting: Any) -> None:
-    # Some 40 of 90 bounds on combinations of 6 controls are active: 1 / mu on their diagonals is no lost curvature.
+    # Some 40 of 90 bounds on combinations of 6 controls are active: 1 / mu on their diagonals must not hide curvature.
     rng = np.random.default_rng(0)
     a, b = 0.8 * np.eye(4) + 0.1 * rng.standard_normal((4, 4)), 0.3 * rng.standard_normal((4, 6))
     bounded = rng.standard_normal((9, 6))

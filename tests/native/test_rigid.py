@@ -187,7 +187,7 @@ def test_second_derivatives_are_differences_of_pinocchios_first(name: str, proce
         for mine, theirs in ((found[0, model.nq + i], by_w), (found[0, model.nq + model.nv + i], by_a)):
             moved = np.concatenate([tangent(model, q).T @ mine[: model.nq], mine[model.nq :]])
             np.testing.assert_allclose(moved, theirs, rtol=0, atol=1e-7 * np.abs(found[0]).max())
-    # By q there and back: what is left is by positions alone.
+    # The derivative by q, forward and back: only the dependence on positions is left.
     free = slice(7, model.nq) if model.nq > model.nv else slice(0, model.nq)
     for i in range(model.nv - (free.stop - free.start), model.nv):
         step = h * np.eye(model.nv)[i]

@@ -165,7 +165,7 @@ def test_all_zero() -> None:
 
 
 def test_other_values_in_the_same_pattern() -> None:
-    """Memory is used again: nothing of the last factors is left."""
+    """Memory is reused, without values of the previous factors."""
     first, second = (saddle_point(50, 30, 0.2, seed) for seed in (0, 0))
     second = np.where(second != 0, second * np.random.default_rng(9).uniform(0.5, 2.0), 0.0)
     second[np.diag_indices(50)] *= -7.0

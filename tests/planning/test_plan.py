@@ -67,7 +67,7 @@ def test_an_infeasible_problem_raises_with_the_iterate_the_rows_and_a_remedy() -
     assert worst.label.startswith("defect, ") and worst.phase == "move" and worst.unit in ("m", "m/s")
     assert 0 <= worst.time <= 5.0 and worst.amount > 1e-3
     assert all(part in str(caught.value) for part in ("'move'", "infeasible", str(worst), "try: "))
-    # The limits that must give come first, and the advice last.
+    # The conflicting limits come first, and the advice last.
     text = " ".join(str(caught.value).split())
     assert text.startswith("'move' was not solved: control bound, u") and "duration: 5 s must become 6.3" in text
     assert "iterations" not in text.partition("try: ")[2]

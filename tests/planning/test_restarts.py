@@ -184,7 +184,7 @@ def around_a_ball(duration: float = 1.0, **changes: Any) -> rt.Phase:
 
 
 AT_HOME = rt.Guess([0.0, 1.0], q=np.array([[0, -1.3, 1.6, -1.9, -1.57, 0]] * 2))
-"""A guess that does not move, from which no way around the ball is found."""
+"""A guess at rest, from which the solver finds no path around the ball."""
 
 
 def test_an_obstacle_in_the_way_of_the_default_guess() -> None:

@@ -74,7 +74,7 @@ def test_an_integral_over_an_arms_motion_widens_every_stage() -> None:
     budget = rt.IntegralConstraint(lambda p: p.tau[0] ** 2, upper=100.0, name="heat")
     bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
     assert isinstance(resolve(bounded, {"mesh": rt.Mesh()}).interval_limits, rt.interval_limits.ConstraintGeneration)
-    # Every later stage carries what the integral has read so far.
+    # Every later stage carries the value of the integral so far.
     carried = [reduce(rt.transcription.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
     assert carried[1] > 1.8 * carried[0]
 

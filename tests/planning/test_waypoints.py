@@ -1,4 +1,4 @@
-"""Places passed without a stop: less time than with stops, poses as places, and cycles that close."""
+"""Waypoints without a stop: less time than with stops, poses as waypoints, and closed cycles."""
 
 import numpy as np
 import pinocchio as pin

@@ -1,4 +1,4 @@
-"""Bad input of every kind meets one clear error that names what was wrong and what to do."""
+"""Bad input of every kind raises one error that names the fault and a remedy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAN = float("nan")
 
 
 def block(**more: Any) -> rt.Phase:
-    """A good phase of the double integrator, spoilt by ``more``."""
+    """A valid phase of the double integrator, made invalid by ``more``."""
     system = more.pop("system", None) or double_integrator()
     good = {
         "duration": (0.1, 20),
@@ -33,7 +33,7 @@ def double_integrator() -> rt.System:
 
 
 def cartpole(**more: Any) -> rt.Phase:
-    """A good phase of the cart-pole, spoilt by ``more``."""
+    """A valid phase of the cart-pole, made invalid by ``more``."""
     good = {
         "duration": 2.0,
         "start": rt.State(q=[0, 0], v=0),

@@ -1,4 +1,4 @@
-"""What contradicts itself at an end is refused before solving, by name."""
+"""Contradictory conditions at an end are refused before solving, and named."""
 
 from __future__ import annotations
 

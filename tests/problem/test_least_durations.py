@@ -1,4 +1,4 @@
-"""Least times of one joint against closed forms, and what a phase refuses by them."""
+"""Least times of one joint against closed forms, and the durations that a phase refuses by them."""
 
 from __future__ import annotations
 

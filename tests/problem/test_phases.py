@@ -1,4 +1,4 @@
-"""Several phases: one answer however a motion is cut, other dynamics in each, jumps that the witness follows."""
+"""Several phases: divided motions have the same optimum; phases of different dynamics; jumps in simulation."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def test_robots_in_phases_with_a_kick_at_a_joint() -> None:
         rt.Phase(robot, 1.0, None, rt.State(q=[1], v=0), objective=rt.Effort(), limits=None),
     ]
     solution = rt.plan(rt.Problem(phases, [rt.links.Jump(0, 1, {"v.slider": 1.0})]), rt.Mesh(4), solver=EXACT)
-    # What is left to do: 0 m and -1 m/s in 2 s, with a unit mass 4 w^2 / T.
+    # The remaining motion is 0 m and -1 m/s in 2 s, which costs 4 w^2 / T with a unit mass.
     assert solution.objective == pytest.approx(2.0, rel=1e-8)
     assert solution.phases[1].at(1.0).v[0] - solution.phases[0].at(1.0).v[0] == pytest.approx(1, abs=1e-9)
     rt.validate(solution).check(drift=1e-7)

@@ -1,4 +1,4 @@
-"""Phases and problems: frozen, bound by name, and they print every row they will impose."""
+"""Phases and problems are frozen and bind by name; their text lists every row that they impose."""
 
 from __future__ import annotations
 

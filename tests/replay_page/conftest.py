@@ -1,4 +1,4 @@
-"""Stand-ins for solved problems: motions given as formulas, seen through the Solution's interface."""
+"""Substitutes for solved problems: motions given as formulas, with the interface of Solution."""
 
 from __future__ import annotations
 

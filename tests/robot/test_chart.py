@@ -1,4 +1,4 @@
-"""Curves through configurations: keys are met, velocities and accelerations are the curve's own, turns are counted."""
+"""Curves through configurations: they interpolate, their velocities and accelerations are derivatives, turns count."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is made once for every robot is made once, and goes with it."""
+"""Values that are computed once for a robot are cached, and deleted with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""rt.load and the Robot: what may be loaded, what the robot answers, and how each bad input is refused."""
+"""rt.load and Robot: what can be loaded, the robot's attributes and methods, and the errors of bad input."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_talos_legs_is_talos_with_the_rest_locked_at_its_reference():
     np.testing.assert_allclose(mine.oMf[legs.frame(hand)].homogeneous, expected, atol=1e-12)
 
 
-# -- what a robot answers ----------------------------------------------------------------------------------
+# -- attributes and methods ----------------------------------------------------------------------------------
 
 
 def test_sizes_names_units_and_actuation(arm):

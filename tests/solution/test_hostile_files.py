@@ -1,4 +1,4 @@
-"""Files from strangers: every damage is one InputError with the file and the place, within five seconds."""
+"""Files from untrusted sources: every fault raises one InputError that names the file and the place, within 5 s."""
 
 from __future__ import annotations
 

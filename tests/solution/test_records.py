@@ -1,4 +1,4 @@
-"""What led to a solution: its times."""
+"""Records of a solution: its times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is saved is what is loaded: bit for bit where it is data, and by name where it is not."""
+"""Saving and loading returns the same solution: data bit for bit, classes and functions by name."""
 
 from __future__ import annotations
 
@@ -560,7 +560,7 @@ def test_a_contact_on_a_function_is_not_saved_and_the_error_names_the_remedy(tmp
 
 
 def test_what_is_given_anew_is_no_longer_missing(tmp_path: Path) -> None:
-    """A constraint and an objective that the file could not keep, put back by hand."""
+    """A constraint and an objective that cannot be saved, passed again when loading."""
     slow = rt.PathConstraint(lambda p: p.v[0], upper=5.0, name="slow")
     cost = rt.Effort() + rt.Lagrange(lambda p: p.v[1] ** 2)
     phase = rt.Phase(

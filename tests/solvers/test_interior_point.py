@@ -1,4 +1,4 @@
-"""The interior-point method over stages beside IPOPT: the same optima, or a stated reason."""
+"""The stagewise interior-point method against IPOPT: the same optima, or a stated reason."""
 
 from __future__ import annotations
 
@@ -248,7 +248,7 @@ def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
     asked = []
 
     class Seen:
-        """Notes what is asked of the method."""
+        """Records the calls of the method."""
 
         def __init__(self, native: Any) -> None:
             self.native = native

@@ -1,4 +1,4 @@
-"""A wrong build, frame, reference or model is refused in one sentence that names it."""
+"""A wrong build, frame, reference or model is refused by an error that names it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The functions as objects: their names and shapes, their size, what is kept and what is copied."""
+"""The functions as objects: their names, shapes and sizes, and what is cached or copied."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def without_forces(function: ca.Function) -> ca.Function:
 
 
 def test_zero_external_forces_vanish(arm) -> None:
-    """A call with zeros, of whatever shape, leaves neither the inputs nor the additions behind."""
+    """A call with zeros of any shape removes both their inputs and their additions from the graph."""
     full = arm.symbolic.inverse_dynamics
     q, v, a = (ca.SX.sym(name, arm.model.nv) for name in "qva")
     dense = ca.Function("dense", [q, v, a], [full(q, v, a, np.zeros((6, arm.model.njoints)))])

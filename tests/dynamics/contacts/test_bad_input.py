@@ -1,4 +1,4 @@
-"""Contacts that cannot hold are refused with the name of what is wrong."""
+"""Contacts that cannot hold are refused, and the error names the cause."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a contact can carry: cones, centre of pressure, torsion, against forces and soles that are known by hand."""
+"""Limits of contact forces: cones, centre of pressure and torsion, against forces and soles computed by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contacts that the optimum finds: against a sliding and a falling point in closed form, and on the hopper."""
+"""Implicit contacts against closed forms of a sliding and a falling point, and on the hopper."""
 
 from __future__ import annotations
 

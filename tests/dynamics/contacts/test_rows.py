@@ -1,4 +1,4 @@
-"""Held rows: each level is the time derivative of the one before, and forces do the power of the velocity rows."""
+"""Contact rows: each level is the time derivative of the one before; forces have the power of the velocity rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contacts are values: they compare, travel to other processes and are kept in files."""
+"""Contacts are values: they can be compared, sent to other processes and saved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What cannot be designed is refused when the phase is made, naming it."""
+"""A phase refuses design parameters that cannot be optimised, and names them."""
 
 from __future__ import annotations
 

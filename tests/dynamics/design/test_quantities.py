@@ -1,4 +1,4 @@
-"""What each quantity does to a robot, against the same robot built another way."""
+"""The effect of each design quantity, against the same robot built in another way."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def test_the_simulation_follows_the_plan(solution) -> None:
 
 
 def test_the_simulation_needs_the_design(solution, arm, monkeypatch) -> None:
-    """The URDF's own arm goes elsewhere under the same torques."""
+    """Under the same torques, the arm of the URDF moves differently."""
     monkeypatch.setitem(solution.phases[0].phase.__dict__, "bound_design", None)
     assert not rt.validate(solution).passed
 

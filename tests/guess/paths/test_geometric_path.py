@@ -57,7 +57,7 @@ def test_a_corner_costs_less_than_a_stop_and_keeps_the_limits() -> None:
     np.testing.assert_allclose(q[[0, -1]], [START, GOAL], atol=1e-12)
     assert np.all(np.abs(rate / path.duration) <= limits.speeds[1] * (1 + 1e-9))
     np.testing.assert_allclose(rate[[0, -1]], 0.0, atol=1e-6)
-    # Places agree with the integral of the rates.
+    # Positions agree with the integral of the rates.
     np.testing.assert_allclose(np.trapezoid(rate, FRACTIONS, axis=0), GOAL - START, atol=2e-2)
     assert second.shape == q.shape
 

@@ -1,4 +1,4 @@
-"""The cache is its owner's alone, whole at every instant, and shared."""
+"""The cache is private to its owner, consistent at every instant, and shared by processes."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def standing(name: str, root: str, feet: list[str], known: dict[str, float] | No
 
 def on_soles(feet: list[str]) -> rt.Phase:
     robot = rt.load("talos_legs", root="floating")
-    # Force rates make the forces states: what a foot adds then reads them there.
+    # With force rates the forces are states, from which the terms of a foot read them.
     contacts = [rt.FlatFoot(foot, 0.2, 0.1, ground=rt.terrain.Slope(0.1)) for foot in feet]
     return rt.Phase(robot, 0.3, objective=rt.Effort() + rt.objectives.ForceRate(), contacts=contacts)
 
@@ -223,7 +223,7 @@ def test_derivatives_are_finite_differences_of_values(name: str) -> None:
 @pytest.mark.parametrize("name", ["ur5", "free-flyer on two feet"])
 def test_any_number_of_threads_gives_the_same_bits(name: str) -> None:
     stage = stage_of(PHASES[name](), rt.engines.Native())
-    # Enough for the work to be shared at all.
+    # Enough points for more than one thread.
     points = points_of(stage, 601)
     one, two = (evaluated(stage, points, threads) for threads in (1, 2))
     assert all(np.array_equal(one[key], two[key]) for key in one)

@@ -1,4 +1,4 @@
-"""The rows to relax are those that were made too tight."""
+"""The relaxed rows are those that were made too tight."""
 
 from __future__ import annotations
 

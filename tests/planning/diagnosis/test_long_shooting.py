@@ -33,7 +33,7 @@ def test_short_shooting_and_collocation_are_not_warned_of() -> None:
 
 
 def test_compressed_collocation_of_an_arm_is_short() -> None:
-    """It starts from its separated form: 60 intervals of a panda take 3 s."""
+    """Compressed collocation starts from its separated form: 60 intervals of a panda take 3 s."""
     arm = rt.Problem([reach("panda")])
     assert shooting_seconds(arm, rt.Mesh(100, rt.schemes.CompressedHermiteSimpson())) == 0.0
 

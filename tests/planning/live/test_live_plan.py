@@ -14,7 +14,7 @@ import robotraj as rt
 
 
 class Recorder:
-    """A window that keeps what it is given."""
+    """A window that records its events."""
 
     def __init__(self) -> None:
         self.pages: list[str] = []

@@ -19,7 +19,7 @@ from robotraj.solvers import interior_point
 
 
 def two_ways(cost_of_left: float = 1.0) -> rt.Phase:
-    """Ways past a disc of radius 1 at the origin: left (y > 0) and right are optima, left the dearer one."""
+    """Paths past a disc of radius 1 at the origin: left (y > 0) and right are optima, of which left costs more."""
     system = rt.System(["x", "y"], ["u", "w"], lambda point: [point.u["u"], point.u["w"]])
     return rt.Phase(
         system,

@@ -184,14 +184,14 @@ def test_threads_hand_over_the_answer_itself() -> None:
 
 
 class Pressed(Future[bytes]):
-    """Where the one who waits presses Ctrl-C."""
+    """A task during which the user presses Ctrl-C."""
 
     def result(self, timeout: float | None = None) -> bytes:
         raise KeyboardInterrupt
 
 
 class PressedAt(Executor):
-    """Computes at once, but for one task that is waited for in vain."""
+    """Runs every task at once, except one that never ends."""
 
     def __init__(self, number: int) -> None:
         self.number, self.count = number, 0

@@ -1,4 +1,4 @@
-"""The schema is that of the classes: the documentation shows it, and every class of a problem stands in it."""
+"""The schema describes the classes: the documentation shows it, and it contains every class of a problem."""
 
 from __future__ import annotations
 

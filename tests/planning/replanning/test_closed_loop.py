@@ -75,7 +75,7 @@ def test_the_whole_arm_stays_clear_of_a_ball_and_a_box_and_follows_a_moving_goal
     times = STEP * np.arange(1, len(q) + 1)
     distances = avoided.pairs(ur5).distances(q, times).min(axis=1)
     assert kept == 0
-    assert 0.0 < distances.min() < 0.05  # an obstacle is in the way
+    assert 0.0 < distances.min() < 0.05  # an obstacle blocks the path
     assert errors[0] > 2.0
     assert max(errors[-25:]) < 0.1
 
@@ -98,6 +98,6 @@ def test_the_tool_stays_clear_and_follows_a_moving_goal():
         distances.append(float(np.linalg.norm(tool - obstacle(k * STEP))))
     assert kept == 0
     assert min(distances) > RADIUS - 2e-3
-    assert min(distances) < RADIUS + 2e-2  # the obstacle is in the way
+    assert min(distances) < RADIUS + 2e-2  # the obstacle blocks the path
     assert errors[0] > 2.0
     assert max(errors[-25:]) < 0.1

@@ -173,7 +173,7 @@ def test_every_knot_of_a_step_keeps_its_distance_from_obstacles_that_were_seen_e
     start, least = rt.State(q=START, v=0), []
     tool = _tool(ur5, replanner.step(0.0, start).at(0.75).q)
     outwards = np.array([tool[0], tool[1], 0.0]) / np.hypot(tool[0], tool[1])
-    # A camera sees it come nearer from step to step, to where the tool would touch it.
+    # Its measured position approaches from step to step, until the tool would touch it.
     for away in np.linspace(0.3, 0.14, 9):
         seen = rt.obstacles.Sphere(0.1, tuple(tool + away * outwards))
         replan = replanner.step(0.0, start, obstacles=[seen])
@@ -182,7 +182,7 @@ def test_every_knot_of_a_step_keeps_its_distance_from_obstacles_that_were_seen_e
         found = avoided.pairs(ur5).with_obstacles([seen]).distances(q, np.zeros(len(q)))
         least.append((found.min(), found[:, : avoided.pairs(ur5).against].min()))
     assert np.min(least[1:]) > 0.01 - 1e-4  # the first step still finds which shapes are near
-    assert least[-1][1] < 0.02 < 0.04 < least[0][1]  # the obstacle comes in the way
+    assert least[-1][1] < 0.02 < 0.04 < least[0][1]  # the obstacle blocks the path
     with pytest.raises(rt.InputError, match="must be 1 obstacles in the world"):
         replanner.step(0.0, start, obstacles=[])
 

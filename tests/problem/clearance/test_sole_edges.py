@@ -1,4 +1,4 @@
-"""Soles over uneven ground: their edges keep clear of the noses of steps, not their corners alone."""
+"""Soles over uneven ground: not only their corners but also their edges are clear of the edges of steps."""
 
 import casadi as ca
 import numpy as np

@@ -1,4 +1,4 @@
-"""Clearance of points and shapes is their lowest point's, over any ground, and may grow along a foot's way."""
+"""The clearance of points and shapes is that of their lowest point, and may vary along a foot's path."""
 
 from __future__ import annotations
 

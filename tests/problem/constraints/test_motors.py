@@ -1,4 +1,4 @@
-"""Motors and payloads on a ur5, planned by the default call and read from outside with plain Pinocchio."""
+"""Motors and payloads on a ur5, planned by the default call and checked with plain Pinocchio."""
 
 import numpy as np
 import pinocchio as pin

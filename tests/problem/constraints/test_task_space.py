@@ -1,4 +1,4 @@
-"""Constraints and costs of a tool, planned by the default call on a ur5 and a panda, and read from outside."""
+"""Constraints and costs of a tool, planned by the default call on a ur5 and a panda, checked with plain Pinocchio."""
 
 import numpy as np
 import pinocchio as pin

@@ -1,4 +1,4 @@
-"""The window of a watched plan: a page and its events over a socket of this machine, and nothing left behind."""
+"""The window of a watched plan: a page and its events over a local socket, with no thread or socket left open."""
 
 import json
 import threading

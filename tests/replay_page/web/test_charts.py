@@ -105,7 +105,7 @@ def test_time_is_zoomed_about_the_pointer_and_moved(double_pendulum: Any, browse
     moved = page.evaluate(WINDOW)
     assert moved[1] - moved[0] == pytest.approx(end - start)
     assert moved[0] > start
-    # The bars above follow: a phase that is out of sight has no bar.
+    # The bars above show the same window: a phase outside of it has no bar.
     page.evaluate("() => robotraj.selection.show(1.0, 2.0)")
     assert page.locator("#bars .phase:visible").count() == 1
     page.keyboard.press("0")

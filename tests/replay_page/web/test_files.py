@@ -81,7 +81,7 @@ def test_a_link_opens_the_same_moment_and_view(walk: Any, browser: Any, tmp_path
         assert one == (pytest.approx(two, abs=2e-3) if not isinstance(one, str) else two)
     other.evaluate("() => { location.hash = '#t=1.1&group=left'; }")
     other.wait_for_function("() => Math.abs(robotraj.time() - 1.1) < 1e-9")
-    # Nonsense is passed over.
+    # Invalid text is ignored.
     other.evaluate("() => { location.hash = '#t=never&window=1&group=none&camera=1,2'; }")
     assert other.evaluate("() => robotraj.time()") == pytest.approx(1.1)
     browser.check(path)

@@ -258,7 +258,7 @@ def test_the_proof_is_shown_and_a_click_on_a_violated_row_moves_to_its_time(brow
     failed = replace(rt.plan(phase, mesh=rt.Mesh(6)), violation_list=(row,), conflicts=conflicts)
     path = replay(failed, tmp_path / "page.html")
     page = browser.open(path)
-    # What must give is seen without opening the proof.
+    # The conflicting rows are visible without opening the proof.
     assert page.locator("header dd").last.inner_text() == str(first)
     page.keyboard.press("p")
     assert page.locator("#panel-proof .figure.bad").all_inner_texts() == ["1"]

@@ -1,4 +1,4 @@
-"""Pairs of links whose spheres overlap where their shapes do not are left to the exact shapes of the witness."""
+"""Pairs of links whose spheres overlap without their shapes are checked by the witness alone, with exact shapes."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def test_wrists_that_never_touch_are_not_planned_by_spheres():
     pairs = pairs_of(rt.load("ur10"))
     assert frozenset(("wrist_1_link", "wrist_3_link")) not in pairs
     assert frozenset(("base_link", "upper_arm_link")) not in pairs
-    # These touch in earnest.
+    # The shapes of these links touch too.
     assert frozenset(("upper_arm_link", "wrist_1_link")) in pairs
     assert frozenset(("shoulder_link", "forearm_link")) in pairs
 

@@ -1,4 +1,4 @@
-"""Limits are copied, capped at "none" above 1e20, overridden by name, and judged joint by joint."""
+"""Limits are copied, infinite above 1e20, overridden by name, and checked joint by joint."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from robotraj.solution.cycles.gait_cycles import gait_cycles
 
 @pytest.fixture(scope="module")
 def step():
-    """Half a gait of the five-link biped, short of the paper's accuracy: left and right swap at its heel strike."""
+    """Half a gait of the five-link biped on a coarse mesh; left and right are exchanged at its heel strike."""
     robot = rt.load("five_link", root="planar")
     swing = rt.PathConstraint(lambda p: p.frame("right_foot").velocity[2], lower=0, name="swing foot up")
     landing = rt.PathConstraint(lambda p: p.frame("right_foot").velocity[2], upper=0, name="swing foot down")
@@ -80,7 +80,7 @@ def test_in_mirrored_periods_the_other_foot_stands_and_carries(step):
 
 
 def test_a_mirrored_period_is_a_motion_of_the_same_robot(step):
-    """Between nodes a plan misses the equations of motion a little; its mirror image misses them by as much."""
+    """The residual of the equations of motion between nodes is the same for a plan and its mirror image."""
     robot = step.phases[0].phase.robot
     data = robot.model.createData()
 

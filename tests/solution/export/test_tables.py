@@ -31,7 +31,7 @@ def cartpole(request: pytest.FixtureRequest) -> rt.Solution:
 
 @pytest.fixture(scope="module")
 def two_phases() -> rt.Solution:
-    """Ahead with one control, then coasting without any."""
+    """One phase with a control, then one without any."""
     push = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]], units={"x": "m", "v": "m/s", "u": "N"})
     coast = rt.System(["x", "v"], (), lambda p: [p.x["v"], 0.0 * p.x["v"]], units={"x": "m", "v": "m/s"})
     first = rt.Phase(

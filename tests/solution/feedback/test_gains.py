@@ -1,4 +1,4 @@
-"""``solution.gains``: what they are for a plan, where they are kept, and why some plans have none."""
+"""``solution.gains``: their values, where they are saved, and why some plans have none."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""The linearised motion beside finite differences of the simulated one."""
+"""The linearised motion against finite differences of the simulated one."""
 
 import numpy as np
 import pinocchio as pin
@@ -54,7 +54,7 @@ def test_a_floating_robot_whose_feet_hold(rng, flat):
         return stance.acceleration(q, v, robot.actuation @ tau - robot.dissipation(v))
 
     if not flat:
-        # The rows of a flat foot are small angles; away from a foot that lies flat their rate is another.
+        # The rows of a flat foot are small angles; where it is not flat, their rates are not the angular velocity.
         expected = slopes(robot, acceleration, q, v)
         np.testing.assert_allclose(found.rate[robot.nv :], expected, atol=1e-6 * np.abs(expected).max())
     held = stance.rows(q, v).jacobian

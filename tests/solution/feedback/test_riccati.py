@@ -1,4 +1,4 @@
-"""The recursion beside textbook Riccati equations, and where those overflow."""
+"""The recursion against textbook Riccati equations, and where those overflow."""
 
 import numpy as np
 import scipy

@@ -38,7 +38,7 @@ def hurried_arm() -> rt.Problem:
 
 
 def smooth_arm() -> rt.Problem:
-    """The ur5 at its leisure: torques are states, their rates the controls."""
+    """The ur5 with rates of torques: torques are states, their rates the controls."""
     (phase,) = arm().phases
     objective = rt.Duration() + 1e-6 * rt.objectives.TorqueRate()
     return rt.Problem([replace(phase, duration=(0.4, 5.0), objective=objective)])

@@ -97,12 +97,7 @@ class Chart {
     this.units.textContent = [...units].join("") ? `[${[...units].filter(Boolean).join(", ")}]` : "";
     const [width, height] = [this.plot.clientWidth, this.plot.clientHeight];
     if (width < 80 || height < 40) return;
-    const ratio = window.devicePixelRatio || 1;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(height * ratio);
-    const pen = this.canvas.getContext("2d");
-    pen.scale(ratio, ratio);
-    this.paint(pen, width, height);
+    this.paint(penOf(this.canvas, width, height), width, height);
     this.setTime(this.time);
     this.canvas.setAttribute("aria-label", this.description());
   }

@@ -44,13 +44,6 @@ function drawBands(chart, pen, frame, phases) {
 
 function drawAxes(chart, pen, frame) {
   const { theme } = chart;
-  const line = (x0, y0, x1, y1, color) => {
-    pen.strokeStyle = color;
-    pen.beginPath();
-    pen.moveTo(x0, y0);
-    pen.lineTo(x1, y1);
-    pen.stroke();
-  };
   pen.font = "11px system-ui, sans-serif";
   pen.lineWidth = 1;
   pen.textAlign = "right";
@@ -58,7 +51,7 @@ function drawAxes(chart, pen, frame) {
   chart.labels = { y: [], x: [] };
   for (const [value, text] of ticks(chart.low, chart.high, (frame.y0 - frame.y1) / 32)) {
     const y = Math.round(chart.y(value)) + 0.5;
-    line(frame.x0, y, frame.x1, y, value === 0 ? theme.zero : theme.grid);
+    drawLine(pen, frame.x0, y, frame.x1, y, value === 0 ? theme.zero : theme.grid);
     pen.fillStyle = theme.soft;
     pen.fillText(text, frame.x0 - 6, y);
     chart.labels.y.push(text);
@@ -68,7 +61,7 @@ function drawAxes(chart, pen, frame) {
   const marks = ticks(from, to, (frame.x1 - frame.x0) / 80);
   marks.forEach(([value, text], k) => {
     const x = Math.round(chart.x(value)) + 0.5;
-    line(x, frame.y1, x, frame.y0, theme.grid);
+    drawLine(pen, x, frame.y1, x, frame.y0, theme.grid);
     const last = x > frame.x1 - 18;
     pen.textAlign = last ? "right" : "center";
     pen.fillStyle = theme.soft;
@@ -97,11 +90,7 @@ function drawLimits(chart, pen) {
   for (const { piece, value, color, strong } of lines.values()) {
     pen.globalAlpha = strong ? 1 : 0.25;
     pen.lineWidth = strong ? 1.2 : 1;
-    pen.strokeStyle = color;
-    pen.beginPath();
-    pen.moveTo(chart.x(piece.t[0]), chart.y(value));
-    pen.lineTo(chart.x(piece.t[piece.t.length - 1]), chart.y(value));
-    pen.stroke();
+    drawLine(pen, chart.x(piece.t[0]), chart.y(value), chart.x(piece.t[piece.t.length - 1]), chart.y(value), color);
   }
   pen.setLineDash([]);
   pen.globalAlpha = 1;
@@ -151,10 +140,7 @@ function drawImpacts(chart, pen, frame, impacts) {
   pen.lineWidth = 1.2;
   pen.setLineDash([2, 3]);
   for (const t of impacts) {
-    pen.beginPath();
-    pen.moveTo(chart.x(t), frame.y1);
-    pen.lineTo(chart.x(t), frame.y0);
-    pen.stroke();
+    drawLine(pen, chart.x(t), frame.y1, chart.x(t), frame.y0);
   }
   pen.setLineDash([]);
 }
@@ -166,10 +152,7 @@ function drawKnots(chart, pen, frame, phases) {
   for (const { knots } of phases) {
     if (knots.length * 3 > chart.x(knots[knots.length - 1]) - chart.x(knots[0])) continue;
     for (const t of knots) {
-      pen.beginPath();
-      pen.moveTo(chart.x(t), frame.y0);
-      pen.lineTo(chart.x(t), frame.y0 - 4);
-      pen.stroke();
+      drawLine(pen, chart.x(t), frame.y0, chart.x(t), frame.y0 - 4);
     }
   }
 }

@@ -43,10 +43,7 @@ class IterateChart {
     const { canvas, theme, curves } = this;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (width < 80 || height < 40 || !curves.length) return;
-    const ratio = window.devicePixelRatio || 1;
-    [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
-    const pen = canvas.getContext("2d");
-    pen.scale(ratio, ratio);
+    const pen = penOf(canvas, width, height);
     const frame = { x0: 62, x1: width - 8, y0: height - 18, y1: 6 };
     const [from, to] = IterateChart.range(curves.map(({ t }) => t), 0);
     const [low, high] = IterateChart.range(curves.map(({ y }) => y), 0.07);
@@ -56,11 +53,7 @@ class IterateChart {
     [pen.textAlign, pen.textBaseline, pen.fillStyle] = ["right", "middle", theme.soft];
     for (const [value, text] of ticks(low, high, (frame.y0 - frame.y1) / 34)) {
       pen.fillText(text, frame.x0 - 6, y(value));
-      pen.strokeStyle = Math.abs(value) < 1e-12 ? theme.zero : theme.grid;
-      pen.beginPath();
-      pen.moveTo(frame.x0, y(value));
-      pen.lineTo(frame.x1, y(value));
-      pen.stroke();
+      drawLine(pen, frame.x0, y(value), frame.x1, y(value), Math.abs(value) < 1e-12 ? theme.zero : theme.grid);
     }
     [pen.textAlign, pen.textBaseline] = ["center", "top"];
     ticks(from, to, (frame.x1 - frame.x0) / 90).forEach(([value, text], k) => pen.fillText(k ? text : `${text} s`, x(value), frame.y0 + 4));

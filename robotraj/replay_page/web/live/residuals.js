@@ -28,30 +28,20 @@ class MeasureChart {
     const { canvas, theme } = this;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     if (width < 80 || height < 40) return;
-    const ratio = window.devicePixelRatio || 1;
-    [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
-    const pen = canvas.getContext("2d");
-    pen.scale(ratio, ratio);
+    const pen = penOf(canvas, width, height);
     const frame = { x0: 62, x1: width - 8, y0: height - 18, y1: 6 };
     const [low, high] = this.range();
     const last = Math.max(this.values.length - 1, 1);
     const x = (k) => frame.x0 + (k / last) * (frame.x1 - frame.x0);
     const y = (value) => frame.y0 - ((value - low) / (high - low)) * (frame.y0 - frame.y1);
-    const line = (x0, y0, x1, y1, color) => {
-      pen.strokeStyle = color;
-      pen.beginPath();
-      pen.moveTo(x0, y0);
-      pen.lineTo(x1, y1);
-      pen.stroke();
-    };
     pen.font = "11px system-ui, sans-serif";
     [pen.textAlign, pen.textBaseline, pen.lineWidth] = ["right", "middle", 1];
     for (const [value, text] of ticks(low, high, (frame.y0 - frame.y1) / 34)) {
-      line(frame.x0, y(value), frame.x1, y(value), theme.grid);
+      drawLine(pen, frame.x0, y(value), frame.x1, y(value), theme.grid);
       pen.fillStyle = theme.soft;
       pen.fillText(this.powers ? `1e${minus(String(Math.round(value * 10) / 10))}` : text, frame.x0 - 6, y(value));
     }
-    for (const start of this.starts) line(x(start), frame.y1, x(start), frame.y0, theme.zero);
+    for (const start of this.starts) drawLine(pen, x(start), frame.y1, x(start), frame.y0, theme.zero);
     pen.save();
     pen.beginPath();
     pen.rect(frame.x0, frame.y1, frame.x1 - frame.x0, frame.y0 - frame.y1);
@@ -61,7 +51,7 @@ class MeasureChart {
     this.values.forEach((value, k) => value !== null && pen[this.starts.includes(k) ? "moveTo" : "lineTo"](x(k), y(value)));
     pen.stroke();
     pen.restore();
-    if (this.marked !== null) line(x(this.marked), frame.y1, x(this.marked), frame.y0, theme.ink);
+    if (this.marked !== null) drawLine(pen, x(this.marked), frame.y1, x(this.marked), frame.y0, theme.ink);
     pen.fillStyle = theme.soft;
     [pen.textAlign, pen.textBaseline] = ["center", "top"];
     for (const [value, text] of ticks(0, last, (frame.x1 - frame.x0) / 90)) pen.fillText(text, x(value), frame.y0 + 4);

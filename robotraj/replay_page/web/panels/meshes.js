@@ -72,10 +72,7 @@ class MeshPanel {
   draw({ canvas, values, goal }) {
     const { theme } = this;
     const [width, height, left, bottom] = [360, 140, 52, 20];
-    const ratio = window.devicePixelRatio || 1;
-    [canvas.width, canvas.height] = [width * ratio, height * ratio];
-    const pen = canvas.getContext("2d");
-    pen.scale(ratio, ratio);
+    const pen = penOf(canvas, width, height);
     const logs = values.map((value) => (value > 0 ? Math.log10(value) : null));
     const known = [...logs.filter((log) => log !== null), ...(goal ? [Math.log10(goal)] : [])];
     const [low, high] = [Math.floor(Math.min(...known) - 0.2), Math.ceil(Math.max(...known) + 0.2)];
