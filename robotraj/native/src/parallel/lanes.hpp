@@ -24,6 +24,16 @@ typedef double Loose __attribute__((vector_size(kLanes * sizeof(double)), aligne
 ROBOTRAJ_INLINE const Pack* packs(const double* numbers) { return reinterpret_cast<const Pack*>(numbers); }
 ROBOTRAJ_INLINE Pack* packs(double* numbers) { return reinterpret_cast<Pack*>(numbers); }
 
+/// The numbers at these places of two packs, counted through both. GCC 11 and clang have no common name for it.
+template <std::size_t... place>
+ROBOTRAJ_INLINE Pack picked(Pack first, Pack second) {
+#ifdef __clang__
+  return __builtin_shufflevector(first, second, place...);
+#else
+  return __builtin_shuffle(first, second, Bits{place...});
+#endif
+}
+
 ROBOTRAJ_INLINE double magnitude(double x) { return x < 0.0 ? -x : x; }
 
 }  // namespace

@@ -15,12 +15,10 @@ ROBOTRAJ_INLINE void store(double* x, Pack value) { *reinterpret_cast<Loose*>(x)
 /// The sum of a pack's numbers, halves added to halves.
 ROBOTRAJ_INLINE double across(Pack v) {
 #if ROBOTRAJ_LANES == 8
-  const Bits half{4, 5, 6, 7, 0, 1, 2, 3}, quarter{2, 3, 0, 1, 4, 5, 6, 7};
-  v += __builtin_shuffle(v, half);
-  v += __builtin_shuffle(v, quarter);
+  v += picked<4, 5, 6, 7, 0, 1, 2, 3>(v, v);
+  v += picked<2, 3, 0, 1, 4, 5, 6, 7>(v, v);
 #elif ROBOTRAJ_LANES == 4
-  const Bits half{2, 3, 0, 1};
-  v += __builtin_shuffle(v, half);
+  v += picked<2, 3, 0, 1>(v, v);
 #endif
   return v[0] + v[1];
 }

@@ -12,8 +12,8 @@ namespace {
 template <std::size_t half, std::size_t... lane>
 ROBOTRAJ_INLINE void exchange(Pack& low, Pack& high, std::index_sequence<lane...>) {
   const Pack first = low, second = high;
-  low = __builtin_shuffle(first, second, Bits{(lane & half ? kLanes + lane - half : lane)...});
-  high = __builtin_shuffle(first, second, Bits{(lane & half ? kLanes + lane : lane + half)...});
+  low = picked<(lane & half ? kLanes + lane - half : lane)...>(first, second);
+  high = picked<(lane & half ? kLanes + lane : lane + half)...>(first, second);
 }
 
 /// Rows of a square become its columns.
