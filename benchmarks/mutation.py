@@ -25,7 +25,8 @@ ROOMS = {
     "transcription/interval_limits": "tests/transcription/interval_limits",
     "transcription/refinement": "tests/transcription/refinement",
     "witness/simulation": "tests/witness/simulation",
-    "witness/checks": "tests/witness/checks tests/witness/test_validation.py",
+    "witness/checks": "tests/witness/checks tests/witness/simulation/test_systems.py tests/witness/test_clearance.py "
+    "tests/witness/test_real_plans.py tests/witness/test_validation.py",
     "witness/robustness": "tests/witness/robustness",
 }
 """Folders of the package, and the tests that are run for them."""
