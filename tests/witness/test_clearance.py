@@ -21,8 +21,12 @@ def free_plan() -> rt.Solution:
 
 def seen_with(solution: rt.Solution, *obstacles: rt.obstacles.Obstacle, margin: float = 0.0) -> list:
     """What the witness finds of the solution's motion among obstacles that it was not planned with."""
+    return seen(solution, rt.CollisionFree(obstacles, margin, self_collision=False))
+
+
+def seen(solution: rt.Solution, free: rt.CollisionFree) -> list:
+    """What the witness finds of the solution's motion under a constraint that it was not planned with."""
     part = solution.phases[0]
-    free = rt.CollisionFree(obstacles, margin, self_collision=False)
 
     class Planned:
         phase = part.phase.with_(constraints=[])
@@ -45,6 +49,20 @@ def test_a_post_in_the_way_is_named_with_its_link_and_time(free_plan: rt.Solutio
     assert nearest.distance < 0.0 and nearest.label.endswith("and post")
     assert violations and all(violation.name == "clearance" for violation in violations)
     assert "post" in str(violations[0]) and violations[0].relative > 1e-3
+
+
+def test_a_margin_from_an_obstacle_holds_also_where_no_configuration_keeps_it(free_plan: rt.Solution) -> None:
+    """Only links that are always near each other are let off the margin."""
+    (nearest,), violations = seen_with(free_plan, rt.obstacles.Sphere(0.05, (0.5, 0.0, 1.1)), margin=4.0)
+    assert nearest.margin == 4.0 and violations
+    assert max(violation.amount for violation in violations) == pytest.approx(4.0 - nearest.distance)
+
+
+def test_pairs_of_the_srdf_are_not_measured(free_plan: rt.Solution) -> None:
+    (nearest,), _ = seen(free_plan, rt.CollisionFree())
+    pair = tuple(nearest.label.split(" and "))
+    (other,), _ = seen(free_plan, rt.CollisionFree(srdf=[pair]))
+    assert other.label != nearest.label and other.distance > nearest.distance
 
 
 def test_the_smallest_distance_is_that_of_dense_samples(free_plan: rt.Solution) -> None:
