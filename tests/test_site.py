@@ -57,12 +57,20 @@ def test_broken_links_missing_anchors_and_files_from_elsewhere_are_found(tmp_pat
     assert "does not exist" in faults[0] and "no such anchor" in faults[1] and "loads https" in faults[2]
 
 
+def test_the_gallery_is_small() -> None:
+    pictures = (ROOT / "docs" / "_static" / "gallery").iterdir()
+    assert sum(picture.stat().st_size for picture in pictures) < 10e6
+
+
 def test_the_gallery_has_forty_tiles_with_code_and_picture() -> None:
     tiles = json.loads((ROOT / "docs" / "gallery" / "results.json").read_text())["tiles"]
     assert len(tiles) >= 40
     for tile in tiles:
         assert (ROOT / tile["code"]).exists()
         assert (ROOT / "docs" / "_static" / "gallery" / f"{tile['file']}.webp").exists(), tile["file"]
+        if tile["moment"] is not None:
+            assert (ROOT / "docs" / "_static" / "gallery" / f"{tile['file']}_moving.webp").exists(), tile["file"]
+        assert tile["kind"] == "example" or tile["replays"]
         assert tile["verdict"] and tile["seconds"] > 0.0 and tile["commit"]
 
 
