@@ -65,6 +65,27 @@ def test_pairs_of_the_srdf_are_not_measured(free_plan: rt.Solution) -> None:
     assert other.label != nearest.label and other.distance > nearest.distance
 
 
+def test_the_nearest_pair_is_the_one_with_the_least_excess_over_its_margin(free_plan: rt.Solution) -> None:
+    """Links that are always near are nearer than the pair that violates the margin, and violate none."""
+    free = rt.CollisionFree(margin=0.2, srdf=[("upper_arm_link", "base_link")])
+    (nearest,), violations = seen(free_plan, free)
+    assert violations and nearest.distance < nearest.margin
+    assert max(violation.amount for violation in violations) == pytest.approx(nearest.margin - nearest.distance)
+
+
+def test_a_motion_that_rests_at_every_knot_is_measured_between_them() -> None:
+    ends = rt.State(q=START, v=0), rt.State(q=GOAL, v=0)
+    phase = rt.Phase(rt.load("ur5"), 1.0, *ends, rt.Effort())
+    plan = rt.plan(phase, mesh=rt.Mesh(1, rt.schemes.LobattoIIIA(6)))
+    robot = phase.robot
+    assert robot is not None
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, plan.at(0.5).q)
+    post = rt.obstacles.Sphere(0.05, data.oMf[robot.frame("tool0")].translation, name="ball")
+    (nearest,), violations = seen_with(plan, post)
+    assert nearest.distance < 0.0 and violations
+
+
 def test_the_smallest_distance_is_that_of_dense_samples(free_plan: rt.Solution) -> None:
     far = rt.obstacles.Sphere(0.05, (0.5, 0.0, 1.1))
     (nearest,), violations = seen_with(free_plan, far)
