@@ -73,16 +73,16 @@ def test_the_nearest_pair_is_the_one_with_the_least_excess_over_its_margin(free_
     assert max(violation.amount for violation in violations) == pytest.approx(nearest.margin - nearest.distance)
 
 
-def test_a_motion_that_rests_at_every_knot_is_measured_between_them() -> None:
-    ends = rt.State(q=START, v=0), rt.State(q=GOAL, v=0)
-    phase = rt.Phase(rt.load("ur5"), 1.0, *ends, rt.Effort())
+@pytest.mark.parametrize("goal", [GOAL, (1.1, *START[1:])], ids=["every joint", "the first joint alone"])
+def test_a_motion_that_rests_at_every_knot_is_measured_between_them(goal: tuple[float, ...]) -> None:
+    phase = rt.Phase(rt.load("ur5"), 1.0, rt.State(q=START, v=0), rt.State(q=goal, v=0), rt.Effort())
     plan = rt.plan(phase, mesh=rt.Mesh(1, rt.schemes.LobattoIIIA(6)))
     robot = phase.robot
     assert robot is not None
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, plan.at(0.5).q)
-    post = rt.obstacles.Sphere(0.05, data.oMf[robot.frame("tool0")].translation, name="ball")
-    (nearest,), violations = seen_with(plan, post)
+    ball = rt.obstacles.Sphere(0.05, data.oMf[robot.frame("tool0")].translation)
+    (nearest,), violations = seen_with(plan, ball)
     assert nearest.distance < 0.0 and violations
 
 
