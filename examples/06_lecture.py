@@ -36,3 +36,4 @@ for axes, label in zip(figure.axes[::6], ("x [m]", "v [m/s]", "u [N]"), strict=T
     axes.set_ylabel(label)
 figure.savefig("06_lecture.png", dpi=100)
 print("wrote 06_lecture.png")
+print("wrote", rt.replay(solution, "06_lecture.html"))  # the last one

@@ -6,8 +6,7 @@ import robotraj as rt
 
 block = rt.load("block")
 ends = rt.State(q=0, v=0), rt.State(q=10, v=0)
-move = rt.Phase(block, (0.1, 200.0), *ends, objective=rt.Duration(), name="block, minimum time")
-direct = rt.plan(move, tolerance=1e-6)
+direct = rt.plan(rt.Phase(block, (0.1, 200.0), *ends, objective=rt.Duration(), name="fastest"), tolerance=1e-6)
 print(direct)
 print(rt.indirect.conditions(direct))
 
@@ -35,4 +34,6 @@ swing_up = rt.Phase(
     objective=rt.Effort(),
     name="cart-pole swing-up",
 )
-print(rt.indirect.polish(rt.plan(swing_up, tolerance=1e-6)))
+swung = rt.plan(swing_up, tolerance=1e-6)
+print(rt.indirect.polish(swung))
+print("wrote", rt.replay(swung, "17_costates.html"))
