@@ -91,3 +91,12 @@ def test_a_touchdown_whose_step_is_longer_than_planned_fails():
     problem = rt.Problem([stance], [rt.Touchdown(0, 0, repeat=longer)])
     (found,) = link_violations(replace(closed, problem=problem))
     assert (found.name, found.joint) == ("continuity", f"q.{names[0]}") and np.isclose(found.amount, 0.1)
+
+
+def test_an_integral_over_time_is_exact():
+    """The integral of t^2 over one second is 1/3, by 1/30 above the limit; the block's motion is of no matter."""
+    limit = rt.constraints.IntegralConstraint(lambda point: point.t**2, upper=0.3, name="late")
+    phase = move([0, 0], [1, 0], constraints=[limit])
+    report = rt.validate(rt.plan(phase, mesh=rt.Mesh(6), check=False))
+    (found,) = (violation for violation in report.violations if violation.name == "late")
+    assert found.amount == pytest.approx(1 / 3 - 0.3, rel=1e-9)
