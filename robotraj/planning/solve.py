@@ -36,7 +36,7 @@ from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
-from robotraj.transcription.interval_limits.added_rows import rows_to_add, with_added_rows
+from robotraj.transcription.interval_limits.added_rows import exceeded_although_added, rows_to_add, with_added_rows
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, state_violations
 from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
@@ -149,12 +149,13 @@ def _solve_once(
         found = _state_violations(solution, interval_limits.tolerance)
         moving = any(isinstance(layout.mesh, MovingMesh) for layout in nlp.layouts)
         clearing.measure(solution, clearing.binds(nlp, w))
-        margins.measure(solution)
+        held = exceeded_although_added(nlp, found, added) if lower else []
+        margins.measure(solution, held)
         limited = hold is None or hold(solution)
         rounds = interval_limits.rounds if limited else 0
         allowed = 0.0 if rounds else ROUGH_SHORTFALL
         for number in range(max(rounds, ROUNDS if clearing or lower else 0)):
-            new = rows_to_add(nlp, found, added) if number < rounds else []
+            new = rows_to_add(nlp, [each for each in found if each not in held], added) if number < rounds else []
             exceeded = lower and limited and bool(margins.found)
             settled = bool(interval_limits.rounds) or clearing.settled
             if not (new or exceeded or not clearing.proved(allowed) or not settled) or not solution.success:
@@ -188,7 +189,8 @@ def _solve_once(
             added += new
             found = _state_violations(solution, interval_limits.tolerance)
             clearing.measure(solution, clearing.binds(nlp, w))
-            margins.measure(solution)
+            held = exceeded_although_added(nlp, found, added) if lower else []
+            margins.measure(solution, held)
         left = (*clearing.violations(solution), *between_points(problem, found))
     except KeyboardInterrupt:
         # Ctrl-C between two solves: the last solution is kept.

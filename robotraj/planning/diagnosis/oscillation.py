@@ -2,7 +2,7 @@
 
 Where a limit on the speed of the tool, or of wheels, determines the duration, many motions of the joints are equally
 short. The solver chooses among them by the gaps between the points, through which oscillating joints gain a little.
-Few of these plans are proved.
+Their proof takes many rounds, and some plans are not proved.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def warn_of_oscillation(problem: Problem) -> None:
         limit = next((type(each).__name__ for each in phase.constraints if _is_shared(each)), None)
         if limit is not None and _takes_least_time(phase):
             warn(
-                f"Phase {phase.name!r}: in least time under {limit}, joints may oscillate and few plans are proved. "
+                f"Phase {phase.name!r}: in least time under {limit}, joints may oscillate, and plans take long. "
                 "Add 1e-3 * rt.objectives.SpeedVariation() to the objective."
             )
 

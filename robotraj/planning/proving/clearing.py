@@ -33,7 +33,7 @@ LEAST = 2e-5
 """Least amount by which a distance is raised [m]."""
 MOST = 0.02
 """Largest amount by which a distance is raised in one round [m]."""
-DEEP = 0.03
+DEEP = 0.015
 """Largest penetration of a shape by a motion that fixes the planes of the next round [m]."""
 
 

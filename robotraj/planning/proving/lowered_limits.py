@@ -1,4 +1,4 @@
-"""Limits of positions, speeds and controls, lowered on the intervals where a motion exceeds them between its points."""
+"""Limits of variables and path rows, lowered on the intervals where a motion exceeds them between its points."""
 
 from __future__ import annotations
 
@@ -35,18 +35,27 @@ class LoweredLimits:
 
     def __init__(self) -> None:
         self.amounts: dict[LimitedInterval, float] = {}
+        self._of_rows: Sequence[IntervalViolation] = ()
         self._of_states: LazySequence[IntervalViolation] = LazySequence(list)
         self._of_controls: LazySequence[IntervalViolation] = LazySequence(list)
 
-    def measure(self, solution: Solution) -> None:
-        """Take the excess of another solution from now on; it is found when first read."""
+    def measure(self, solution: Solution, of_rows: Sequence[IntervalViolation] = ()) -> None:
+        """Take the excess of another solution from now on; it is found when first read.
+
+        Parameters
+        ----------
+        solution : Solution
+        of_rows : sequence of IntervalViolation
+            Excess over path rows that is lowered too.
+        """
+        self._of_rows = of_rows
         self._of_states = LazySequence(partial(_states, solution.phases))
         self._of_controls = LazySequence(partial(_controls, solution.phases))
 
     @property
     def found(self) -> list[IntervalViolation]:
         """Limits that the solution exceeds between its points."""
-        return [*self._of_controls, *self._of_states]
+        return [*self._of_controls, *self._of_states, *self._of_rows]
 
     def violations(self, problem: Problem) -> LazySequence[Violation]:
         """Return those of controls as violations of a solution, computed at first use: many plans need none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -47,6 +48,24 @@ def rows_to_add(nlp: Nlp, found: Sequence[IntervalViolation], added: Sequence[Ad
         wanted |= dict.fromkeys(AddedRow(*place, tau) for tau in (violation.tau, *further))
     known = set(added)
     return [each for each in wanted if each not in known]
+
+
+def exceeded_although_added(
+    nlp: Nlp, found: Sequence[IntervalViolation], added: Sequence[AddedRow]
+) -> list[IntervalViolation]:
+    """Return the violated path inequalities that are imposed at Chebyshev points of their interval already.
+
+    Where joints oscillate, further places on the interval only move the peak between them.
+    """
+    counts = Counter((each.phase, each.interval, each.row) for each in added)
+    return [
+        violation
+        for violation in found
+        if violation.row.kind is Kind.PATH
+        and not violation.row.is_equality
+        and not isinstance(nlp.layouts[violation.phase].scheme, OneStep)
+        and counts[violation.phase, violation.interval, violation.row.number] > len(SPREAD)
+    ]
 
 
 def _is_held_with_rates(nlp: Nlp, violation: IntervalViolation) -> bool:

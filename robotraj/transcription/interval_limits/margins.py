@@ -1,4 +1,4 @@
-"""Margins: bounds of controls tightened on single intervals by the excess of a motion between the points.
+"""Margins: limits tightened on single intervals by the excess of a motion between the points.
 
 Torques of an exact motion follow from inverse dynamics at every time. Between the collocation points they differ from
 the planned polynomial, whose Bernstein coefficients are bounded. Where they exceed a limit, the limit of the polynomial
