@@ -1,4 +1,4 @@
-"""Every case to its optimum, on no mesh of ours: `python benchmarks/cases.py`.
+"""Plan every case to its optimum without a given mesh: `python benchmarks/cases.py`.
 
 Plans each problem with `rt.plan(problem, guess=..., tolerance=1e-6)`, prints one table and writes it beside this file
 as Markdown. Exits with 1 where an objective misses its optimum by more than the tolerance, or than the reference is

@@ -106,7 +106,7 @@ def points(
     taken = (
         in_turn({e: each[what] for e, each in calls.items()}, 3 * runs) for what in ("values", "jacobian", "hessian")
     )
-    # The output has milliseconds of all points; the table has microseconds of one.
+    # The output is in ms of all points, the table in us of one.
     return [{e: 1e3 * seconds / count for e, seconds in times.items()} for times in taken]
 
 

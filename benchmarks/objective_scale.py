@@ -1,7 +1,7 @@
 """Iterations of `rt.InteriorPoint` with and without the scale of the objective: `python benchmarks/objective_scale.py`.
 
 Arms by effort, in 1.15, 1.5 and 3 times the least time of each motion, between random positions (seeded), on equal
-intervals of Hermite-Simpson, one thread, nothing to fall back on; then task T4 on finer and finer meshes, and its
+intervals of Hermite-Simpson, one thread, without a fallback; then task T4 on finer and finer meshes, and its
 objective in other units. A scale of 1 leaves the objective as the problem gives it.
 """
 

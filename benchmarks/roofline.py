@@ -1,4 +1,4 @@
-"""How far an iteration is from what one core could do: `python benchmarks/roofline.py` writes roofline.md.
+"""Time of an iteration against the arithmetic rate of one core: `python benchmarks/roofline.py` writes roofline.md.
 
 Arithmetic of an iteration of `rt.InteriorPoint`, per stage with n_x states, n_u controls, n_g path equalities and
 n_h inequalities, n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplication and an addition count as two):

@@ -56,7 +56,7 @@ SOLVERS: dict[str, Solver] = {
 
 @dataclass(frozen=True)
 class Task:
-    """A problem as both solvers get it.
+    """A problem for both solvers.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Timed(Solver):
 
     @property
     def stagewise(self) -> bool:
-        """Whether the solver is."""
+        """Whether the inner solver works by stages."""
         return self.inner.stagewise
 
     def solve(
@@ -116,7 +116,7 @@ class Timed(Solver):
 
 @dataclass(frozen=True)
 class Run:
-    """What one solver made of one task; ``objective`` is infinite where it did not solve it."""
+    """Result of one solver for one task; ``objective`` is infinite where it did not solve it."""
 
     status: str
     objective: float
@@ -133,7 +133,7 @@ class Line:
 
     @property
     def better(self) -> str:
-        """Who solved it, or solved it to the lower optimum: a solver's name, "same" or "none"."""
+        """Solver with the lower optimum, or the only one that solved it: its name, "same" or "none"."""
         ipopt, own = (self.runs[name].objective for name in SOLVERS)
         if not np.isfinite([ipopt, own]).any():
             return "none"
@@ -143,14 +143,14 @@ class Line:
 
 
 class _Planned(Exception):
-    """Carries what an example would plan first."""
+    """Carries the arguments of the first plan of an example."""
 
     def __init__(self, problem: rt.Problem | rt.Phase, options: dict[str, Any]) -> None:
         self.problem, self.options = problem, options
 
 
 def first_plan(example: Path) -> tuple[rt.Problem | rt.Phase, dict[str, Any]] | None:
-    """Run an example until it plans, and give what; None where it does not call ``rt.plan`` or ``rt.multistart``."""
+    """Run an example until it plans and return the arguments; None without ``rt.plan`` or ``rt.multistart``."""
 
     def plan(problem: Any, mesh: Any = None, guess: Any = None, *_: Any, **options: Any) -> None:
         kept = {k: v for k, v in options.items() if k in ("mesh", "guess", "tolerance", "refinement", "stages")}
@@ -273,7 +273,7 @@ def cells(line: Line) -> str:
 
 
 def counts(lines: list[Line]) -> list[str]:
-    """Count, by kind of problem, who solved what and at which price."""
+    """Count, by kind of problem, the solved ones and their processor time for each solver."""
     rows = [
         f"| kind | problems | IPOPT solved | {OWN} solved | IPOPT better | {OWN} better "
         f"| {OWN}'s seconds over IPOPT's, median |",

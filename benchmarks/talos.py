@@ -31,7 +31,7 @@ which simulates the plan with plain Pinocchio. Linear algebra is part of the pro
 
 
 def stand_up(robot: rt.Robot) -> rt.Phase:
-    """From a crouch to the height of a stand in 1.2 s."""
+    """Stand up from a crouch in 1.2 s."""
     low, high = rt.gait.stand(robot, FEET, SOLE, height=0.75), rt.gait.stand(robot, FEET, SOLE)
     return rt.Phase(
         robot,

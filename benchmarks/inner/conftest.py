@@ -1,4 +1,4 @@
-"""Benchmarks find ``pieces.py`` beside them, and count processor time: other work on the machine matters little."""
+"""Makes ``pieces.py`` importable, and measures processor time, on which other processes have little effect."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def child(names: list[str]) -> None:
                 call()
         os.getsid(0)
     os.getsid(0)
-    # What the interpreter does at its end is of no interest.
+    # The end of the interpreter is not counted.
     os._exit(0)
 
 

@@ -1,4 +1,4 @@
-"""What looks at a solution outside the solver."""
+"""Checks of a solution outside the solver."""
 
 from __future__ import annotations
 

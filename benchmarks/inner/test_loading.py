@@ -1,4 +1,4 @@
-"""Reading a robot and posing its problem."""
+"""Loading a robot and writing its problem."""
 
 from __future__ import annotations
 

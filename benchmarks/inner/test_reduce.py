@@ -1,4 +1,4 @@
-"""From an NLP to stages."""
+"""Reduction of an NLP to stages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a problem on a mesh to an NLP, its functions, its added rows."""
+"""Transcription of a problem on a mesh, its functions, and added rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plan is worth, found outside the tool that made it: limits between knots, goal, open-loop simulation."""
+"""Quality of a plan, computed outside the tool that made it: limits between knots, goal, open-loop simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Medians of what was measured."""
+"""Medians of the measurements."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Runs = list[dict[str, Any]]
 
 
 def good(runs: Runs) -> Runs:
-    """Those that gave a plan."""
+    """Return the runs that returned a plan."""
     return [run for run in runs if "failed" not in run]
 
 

@@ -1,4 +1,4 @@
-"""What the comparison should show, and what this run shows."""
+"""Goals of the comparison, and whether this run reaches them."""
 
 from __future__ import annotations
 

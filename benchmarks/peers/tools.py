@@ -1,4 +1,4 @@
-"""Who is compared: robotraj in its variants, and its peers."""
+"""The compared tools: robotraj in its variants, and its peers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Tool:
     slow : bool
         Repeated less often.
     cannot : mapping of str to str
-        Tasks that it cannot express or that are not written for it, with the reason.
+        Tasks that it cannot express or that are not written for it, and why.
     largest : int
         Largest number of intervals; larger meshes take minutes.
     """

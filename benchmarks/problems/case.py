@@ -1,4 +1,4 @@
-"""A problem with a trusted optimum, and what a plan to a tolerance made of it."""
+"""A problem with a trusted optimum, and the result of a plan to a tolerance."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Result:
 
 
 def run(case: Case) -> Result:
-    """Plan the case to the tolerance from its guess, on no mesh of ours."""
+    """Plan the case to the tolerance from its guess, without a given mesh."""
     began = time.perf_counter()
     solution = rt.plan(case.problem, guess=case.guess, tolerance=TOLERANCE, check=False, progress=False)
     return Result(case, solution, time.perf_counter() - began)

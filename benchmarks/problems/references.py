@@ -1,4 +1,4 @@
-"""Optima of the cases of more.yaml without collocation: Pontryagin's conditions by shooting, arcs put together."""
+"""Optima of the cases of more.yaml without collocation, by shooting on Pontryagin's conditions, arc by arc."""
 
 from __future__ import annotations
 

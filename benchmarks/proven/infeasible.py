@@ -1,4 +1,4 @@
-"""Whether a failure names what must give: `python benchmarks/proven/infeasible.py [part of a name ...]`.
+"""Whether a failure names the conflicting row: `python benchmarks/proven/infeasible.py [part of a name ...]`.
 
 Every problem of ``infeasible_problems.py`` has no solution. It is built and planned by the default call in a fresh
 process. A row of the table is right where the first cause contains the row and the joint that conflict, and where its

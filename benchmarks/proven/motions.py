@@ -1,4 +1,4 @@
-"""Forty motions of the default call: arms, underactuated robots and steps of legged robots, none tuned by hand."""
+"""Forty motions of the default call: arms, underactuated robots and steps of legged robots, without tuning."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ UNBOUNDED = 1e20
 
 @dataclass(frozen=True)
 class Judgement:
-    """What was seen from outside: the largest relative error of a piece, and the largest relative excess."""
+    """Result of the check: the largest relative error of a piece, and the largest relative excess."""
 
     error: float
     excess: float

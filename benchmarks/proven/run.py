@@ -79,7 +79,7 @@ def _seconds(call: Callable[[], object]) -> float:
 
 
 def _remark(solution: object, report: object) -> str:
-    """Say what is missing of a proof."""
+    """Return the parts of the proof that do not hold."""
     status, proof = solution.status.value, solution.proof
     if not solution.success:
         return status

@@ -1,4 +1,4 @@
-"""A walk by Crocoddyl's own example: its costs, weights, contacts, impulses and solver as published, nothing tuned."""
+"""A walk by Crocoddyl's own example: with its costs, weights, contacts, impulses and solver as published."""
 
 from __future__ import annotations
 

@@ -17,9 +17,9 @@ from walks import WALKS, Walk
 import robotraj as rt
 
 INTERVALS = {"solo12": (1, 6), "talos_legs": (2, 7)}
-"""Of a stance on all feet and of a swing."""
+"""Intervals of a stance on all feet and of a swing."""
 FROM_REST = {"solo12": [0.0, 0.2, 0.38, 0.5, 0.62, 0.8, 1.0]}
-"""Knots of a swing where equal intervals let a foot dip 1 to 3 mm below its parabola between the points, halfway."""
+"""Knots of a swing; on equal intervals a foot is 1 to 3 mm below its parabola between the points, halfway."""
 SAMPLES = 9
 TOUCH = 1e-4
 CALM = 0.3
@@ -48,7 +48,7 @@ class Swing(rt.constraints.RequiredHeight):
 
 
 def periodic(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
-    """Half a stride of the gait that repeats for ever, as ``rt.gait`` writes it: same steps, heights and times."""
+    """Half a stride of a periodic gait by ``rt.gait``, with the same steps, heights and times."""
     swings = [entry for entry in walk.swings if entry is not None]
     swinging = len(swings) // 2 * walk.swing * walk.dt
     one = walk.support * walk.dt + swinging
@@ -147,7 +147,7 @@ class Still:
 
 
 def objective_of(walk: Walk, robot: rt.Robot) -> rt.objectives.Objective:
-    """Effort, posture as ``rt.gait`` weighs it, and calm joints: 0.3 s of speed counts as much as distance."""
+    """Effort, posture with the weight of ``rt.gait``, and joint speeds: 0.3 s of speed counts as much as distance."""
     q = standing(walk, robot)
     data = robot.model.createData()
     height = float(pin.centerOfMass(robot.model, data, q)[2])

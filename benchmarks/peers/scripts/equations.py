@@ -1,4 +1,4 @@
-"""Accelerations of each task's robot as CasADi graphs: by pen and paper for small ones, Pinocchio's ABA for arms."""
+"""Accelerations of each task's robot as CasADi graphs: by hand for small ones, Pinocchio's ABA for arms."""
 
 from __future__ import annotations
 

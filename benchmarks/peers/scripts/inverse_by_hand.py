@@ -1,4 +1,4 @@
-"""The recipe by hand: Hermite-Simpson on q, v, a with inverse dynamics, derivatives assembled from a point's, IPOPT.
+"""Written by hand: Hermite-Simpson on q, v, a with inverse dynamics, derivatives assembled from a point's, IPOPT.
 
 Variables are q, v and a at the knots and mid-points; the collocation of q' = v, v' = a is linear, torques are rows. A
 point's torques, their Jacobian and the Hessian of its share of the Lagrangian are CasADi functions of 3 nq numbers,

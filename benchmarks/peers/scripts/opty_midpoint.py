@@ -1,4 +1,4 @@
-"""opty's midpoint collocation on the tasks whose equations fit on paper; it compiles them as its default does."""
+"""opty's midpoint collocation on the tasks with short equations, compiled as by its default."""
 
 from __future__ import annotations
 
