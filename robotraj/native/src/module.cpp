@@ -1,11 +1,11 @@
-// The Python face of the native solver: point functions and the stagewise program with its solver.
+// The Python module of the native solver: point functions and the stagewise program with its solver.
 #include "bindings/bindings.hpp"
 
 #include <casadi/config.h>
 #include <pinocchio/config.hpp>
 
 NB_MODULE(_native, m) {
-  // What a script holds when the interpreter ends is no leak, and nothing that its user should have to read about.
+  // Objects that a script holds when the interpreter ends are no leaks: users need no warning of them.
   nanobind::set_leak_warnings(false);
   m.attr("PINOCCHIO_VERSION") = PINOCCHIO_VERSION;
   m.attr("CASADI_VERSION") = CASADI_VERSION_STRING;

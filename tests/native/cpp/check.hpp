@@ -1,4 +1,4 @@
-// The little that the tests of the C++ need: named tests, checks that name their line, and the smallest full problem.
+// Helpers of the C++ tests: named tests, checks that print their line, and a small problem.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Accepted points against the conditions of the line search, and what the filter keeps of them.
+// Accepted points against the conditions of the line search, and the corners that the filter adds for them.
 #include <cmath>
 
 #include "check.hpp"

@@ -43,7 +43,7 @@ struct Random {
     jacobian.block(row, column, rows, columns) =
         numbers(rows, columns).unaryExpr([](double x) { return std::abs(x) > 0.7 ? x : 0.0; });
   }
-  /// Hands the dense matrices to the recursion.
+  /// Passes the dense matrices to the recursion.
   void make() {
     native::Pattern of_jacobian, of_hessian;
     native::Numbers first, second;

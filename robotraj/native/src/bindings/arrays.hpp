@@ -20,7 +20,7 @@ using Doubles = nanobind::ndarray<const double, nanobind::ndim<1>, nanobind::c_c
 using Indices = nanobind::ndarray<const std::int64_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 /// The same of 32 bits.
 using Narrow = nanobind::ndarray<const std::int32_t, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
-/// What is handed to Python: NumPy owns the memory.
+/// An array for Python; NumPy owns its memory.
 template <typename Number>
 using Owned = nanobind::ndarray<nanobind::numpy, Number, nanobind::ndim<1>>;
 using Result = Owned<double>;

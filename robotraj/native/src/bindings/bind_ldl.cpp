@@ -1,4 +1,4 @@
-// The sparse symmetric factorisation from Python: to be checked against a dense solver.
+// The sparse symmetric factorisation from Python, for tests against a dense solver.
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "ldl/factors.hpp"

@@ -33,7 +33,7 @@ struct Solved {
   std::atomic<bool> busy{false};
 };
 
-/// Keeps a second call out, from another thread or from a callback: both would work in the same memory.
+/// Refuses a second call, from another thread or from a callback: both would use the same memory.
 class Alone {
  public:
   explicit Alone(std::atomic<bool>& busy) : busy_(busy) {
@@ -56,7 +56,7 @@ std::vector<int> sizes(const Indices& array, const char* name) {
   return {array.data(), array.data() + array.size()};
 }
 
-/// Lets Python decide, once an iteration, whether a solve continues.
+/// Calls Python once an iteration, which may end the solve.
 class Check {
  public:
   Check(nb::object callback, double time_limit)
@@ -68,7 +68,7 @@ class Check {
     const double next = iteration > 0 ? seconds(now - last_) : 0.0;
     if (seconds(now - began_) + next > time_limit_) throw Stop{"time limit"};
     last_ = now;
-    // Ctrl-C is looked for now and then: taking the interpreter's lock may mean waiting for another thread.
+    // Ctrl-C is checked only at intervals, since the interpreter's lock may be held by another thread.
     if (callback_.is_none() && seconds(now - looked_) < 0.05) return;
     looked_ = now;
     nb::gil_scoped_acquire held;

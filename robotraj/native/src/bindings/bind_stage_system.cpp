@@ -1,4 +1,4 @@
-// Newton's system of stages from Python: to be checked against a dense solver.
+// Newton's system of stages from Python, for tests against a dense solver.
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "newton/riccati_solver.hpp"
@@ -50,7 +50,7 @@ class StageSystem {
     return nb::make_tuple(names[static_cast<int>(pivots)], to_numpy(std::move(z)), to_numpy(std::move(lam)));
   }
 
-  /// What z and lam leave, and the greatest of it but for the inequalities.
+  /// Residual of z and lam, and its largest magnitude but for the inequalities.
   nb::tuple residual(const Doubles& dx, const std::optional<Doubles>& de, const Doubles& f, const Doubles& g,
                      const Doubles& z, const Doubles& lam) {
     Numbers step(checked(z, columns(), "z"), z.data() + z.size());

@@ -1,4 +1,4 @@
-// Passes over slacks, bounds and multipliers from Python: to be checked against their formulas.
+// Passes over slacks, bounds and multipliers from Python, for tests against their formulas.
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "kernels/vector_kernels.hpp"

@@ -134,7 +134,7 @@ void PolynomialMotion::piece(double tau, double h, int depth, std::vector<Candid
   }
   if (open.empty()) return;
   for (const double side : {-0.5, 0.5}) {
-    // What the first half found short needs no close look in the second.
+    // Pairs that are short in the first half are not refined in the second.
     for (Candidate& candidate : open)
       for (std::size_t i = 0; i < shorts.size() && candidate.found < 0; ++i)
         if (shorts[i].interval == interval_ && shorts[i].first == candidate.first &&

@@ -28,7 +28,7 @@ class PolynomialMotion {
   Short least;                ///< least distance that was seen
 
  private:
-  /// Pair of groups whose spheres are looked at, -1 against a shape.
+  /// Pair of groups whose spheres are checked, -1 against a shape.
   struct Candidate {
     int pair, first, second;
     int found;  ///< its place in `shorts`, -1 for none

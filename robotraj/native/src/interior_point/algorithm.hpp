@@ -41,7 +41,7 @@ class Restoration;
 ///
 ///     minimise f(x, s) - mu sum log(s - lower) - mu sum log(upper - s)   subject to   c(x, s) = 0,
 ///
-/// each by damped Newton steps. `Direction` computes a step, `LineSearch` its length, `Barrier` lowers mu, and
+/// each by damped Newton steps. `InertiaCorrection` computes a step, `LineSearch` its length, `Barrier` lowers mu, and
 /// `Convergence` ends the iteration. With d the distance of an accepted slack from a bound, the bound's multiplier z is
 /// kept near mu / d, so that the Hessian of the system stays close to the one of the barrier problem:
 ///

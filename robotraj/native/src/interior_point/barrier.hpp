@@ -1,4 +1,4 @@
-// How the barrier parameter falls.
+// Updates of the barrier parameter.
 #pragma once
 
 #include <deque>

@@ -30,14 +30,14 @@ class LineSearch {
   void reset();
   /// Writes an accepted point to `trial`; false where the restoration phase is needed, which `give_up` prepares.
   bool search();
-  /// The current point joins the filter: the restoration phase is to leave it behind.
+  /// Adds the current point to the filter, which the restoration phase has to improve on.
   void give_up();
 
   /// Whether a point improves on where the line search was given up, and the filter accepts it.
   bool accepts(double violation, double barrier) const;
 
  private:
-  /// What a step is compared with.
+  /// Values at the current point that trial points are compared with.
   struct Reference {
     double violation, barrier, slope;
   };

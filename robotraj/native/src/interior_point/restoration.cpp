@@ -7,7 +7,7 @@ namespace robotraj::interior_point {
 
 namespace {
 
-constexpr double kGain = 0.5;               // kappa_resto; the paper has 0.9, which circles on the acrobot
+constexpr double kGain = 0.5;               // kappa_resto; the paper's 0.9 repeats the same points on the acrobot
 constexpr double kLargestMultiplier = 1e3;  // multipliers of bounds above it are set to 1
 constexpr double kInfeasible = 1e2;         // times the tolerance
 

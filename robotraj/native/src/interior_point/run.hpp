@@ -1,15 +1,15 @@
-// What the parts of one iteration share.
+// State that the parts of one iteration share.
 #pragma once
 
 #include <algorithm>
 #include <memory>
 
 #include "interior_point/problem/options.hpp"
-#include "interior_point/step/direction.hpp"
+#include "interior_point/step/inertia_correction.hpp"
 
 namespace robotraj::interior_point {
 
-/// The point, the point that is tried, the step between them and the barrier parameter.
+/// The current point, the trial point, the step between them and the barrier parameter.
 struct Run {
   Run(Problem& solved, const Options& given)
       : problem(solved),
@@ -31,7 +31,7 @@ struct Run {
   const Options& options;
   std::unique_ptr<Iterate> current, trial;
   Room step;
-  Direction direction;
+  InertiaCorrection direction;
   double mu = 0.0;
 };
 

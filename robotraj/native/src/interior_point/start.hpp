@@ -1,4 +1,4 @@
-// Where a solve begins: slacks inside their bounds and multipliers, cold or from an earlier solution.
+// Start of a solve: slacks inside their bounds and multipliers, cold or from an earlier solution.
 #pragma once
 
 #include "run.hpp"

@@ -37,7 +37,7 @@ ROBOTRAJ_INLINE void each_pack(int n, const Body& body) {
 }
 
 ROBOTRAJ_INLINE Pack magnitudes(Pack x) { return reinterpret_cast<Pack>(reinterpret_cast<Bits>(x) & (~0ull >> 1)); }
-/// The other way round, these pass over NaN in `x`.
+/// With exchanged arguments these would ignore NaN in `x`.
 ROBOTRAJ_INLINE Pack larger(Pack x, Pack than) { return x > than ? x : than; }
 ROBOTRAJ_INLINE Pack smaller(Pack x, Pack than) { return x < than ? x : than; }
 ROBOTRAJ_INLINE auto bounded(Pack bound) { return magnitudes(bound) != Pack{} + kInfinity; }

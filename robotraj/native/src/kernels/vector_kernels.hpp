@@ -11,7 +11,7 @@ struct Bounds {
   int count;
 };
 
-/// What one pass over the slacks finds for the barrier.
+/// Results of one pass over the slacks for the barrier.
 struct DistanceSums {
   double mantissa, exponent;  ///< the product of all distances is mantissa 2^exponent
   double single;              ///< the sum of the distances of slacks with one bound
@@ -34,7 +34,7 @@ struct SlackStep {
 
 /// Functions of vectors that may stand anywhere and have any length.
 struct VectorKernels {
-  double (*largest)(const double* x, int n);       ///< max |x|, 0 for none; NaN is passed over
+  double (*largest)(const double* x, int n);       ///< max |x|, 0 for none; NaN is ignored
   double (*absolute_sum)(const double* x, int n);  ///< sum |x|
   bool (*finite)(const double* x, int n);
   void (*add)(const double* x, const double* y, int n, double* out);  ///< out = x + y
@@ -66,7 +66,7 @@ struct VectorKernels {
                  double* weights, double* rows);
   void (*recover)(const SlackSystem& system, const SlackSide& side, const double* inverse, const double* gradient,
                   const double* lam, int n, const SlackStep& step);
-  /// What is left of the three equations of the slacks and the greatest of it; rows += -s - D_e lam.
+  /// Residuals of the three equations of the slacks and their largest magnitude; rows += -s - D_e lam.
   double (*slack_residual)(const SlackSystem& system, const SlackSide& side, const SlackStep& step, const double* lam,
                            int n, const SlackStep& residual, double* rows);
 };

@@ -7,7 +7,7 @@
 namespace robotraj::native::ldl {
 namespace {
 
-/// Share of the rows that wait before another order pays.
+/// Share of delayed rows above which another order is cheaper.
 constexpr double kWaiting = 0.02;
 
 /// A power of two near 1 / sqrt(x): scaling by it changes no digit.
@@ -120,7 +120,7 @@ Inertia Factors::eliminate(std::size_t index, const double* values, double thres
     front.entries[(late + place.column) * ld + late + place.row] +=
         values[place.entry] * local_scale_[place.column] * local_scale_[place.row];
   }
-  // Children left their blocks one on the other.
+  // The blocks of the children are stacked.
   std::size_t end = stacked_;
   int before = late;
   for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {

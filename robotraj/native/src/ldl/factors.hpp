@@ -13,7 +13,7 @@ namespace robotraj::native::ldl {
 
 struct Inertia {
   int negative = 0, zero = 0;  ///< pivots
-  int delayed = 0;             ///< candidates that waited for another front, each time they did
+  int delayed = 0;             ///< candidates delayed to another front, counted each time
 };
 
 /// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are first scaled
@@ -22,7 +22,7 @@ struct Inertia {
 /// The first order is that of the pattern alone, as if no diagonal were zero. Where many candidates are delayed to
 /// another front, the third factorisation takes the order of the second one's pivots.
 ///
-/// Memory of one factorisation serves the next.
+/// The memory of one factorisation is reused by the next.
 class Factors {
  public:
   /// `groups` as in fill_reducing_order, `processor` as in front_kernels_of.

@@ -1,4 +1,4 @@
-// Dense fronts of a symmetric indefinite matrix, and who eliminates their pivots.
+// Dense fronts of a symmetric indefinite matrix, and the elimination of their pivots.
 #pragma once
 
 #include <string>
@@ -30,7 +30,7 @@ struct Front {
 struct PivotRule {
   double threshold;  ///< a pivot must not make multipliers larger than 1 / threshold
   double small;      ///< pivots below it are zero
-  bool last;         ///< nothing comes after this front: every candidate has to go
+  bool last;         ///< the last front, in which every candidate is eliminated
 };
 
 struct Pivots {

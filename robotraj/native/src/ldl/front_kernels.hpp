@@ -1,7 +1,7 @@
 // Elimination of a front's pivots, one or two rows at a time, for one kind of processor.
 //
 // Duff and Reid, ACM Transactions on Mathematical Software 9 (1983): a candidate waits where every pivot of one or two
-// rows would give it large multipliers. Candidates that wait at the end are delayed to the next front.
+// rows would give it large multipliers. Candidates that are left at the end are delayed to the next front.
 #pragma once
 
 #include "front_substitution.hpp"
@@ -16,7 +16,7 @@ ROBOTRAJ_INLINE void swap_numbers(double& x, double& y) {
   y = kept;
 }
 
-/// A pivot of this size beside the largest number of its column is as good as any: nothing better is looked for.
+/// A pivot of this size beside the largest number of its column is accepted without a search for a larger one.
 constexpr double kGood = 0.01;
 
 class Elimination {
@@ -42,7 +42,7 @@ class Elimination {
       }
       if (done_ - panel_ >= kPanel) flush();
       if (!pivot(threshold)) swap(done_, --end);
-      // The second row of a pivot may be one that had waited.
+      // The second row of a pivot may be one that was delayed.
       if (done_ > end) end = done_;
     }
     flush();
@@ -119,7 +119,7 @@ class Elimination {
     return row;
   }
 
-  /// Eliminates the next candidate, alone or with another; false if neither can go.
+  /// Eliminates the next candidate, alone or with another; false if neither is accepted.
   bool pivot(double threshold) {
     const int k = done_;
     column(k, k, ld_, one_);
@@ -221,7 +221,7 @@ class Elimination {
     panel_ = done_;
   }
 
-  /// What is left in the last front is zero: no pivots, and nothing to divide by.
+  /// The remaining entries of the last front are zero: they give no pivots and are not divided by.
   void finish() {
     for (; done_ < f_.candidates; ++done_) {
       for (int i = done_ + 1; i < ld_; ++i) at(i, done_) = 0.0;

@@ -1,4 +1,4 @@
-// What children add to a front, and substitutions with the columns of L that it leaves, for one kind of processor.
+// Additions of children to a front, and substitutions with its columns of L, for one kind of processor.
 #pragma once
 
 #include "front.hpp"
@@ -30,7 +30,7 @@ void add(const double* block, int step, int count, const int* places, double* en
   }
 }
 
-/// Pivots that take their turn together.
+/// Pivots that are processed together.
 constexpr int kTogether = 4;
 
 /// x -= `count` columns of L times x[0], ... of those pivots, from row `begin` on.

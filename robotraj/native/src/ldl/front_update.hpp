@@ -1,4 +1,4 @@
-// What pivots take from the rest of a front: C -= L W' on the lower triangle, for one kind of processor.
+// Update of the rest of a front by its pivots: C -= L W' on the lower triangle, for one kind of processor.
 #pragma once
 
 #include "front.hpp"

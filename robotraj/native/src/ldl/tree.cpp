@@ -98,7 +98,7 @@ struct Group {
   int columns, below;
 };
 
-/// Whether a child's columns had better leave with its parent's.
+/// Whether it is cheaper to eliminate a child's columns with its parent's.
 bool merges(const Group& child, const Group& parent) {
   const double ours = child.columns, theirs = parent.columns, together = ours + theirs;
   return cost(together, together + parent.below) < cost(ours, ours + child.below) + cost(theirs, theirs + parent.below);
@@ -151,7 +151,7 @@ void add_nodes(const Columns& columns, const std::vector<int>& chosen, Tree& tre
     sibling[k] = eldest[parent];
     eldest[parent] = k;
   }
-  // Parents before children, turned round at the end.
+  // Parents before children, reversed at the end.
   while (!stack.empty()) {
     const int k = stack.back();
     stack.pop_back();

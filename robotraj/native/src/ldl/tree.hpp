@@ -35,10 +35,10 @@ struct Tree {
 };
 
 /// Approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's) within each group.
-/// The groups leave by ascending number. Without groups all rows are one.
+/// Groups are eliminated by ascending number. Without groups all rows are one.
 std::vector<int> fill_reducing_order(const Pattern& pattern, const std::vector<int>& groups);
 
-/// Merges nodes where a larger front costs less than two. Rows leave in about the given order.
+/// Merges nodes where a larger front costs less than two. Rows are eliminated in about the given order.
 Tree make_tree(const Pattern& pattern, const std::vector<int>& order);
 
 }  // namespace robotraj::native::ldl

@@ -12,7 +12,7 @@ namespace robotraj::native {
 
 namespace {
 
-/// Rows with more of their entries than this are kept whole: a product of registers beats one of single numbers.
+/// Rows with more of their entries than this are kept whole: vector products are faster than single ones.
 bool is_wide(std::size_t entries, int n) { return entries >= 8 && 3 * entries >= static_cast<std::size_t>(n); }
 
 void scale(double alpha, const double* y, int count, double* out) {
@@ -136,7 +136,7 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
       std::size_t& e = next[kind];
       for (; e < pattern.size() && pattern.rows[e] < first_row[kind][k] + rows[kind]; ++e) {
         const std::int32_t column = pattern.columns[e] - first_column;
-        // What is left of the stage is the -1 of the next state, which the recursion does not read from here.
+        // The other entries of the stage are the -1 of the next state, which the recursion does not read from here.
         if (column >= n) continue;
         entries.push_back({pattern.rows[e] - first_row[kind][k], column, static_cast<std::int32_t>(e)});
       }

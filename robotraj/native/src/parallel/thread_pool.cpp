@@ -17,7 +17,7 @@ constexpr std::size_t pieces_a_thread = 4;
 std::atomic<unsigned> process{0};
 [[maybe_unused]] const int counts_forks = pthread_atfork(nullptr, nullptr, [] { ++process; });
 
-/// Looks at a condition often before giving up; on a busy machine the others get the core.
+/// Checks a condition 1000 times; if it never holds, the caller sleeps and leaves the core to others.
 template <typename Condition>
 bool spin(Condition&& holds) {
   for (int i = 0; i < 1000; ++i) {
@@ -56,7 +56,7 @@ ThreadPool::Team::Team(std::size_t size) : size_(size), process_(process.load())
   try {
     while (workers_.size() + 1 < size_) workers_.emplace_back([this, thread = workers_.size() + 1] { serve(thread); });
   } catch (const std::system_error&) {
-    // The machine has no more threads to give: those that are there do the work.
+    // No further thread can be started: the existing ones do the work.
   }
 }
 

@@ -21,7 +21,7 @@ Result evaluate(PointBlock& block, const Doubles& v, const Doubles& c, std::size
   const double* constants = checked(c, sizes.constants * sizes.count, "c");
   std::vector<double> result(per_point * sizes.count);
   {
-    // Who waits for the block must not keep the interpreter from the one that has it.
+    // A thread that waits for the block releases the interpreter, which the thread that uses it may need.
     nb::gil_scoped_release released;
     block.alone(threads, [&](ThreadPool& pool) { call(inputs, constants, result.data(), pool); });
   }

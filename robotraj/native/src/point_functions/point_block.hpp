@@ -25,7 +25,7 @@ struct PointSizes {
 /// Every array is column-major (n, E): point after point. The order of the nonzeros is the block's own and the
 /// same at every point; the constructor returns it to Python. An evaluation writes every entry of its result and
 /// allocates nothing. It gives the same bits for any number of threads, and never throws once `prepare` was called. A
-/// block has work memory of its own, so it serves one caller at a time: `alone` keeps the others waiting.
+/// block has work memory of its own, so it has one caller at a time: `alone` makes the others wait.
 class PointBlock {
  public:
   explicit PointBlock(const PointSizes& sizes) : sizes_(sizes) {}

@@ -70,7 +70,7 @@ class TapeBlock : public PointBlock {
   void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override;
 
  private:
-  /// What a thread needs for a pack of points.
+  /// Work memory of a thread for a pack of points.
   struct Work {
     Packs v, c, m, x, g, tau, given, tape, buffer, states;
   };

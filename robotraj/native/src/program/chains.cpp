@@ -119,7 +119,7 @@ struct Step {
   bool twice;
 };
 
-/// What the places of one block in one stage read.
+/// Columns that the places of one block in one stage read.
 struct Reading {
   std::vector<std::int32_t> local;  // positions in the stage
   Numbers factors;

@@ -40,7 +40,7 @@ class ProductRows {
 
   /// The same for products that ascend by row and source.
   void append_sorted(const std::vector<ChainProduct>& products, std::size_t many) {
-    // Room for all, given back at the end.
+    // Memory for all, released at the end.
     const std::size_t before = indices_.size();
     indices_.resize(before + products.size());
     data_.resize(before + products.size());

@@ -91,7 +91,7 @@ class Program {
   Times times;
 
  private:
-  /// What one term computes, and the memory for it.
+  /// One term of the program, and the memory for it.
   struct Work {
     Combination gather, scatter, scatter_transposed, to_gradient;
     Combination jacobian_in_order, hessian_in_order, jacobian_in_place, hessian_in_place;

@@ -9,7 +9,7 @@ namespace robotraj::native {
 
 enum class Pivots { good, indefinite, dependent };
 
-/// What counts as a pivot.
+/// Least sizes of pivots.
 struct RiccatiOptions {
   double lu_tolerance = 1e-5;     ///< entries below it are no pivots of the constraints' elimination
   double pivot_tolerance = 1e-6;  ///< Cholesky pivots below this part of their diagonal are not positive

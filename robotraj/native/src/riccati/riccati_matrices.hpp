@@ -107,7 +107,7 @@ void reduce_cost(const double* m, int ld, int nb, int nx, RiccatiMemory& memory,
   }
 }
 
-/// Divides M by controls: eliminates the constraints' share of them, then the rest. The outcome is in `factor`.
+/// Eliminates the controls from M: those of the constraints, then the rest. The results are in `factor`.
 Pivots divide(int gamma, const RiccatiOptions& options, RiccatiMemory& memory, StageFactor& factor) {
   const int nu = factor.nu, nx = factor.nx;
   double* m = memory.matrix;

@@ -1,4 +1,4 @@
-// What the inner loops see of one stage of Newton's system: numbers in place, patterns that equal stages share.
+// One stage of Newton's system as the inner loops read it: numbers in place, patterns that equal stages share.
 //
 // Symmetric matrices and factors are kept in trapezoids: column j of a matrix of n rows, padded to a multiple of
 // kBlock, stands from row 8 (j / 8) on. So every column starts where a vector register may be loaded, and little more
@@ -48,7 +48,7 @@ struct StageVectors {
   double *z, *lam_dynamics, *lam_equalities, *lam_inequalities;
 };
 
-/// What the recursion keeps of a stage.
+/// Results of the recursion for a stage.
 ///
 /// The constraints of a stage are C z + c = 0, its own equalities and those that the next stage could not meet by its
 /// controls. Gaussian elimination with full pivoting solves `rank` of them for as many controls,

@@ -1,6 +1,6 @@
-// A free-flyer at the root: its own body's axes are used as if they were the world's.
+// A free-flyer at the root: the axes of its own body stand for those of the world.
 //
-// Only gravity moves in them, by the quaternion, and enters the acceleration from which all others follow. Its six
+// Only gravity turns in them, with the quaternion; it is part of the acceleration from which all others follow. Its six
 // velocities are unit twists e_i; varying one varies dV = e_i, alpha = V x e_i (`rigid_kernel.hpp`).
 #pragma once
 

@@ -83,7 +83,7 @@ ROBOTRAJ_INLINE void place(const Joint& joint, const JointState* above, const Pa
   }
 }
 
-/// What a joint's own bodies add to the sums.
+/// Terms of a joint's own bodies in the sums.
 ROBOTRAJ_INLINE void begin_sums(const Joint& joint, JointState& state, bool derivatives, bool tested) {
   state.inertia = inertia_of(joint, state);
   const Vector6 momentum = state.inertia * state.velocity;
@@ -143,7 +143,7 @@ ROBOTRAJ_INLINE void carry(const JointState& from, JointState& to, bool derivati
   to.product = to.product + from.product;
 }
 
-/// What the variations of joints above multiply, for one joint j.
+/// Factors of the variations of the joints above one joint j.
 struct Factors {
   Vector6 for_test, rate_for_test, momentum;  ///< of ds/dq_j, ds/dw_j, ds/da_j by dL
   Vector3 balance;                            ///< moment of B' S_j

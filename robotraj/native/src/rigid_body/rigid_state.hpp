@@ -33,7 +33,7 @@ struct Rate {
   Symmetric3 turning;
 };
 
-/// What is known of one joint and the bodies it carries, in the world's axes about the world's origin.
+/// Quantities of one joint and the bodies it carries, in the world's axes about the world's origin.
 struct JointState {
   Pack rotation[9];
   Vector3 origin;

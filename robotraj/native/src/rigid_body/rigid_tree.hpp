@@ -1,4 +1,4 @@
-// What a robot's inverse dynamics are computed from: a tree of joints that turn or slide, as plain numbers.
+// Data of a robot's inverse dynamics: a tree of joints that turn or slide, as plain numbers.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-// What the kernels of several processors call must leave no function behind for the linker to choose from.
+// Functions that kernels of several processors call are inlined: the linker would keep one of their versions for all.
 #define ROBOTRAJ_ALWAYS inline __attribute__((always_inline))
 
 namespace robotraj::native {

@@ -118,7 +118,7 @@ Combination::Combination(const Stacked& matrix, const std::int32_t* places, cons
   }
 }
 
-/// What repeats already, as far as its places and its base do.
+/// Repeated rows whose places and base repeat as well.
 void Combination::take(const Rows& matrix, std::size_t repeats, std::ptrdiff_t shift) {
   const std::size_t period = matrix.matrix.rows();
   for (std::size_t begin = 0, end; begin < repeats; begin = end) {
@@ -148,7 +148,7 @@ void Combination::divide(const Rows& matrix, std::size_t begin, std::size_t end)
       divide(matrix, run.row + size, end);
       return;
     }
-  // What does not repeat is cut for the threads.
+  // Rows that do not repeat are divided among the threads.
   const std::int32_t* starts = matrix.matrix.starts();
   for (std::size_t row = begin; row < end;) {
     std::size_t last = row + 1;
@@ -158,7 +158,7 @@ void Combination::divide(const Rows& matrix, std::size_t begin, std::size_t end)
   }
 }
 
-/// Writes down one block of a run, rows of equally many entries together.
+/// Stores one block of a run, rows of equally many entries together.
 void Combination::add(const Rows& rows, const Run& run) {
   const Csr& matrix = rows.matrix;
   const std::int32_t* starts = matrix.starts() + run.row;

@@ -52,7 +52,7 @@ void take(const double* numbers, const std::int32_t* places, const std::int32_t*
   }
 }
 
-/// The other way: pack order[i] to place i of each repeat.
+/// The inverse: pack order[i] to place i of each repeat.
 void give(const Pack* packs, const std::int32_t* order, const std::int32_t* places, std::size_t many,
           std::ptrdiff_t step, std::size_t count, double* numbers) {
   for (std::size_t i = 0; i < many;) {

@@ -1,4 +1,4 @@
-// What the inner loops see of rows of a sparse matrix that come again from interval to interval.
+// Rows of a sparse matrix that repeat from interval to interval, as the inner loops read them.
 #pragma once
 
 #include <cstddef>

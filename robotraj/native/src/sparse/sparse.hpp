@@ -32,7 +32,7 @@ class Csr {
   const std::int32_t* indices() const { return arrays_->indices.data(); }
   const double* data() const { return arrays_->data.data(); }
 
-  /// y = A x, once; Combination does it over and over.
+  /// y = A x for a single product; see Combination for many.
   void times(const double* x, double* y) const;
 
   Csr transposed() const;
@@ -41,7 +41,7 @@ class Csr {
   Csr times(const Csr& other) const;
 
   /// X of X = E + C X for this square C without circles: row i of E is the unit vector variable[i], or zero where that
-  /// is negative. Throws std::invalid_argument where definitions go round in a circle.
+  /// is negative. Throws std::invalid_argument for circular definitions.
   Csr resolved(const std::vector<std::int64_t>& variable, std::size_t columns) const;
 
   /// The same without entries that are exactly zero.

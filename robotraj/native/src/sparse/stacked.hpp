@@ -1,4 +1,4 @@
-// A sparse matrix of blocks of rows, of which those that come again are kept once.
+// A sparse matrix of blocks of rows, in which repeated blocks are stored once.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +34,7 @@ class Stacked {
   std::size_t kept() const;
   const std::vector<Piece>& pieces() const { return pieces_; }
 
-  /// y = A x, once; Combination does it over and over.
+  /// y = A x for a single product; see Combination for many.
   void times(const double* x, double* y) const;
 
  private:
@@ -53,7 +53,7 @@ class Stacking {
   Stacked stacked();
 
  private:
-  /// What repeats too seldom to be worth a piece of its own joins its neighbours.
+  /// Adds rows that repeat too seldom for a piece of their own to their neighbours.
   void settle();
   void close();
 

@@ -1,4 +1,4 @@
-// Derivatives of a stage function as tapes: CasADi's graphs, made without the way through Python for every one of them.
+// Derivatives of a stage function as tapes: CasADi's graphs, built without a call from Python for each of them.
 #pragma once
 
 #include <casadi/core/function.hpp>

@@ -12,7 +12,7 @@ class Function;
 
 namespace robotraj::native {
 
-/// What an instruction does. Sums, differences and products differ by data alone (`Signs`): no branch is guessed wrong.
+/// Kinds of instructions. Sums, differences and products differ by data alone (`Signs`): no branch is mispredicted.
 enum class Step : std::int16_t { add, subtract, multiply, divide, other };
 
 /// One operation of a tape on its memory; other operations than the first four are done point by point.

@@ -1,4 +1,4 @@
-// What is solved: minimise f(x, s) subject to rows c(x, s) = 0 and bounds on the slacks s.
+// The problem: minimise f(x, s) subject to rows c(x, s) = 0 and bounds on the slacks s.
 #pragma once
 
 #include <memory>

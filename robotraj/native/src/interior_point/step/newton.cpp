@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kRounds = 5;
 
-/// Residual that is small enough beside a right-hand side of size b.
+/// Largest accepted residual for a right-hand side of size b.
 double tolerance(double b) { return std::max(1e-8, (b < 1.0 ? 1e-7 : 1e-6) * b); }
 
 Side side_of(const Vectors& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
@@ -107,7 +107,7 @@ int Newton::first_slack(std::size_t stage) const {
 }
 
 native::NewtonSystem Newton::system(const Side& side, bool reduced, const Vectors& step) const {
-  // Where slacks are eliminated, rows are no longer the side's.
+  // The elimination of slacks changes the right-hand side of the rows.
   const bool elastic = reduced && problem_.elastic();
   const double* rows = elastic ? elastic_rows_ : side.rows;
   const double* relaxation = elastic ? elastic_relaxation_ : relaxation_;

@@ -1,4 +1,4 @@
-// The search direction: Newton's step with the inertia of the system corrected.
+// The search direction: Newton's step after a correction of the system's inertia.
 #pragma once
 
 #include "interior_point/problem/options.hpp"
@@ -12,11 +12,11 @@ namespace robotraj::interior_point {
 ///     delta_w = 0, else kappa_w^- times the last one, then times kappa_w^+ while the reduced Hessian is not positive;
 ///     delta_c = delta_c_bar mu^(1/4) where rows depend on each other.
 ///
-/// Where rows still depend on each other under delta_c, delta_w takes over; beyond its largest value the step fails.
+/// Where rows still depend on each other with delta_c, delta_w grows; beyond its largest value there is no step.
 /// Source: the paper, algorithm IC.
-class Direction {
+class InertiaCorrection {
  public:
-  Direction(Problem& problem, const Options& options);
+  InertiaCorrection(Problem& problem, const Options& options);
 
   Newton newton;
 

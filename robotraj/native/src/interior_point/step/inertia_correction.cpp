@@ -1,4 +1,4 @@
-#include "direction.hpp"
+#include "inertia_correction.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -14,7 +14,7 @@ constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
 constexpr double kShrink = 1.0 / 3.0, kGrow = 8.0, kGrowFirst = 100.0;
 constexpr double kPower = 0.25;  // kappa_c
 
-/// Adds the time of its life to a sum.
+/// Adds the time from its construction to its destruction to a sum.
 class Timed {
  public:
   explicit Timed(double& sum) : sum_(sum), began_(Clock::now()) {}
@@ -30,7 +30,7 @@ class Timed {
 
 }  // namespace
 
-Direction::Direction(Problem& problem, const Options& options)
+InertiaCorrection::InertiaCorrection(Problem& problem, const Options& options)
     : newton(problem),
       problem_(problem),
       options_(options),
@@ -43,7 +43,7 @@ Direction::Direction(Problem& problem, const Options& options)
   }
 }
 
-Side Direction::side(Iterate& iterate, double mu, const double* rows) {
+Side InertiaCorrection::side(Iterate& iterate, double mu, const double* rows) {
   const native::Bounds bounds = problem_.bounds();
   const int n = problem_.slacks();
   // The part of the barrier's gradient that belongs to slacks with one bound alone.
@@ -54,12 +54,12 @@ Side Direction::side(Iterate& iterate, double mu, const double* rows) {
   return {iterate.infeasibility_x(), rows, s_, lower_, upper_};
 }
 
-double Direction::larger(double delta_w) const {
+double InertiaCorrection::larger(double delta_w) const {
   if (delta_w > 0.0) return delta_w * (last_ == 0.0 ? kGrowFirst : kGrow);
   return last_ == 0.0 ? options_.first_correction : std::max(kLeast, kShrink * last_);
 }
 
-bool Direction::find(Iterate& iterate, double mu, const Vectors& step) {
+bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   mu_ = mu;
   const Side side = this->side(iterate, mu, iterate.residual());
   problem_.hessian(iterate.at->x, iterate.at->rows, newton.hessian());
@@ -85,13 +85,13 @@ bool Direction::find(Iterate& iterate, double mu, const Vectors& step) {
   return false;
 }
 
-bool Direction::correct(Iterate& iterate, const double* rows, const Vectors& step) {
+bool InertiaCorrection::correct(Iterate& iterate, const double* rows, const Vectors& step) {
   const Side side = this->side(iterate, mu_, rows);
   const Timed timed(seconds);
   return newton.solve_again(iterate, side, step) != Solved::invalid;
 }
 
-bool Direction::aim(Iterate& iterate, double mu, const Vectors& step) {
+bool InertiaCorrection::aim(Iterate& iterate, double mu, const Vectors& step) {
   mu_ = mu;
   return correct(iterate, iterate.residual(), step);
 }
