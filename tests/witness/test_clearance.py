@@ -73,9 +73,11 @@ def test_the_nearest_pair_is_the_one_with_the_least_excess_over_its_margin(free_
     assert max(violation.amount for violation in violations) == pytest.approx(nearest.margin - nearest.distance)
 
 
-@pytest.mark.parametrize("goal", [GOAL, (1.1, *START[1:])], ids=["every joint", "the first joint alone"])
-def test_a_motion_that_rests_at_every_knot_is_measured_between_them(goal: tuple[float, ...]) -> None:
-    phase = rt.Phase(rt.load("ur5"), 1.0, rt.State(q=START, v=0), rt.State(q=goal, v=0), rt.Effort())
+@pytest.mark.parametrize("moving", [6, 1], ids=["every joint", "the first joint alone"])
+def test_a_motion_that_rests_at_every_knot_is_measured_between_them(moving: int) -> None:
+    whole = rt.load("ur5")
+    arm = rt.load("ur5", locked=dict(zip(whole.joint_names[moving:], START[moving:], strict=True)))
+    phase = rt.Phase(arm, 1.0, rt.State(q=START[:moving], v=0), rt.State(q=GOAL[:moving], v=0), rt.Effort())
     plan = rt.plan(phase, mesh=rt.Mesh(1, rt.schemes.LobattoIIIA(6)))
     robot = phase.robot
     assert robot is not None
