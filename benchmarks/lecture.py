@@ -1,8 +1,8 @@
 """The lecture's experiment, timed: a double integrator moved 10 m in minimum time with |u| <= 1.
 
 Direct collocation by the lecture's scheme at 51, 101 and 201 points, multiple and single shooting at 21, and an
-adaptive mesh against uniform ones. Seconds are medians of five runs of ``rt.plan``, taken in turn, on the processor's
-clock, which a busy machine does not stretch; ratios are of this run. The lecture reports 2, 7 and 55 s for 51, 101 and
+adaptive mesh against uniform ones. Seconds are medians of the processor time of five runs of
+``rt.plan``, taken in turn. Ratios are of this run. The lecture reports 2, 7 and 55 s for 51, 101 and
 201 points, and 290 times the seconds of multiple shooting at 21 points for the last.
 
 ``python benchmarks/lecture.py`` prints the tables and writes figures 3 to 10 (see ``lecture_figures``) into the working

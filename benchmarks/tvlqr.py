@@ -1,8 +1,8 @@
 """Plans under their own gains in MuJoCo, 100 seeded runs each: `python benchmarks/tvlqr.py [NAME...]`.
 
 cart-pole, acrobot, ur5 and panda: `rt.witness.monte_carlo` under `solution.gains`, at the default disturbances
-(initial error, masses, friction, noise, one push, delay) and at those of `rt.witness.disturbance_margin`, which are the
-ones that are stated for the plan. five_link, which stands on a soft foot and moves its root: a step by
+(initial error, masses, friction, noise, one push, delay) and at those of `rt.witness.disturbance_margin`, which are
+stated for the plan. five_link, which stands on a soft foot and moves its root: a step by
 `rt.witness.second_opinion` under its time-varying LQR, from a seeded random error of the first state.
 
 The acrobot's plan is, among the optima of 20 starts, the one with the largest margin.

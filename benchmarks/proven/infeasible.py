@@ -1,8 +1,8 @@
 """Whether a failure names the conflicting row: `python benchmarks/proven/infeasible.py [part of a name ...]`.
 
 Every problem of ``infeasible_problems.py`` has no solution. It is built and planned by the default call in a fresh
-process. A row of the table is right where the first cause contains the row and the joint that conflict, and where its
-value lies in the interval that suffices. Without arguments the table is written to ``INFEASIBLE.md`` beside this file.
+process. A row of the table is right where the first cause contains the row and the joint that conflict. Its value must
+lie in the interval that suffices. Without arguments the table is written to ``INFEASIBLE.md`` beside this file.
 """
 
 from __future__ import annotations

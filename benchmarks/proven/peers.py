@@ -3,8 +3,8 @@
 robotraj plans by its default call. All other tools solve on 25 intervals, then on twice as many, until their plan
 passes: pieces of a fortieth of the motion, simulated one by one from the planned state, end within 1e-3 of the plan;
 limits hold to 1e-3 of their range at 21 places of every interval; the goal is met to 1e-3. The judge is
-``benchmarks/peers/check.py``, which knows no tool. Tools, tasks and environments are those of ``benchmarks/peers``. The
-table goes to ``PEERS.md``.
+``benchmarks/peers/check.py``, which depends on no tool. Tools, tasks and environments are those of
+``benchmarks/peers``. The table goes to ``PEERS.md``.
 """
 
 from __future__ import annotations

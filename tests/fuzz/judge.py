@@ -85,8 +85,8 @@ def compared(case: Case) -> dict[str, str]:
     Returns
     -------
     dict
-        For each of both: agrees, other (each solver stays at the optimum of the other one, which is lower or higher),
-        unsolved, or differs (a solver leaves the optimum of the other one).
+        For each of both: agrees, unsolved, other or differs. With "other" each solver stays at the optimum of the other
+        one, which is lower or higher. With "differs" a solver leaves the optimum of the other one.
     """
     same = rt.interval_limits.ConstraintGeneration(rounds=0)
     first, _ = planned(case, rt.InteriorPoint(fallback=None), limits=same)

@@ -1,9 +1,9 @@
 """Written by hand: Hermite-Simpson on q, v, a with inverse dynamics, derivatives assembled from a point's, IPOPT.
 
 Variables are q, v and a at the knots and mid-points; the collocation of q' = v, v' = a is linear, torques are rows. A
-point's torques, their Jacobian and the Hessian of its share of the Lagrangian are CasADi functions of 3 nq numbers,
-evaluated by CasADi's virtual machine at all points and put where they belong. A free duration T is one more argument of
-every point, of which v and a are then derivatives by s = t / T: the collocation stays linear.
+point's torques, their Jacobian and the Hessian of its share of the Lagrangian are CasADi functions of 3 nq numbers.
+CasADi's virtual machine evaluates them at all points, and their entries are copied to their places. A free duration T
+is one more argument of every point, of which v and a are then derivatives by s = t / T: the collocation stays linear.
 """
 
 from __future__ import annotations
