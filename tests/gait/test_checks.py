@@ -50,7 +50,7 @@ def test_invalid_arguments_are_named(case: str, biped: rt.Robot) -> None:
         make(biped)
 
 
-def test_negative_flight(solo: rt.Robot) -> None:
+def test_a_negative_flight_is_refused(solo: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match="trot.flight. is -0.5"):
         rt.gait.trot(solo, step_length=0.06, duration=0.2, flight=-0.5, contact=PAW)
 

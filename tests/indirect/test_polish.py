@@ -103,7 +103,7 @@ def test_swing_up_with_and_without_saturation(swing_up: Any, force: float) -> No
 
 
 @pytest.mark.slow
-def test_six_joints() -> None:
+def test_an_arm_of_six_joints_is_polished() -> None:
     robot = rt.load("ur5")
     first, last = [0, -1.2, 1.0, 0, 0, 0], [1.0, -1.6, 1.4, 0.3, 0.5, 0]
     # In 2 s, without limits, there are many optima near each other, and rounding chooses between them.

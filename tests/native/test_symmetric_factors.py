@@ -100,7 +100,7 @@ def test_a_chain_of_stages(processor: str, stages: int, states: int, controls: i
     threshold=st.sampled_from([1e-8, 0.01, 0.5]),
 )
 @settings(max_examples=400, deadline=None)
-def test_any_regular_matrix(n: int, seed: int, density: float, weighed: float, threshold: float) -> None:
+def test_any_regular_matrix_is_factorised(n: int, seed: int, density: float, weighed: float, threshold: float) -> None:
     rng = np.random.default_rng(seed)
     upper = rng.standard_normal((n, n)) * (rng.random((n, n)) < density)
     # Many diagonals are zero, as those of constraints and of variables without weight are.
@@ -159,7 +159,7 @@ def test_dependent_constraints_are_zero_pivots() -> None:
     np.testing.assert_allclose(twice @ made.solve(b), b, atol=1e-9)
 
 
-def test_all_zero() -> None:
+def test_a_zero_matrix_has_only_zero_pivots() -> None:
     made, values = factors(sp.csc_matrix((np.zeros(3), np.arange(3), np.arange(4)), shape=(3, 3)))
     assert made.factorise(np.zeros(len(values)))[:2] == (0, len(values))
 
@@ -180,7 +180,7 @@ def test_other_values_in_the_same_pattern() -> None:
     np.testing.assert_array_equal(made.solve(b), kept)
 
 
-def test_scales_far_apart() -> None:
+def test_scales_far_apart_change_neither_inertia_nor_solution() -> None:
     matrix = saddle_point(30, 15, 0.3, seed=5)
     scale = 10.0 ** np.random.default_rng(0).uniform(-8, 8, 45)
     made, values = factors(scale[:, None] * matrix * scale)

@@ -59,7 +59,7 @@ def duals(given: Slacks, rng: np.random.Generator) -> tuple[Array, Array]:
     return np.where(given.has_lower, lower, 0.0), np.where(given.has_upper, upper, 0.0)
 
 
-def test_measures(n: int, processor: str) -> None:
+def test_magnitudes_and_sums_equal_those_of_numpy(n: int, processor: str) -> None:
     given, rng = slacks(n, processor)
     x, y = rng.standard_normal(n), rng.standard_normal(n)
     largest, total, finite = given.vectors.measures(x)

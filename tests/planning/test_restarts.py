@@ -33,7 +33,7 @@ def test_the_bang_bang_oscillator(halves: int, solver: rt.solvers.Solver) -> Non
     assert solution.duration == pytest.approx(halves * np.pi, rel=1e-2)
 
 
-def test_refined_from_there() -> None:
+def test_a_restarted_plan_is_refined_to_the_tolerance() -> None:
     solution = rt.plan(oscillator(5.0), tolerance=1e-6)
     # scipy.optimize.fsolve of the switching times.
     assert solution.duration == pytest.approx(7.93741, abs=1e-5)

@@ -91,7 +91,7 @@ DERIVATIVES: dict[str, tuple[tuple[str, ...], Callable[..., list[np.ndarray]]]] 
 
 
 @pytest.mark.parametrize("name", DERIVATIVES)
-def test_analytical(case, name: str) -> None:
+def test_derivatives_equal_the_analytical_ones_of_pinocchio(case, name: str) -> None:
     by, reference = DERIVATIVES[name]
     actual = jacobians(case, getattr(case.symbolic, name), by)
     expected = [[np.array(part) for part in reference(case.model, case.data, case.point(i))] for i in range(COUNT)]

@@ -47,7 +47,7 @@ EXPECTED: dict[str, Callable[[pin.Model, pin.Data, dict[str, Any]], Any]] = {
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_of_model(case, name: str) -> None:
+def test_functions_of_the_model_equal_pinocchios(case, name: str) -> None:
     actual = case.evaluate(getattr(case.symbolic, name))
     rows = []
     for i in range(len(actual[0])):

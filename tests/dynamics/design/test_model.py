@@ -100,7 +100,7 @@ def test_torque_balance(ur5, point, numeric, motion) -> None:
         ("potential_energy", "q"),
     ],
 )
-def test_algorithms(ur5, point, motion, name: str, inputs: str) -> None:
+def test_symbolic_algorithms_equal_those_of_the_realised_model(ur5, point, motion, name: str, inputs: str) -> None:
     _, symbolic, symbols = point
     arguments = [getattr(symbolic, letter) for letter in inputs]
     plain = SymbolicModel(Design(ur5, QUANTITIES).realise(VALUES).model)

@@ -162,7 +162,7 @@ def test_folders_of_killed_compilations_are_removed(engine: rt.engines.Compiled)
     assert not left.exists() and running.exists()
 
 
-def test_clearing_leaves_nothing(engine: rt.engines.Compiled) -> None:
+def test_a_cleared_cache_is_empty(engine: rt.engines.Compiled) -> None:
     use(engine)
     cache = engine.open_cache()
     size = cache.size()

@@ -321,6 +321,6 @@ def test_prepared_functions_stay_alive_with_those_that_call_them() -> None:
     np.testing.assert_allclose(np.array(function(*points[:2])), wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())
 
 
-def test_bad_threads() -> None:
+def test_fewer_threads_than_one_are_refused() -> None:
     with pytest.raises(rt.InputError, match="threads"):
         rt.engines.Native(threads=0)

@@ -51,7 +51,7 @@ def test_a_jump_of_all_states_left_free_joins_time_alone(push: Any) -> None:
     assert solution.objective == pytest.approx(12 * np.sum(np.array([1, 4]) / (2 * share) ** 3), **CLOSE)
 
 
-def test_equal_durations(push: Any) -> None:
+def test_phases_of_equal_duration_share_the_total_time(push: Any) -> None:
     phases = [push.phase((0.5, 2), [0, 0], [1, 0]), push.phase((0.5, 2), [1, 0], [3, 0])]
     total = rt.links.Linkage((0, -1), lambda a, b: b.end.t - a.start.t, 2.0, 2.0)
     solution = push.plan(phases, [rt.Continuity(0, 1), rt.links.EqualDuration(0, 1), total])

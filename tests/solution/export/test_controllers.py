@@ -79,7 +79,7 @@ def test_tables_of_set_points(plan, tmp_path):
     np.testing.assert_allclose(servo, table[:, [1, 2, 3, 4, 7, 8]], rtol=1e-8, atol=1e-12)
 
 
-def test_mcap(plan, tmp_path):
+def test_an_mcap_file_holds_the_plan_until_its_end(plan, tmp_path):
     reader = pytest.importorskip("mcap.reader", reason="needs the extra: pip install 'robotraj[mcap]'")
     path = plan.to_controller(tmp_path / "arm.mcap", rate=50.0)
     with path.open("rb") as file:

@@ -181,7 +181,7 @@ def test_a_mesh_that_holds_stays(refinement: Refinement) -> None:
     assert_same(refinement.refine(mesh, seen([1e-7, 9e-7]), TOLERANCE), mesh)
 
 
-def test_parameters_are_checked() -> None:
+def test_invalid_parameters_of_strategies_are_refused() -> None:
     with pytest.raises(rt.InputError, match="at least 2, got 1"):
         rt.refinement.SplitAndMerge(most=1)
     with pytest.raises(rt.InputError, match="at least 3 points, got 2"):
