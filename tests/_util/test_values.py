@@ -147,7 +147,7 @@ def test_what_a_class_defines_is_kept(kind: Callable[..., Any]) -> None:
 
 
 @both
-def test_options_keep_methods_of_object(kind: Callable[..., Any]) -> None:
+def test_options_choose_the_generated_methods(kind: Callable[..., Any]) -> None:
     @kind(frozen=True, eq=False, repr=False)
     class Same:
         """Equal to itself only."""
