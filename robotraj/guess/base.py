@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.problem.augmentation import Augmented
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.dae import Dynamics
     from robotraj.problem.links.base import BoundLink
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
@@ -62,3 +65,20 @@ class InitialGuess(OneLine, ABC):
 def zeros(size: int) -> Curve:
     """Return the curve that is zero everywhere, (m, size)."""
     return lambda s: np.zeros((len(s), size))
+
+
+def with_copies(known: PhaseGuess, dae: Dynamics) -> PhaseGuess:
+    """Return a guess whose added states equal the algebraic variables that they copy."""
+    copies = dae.copies if isinstance(dae, Augmented) else {}
+    if not copies:
+        return known
+    states, algebraic = [v.name for v in dae.states], [v.name for v in dae.algebraic]
+    to = [states.index(name) for name in copies]
+    of = [algebraic.index(name) for name in copies.values()]
+
+    def completed(s: Array) -> Array:
+        values = np.array(known.states(s))
+        values[:, to] = known.algebraic(s)[:, of]
+        return values
+
+    return replace(known, states=completed)

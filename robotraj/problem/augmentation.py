@@ -6,7 +6,8 @@ transcription treat this DAE as any other:
 
     ControlRates        u becomes a state, its rate the control:   udot = r
     Slacks              further controls s, bounded by rows of the objective
-    Jerks               further algebraic variables j = da/dt of a robot
+    Accelerations       further states A = a of a robot, its jerks j the controls:   A' = j
+    Jerks               further algebraic variables j = da/dt, where joints have no motor
     RunningIntegral     a further state W from W = 0:   Wdot = l(x, z, u, p, t)
     PathParameter       further states s, s' and the control s'' of a motion on a path q(s)
 
@@ -90,6 +91,11 @@ class Augmented(OneLine, ABC):
     def end(self) -> Mapping[str, float]:
         """Values of added states that are fixed at the end of the phase."""
         return self.inner.end if isinstance(self.inner, Augmented) else {}
+
+    @property
+    def copies(self) -> Mapping[str, str]:
+        """Added states by name, with the algebraic variables that they equal; guesses know the latter alone."""
+        return self.inner.copies if isinstance(self.inner, Augmented) else {}
 
     @abstractmethod
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:

@@ -1,8 +1,8 @@
-"""Rates as variables: controls become states and their rates the controls; jerks become algebraic variables."""
+"""Rates as variables: controls or accelerations become states, and their rates controls or algebraic variables."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import casadi as ca
@@ -18,6 +18,9 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import Augmented, body_of, has
 from robotraj.robot.robot import Robot
 
+ACCELERATION = "acceleration."
+"""Prefix of the states that are accelerations."""
+
 
 def with_control_rates(dynamics: Dynamics) -> Dynamics:
     """Make the controls states, unless they are states already."""
@@ -26,9 +29,13 @@ def with_control_rates(dynamics: Dynamics) -> Dynamics:
 
 
 def with_jerks(dynamics: Dynamics) -> Dynamics:
-    """Make the torques of a robot states and add its jerks, unless both exist already."""
-    jerks = [f"jerk.{joint}" for joint in _robot(dynamics).velocity_names]
-    return dynamics if has(dynamics, jerks) else Jerks(with_control_rates(dynamics))
+    """Add the jerks of a robot, unless they exist already; where joints have no motor, its torques become states."""
+    robot = _robot(dynamics)
+    if has(dynamics, [f"jerk.{joint}" for joint in robot.velocity_names]):
+        return dynamics
+    if robot.root == "fixed" and robot.nq == robot.nv == robot.nu and not body_of(dynamics).invariants:
+        return Accelerations(dynamics)
+    return Jerks(with_control_rates(dynamics))
 
 
 @dataclass(frozen=True)
@@ -76,6 +83,75 @@ class ControlRates(Augmented):
     def rates(self, point: AnyPoint) -> ca.SX:
         """Inner rates, then r."""
         return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
+
+
+@dataclass(frozen=True)
+class Accelerations(Augmented):
+    """Accelerations of a robot with a motor at every joint become states A and its jerks j controls, A' = j, a = A.
+
+    Torques remain controls, so dry friction in them need not be approximated by a polynomial.
+    """
+
+    smooth: ClassVar[bool] = True
+
+    @cached_property
+    def accelerations(self) -> tuple[Variable, ...]:
+        """``acceleration.<joint>``."""
+        return tuple(
+            Variable(f"{ACCELERATION}{joint}", f"{unit}/s^2", "acceleration", joint) for joint, unit in _joints(self)
+        )
+
+    @cached_property
+    def jerks(self) -> tuple[Variable, ...]:
+        """``jerk.<joint>``."""
+        return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in _joints(self))
+
+    @property
+    def states(self) -> tuple[Variable, ...]:
+        """Inner states, then the accelerations."""
+        return (*self.inner.states, *self.accelerations)
+
+    @property
+    def copies(self) -> Mapping[str, str]:
+        """The states A."""
+        known = {v.name for v in self.inner.algebraic}
+        pairs = {v.name: f"a.{v.joint}" for v in self.accelerations}
+        return {**super().copies, **{state: a for state, a in pairs.items() if a in known}}
+
+    @property
+    def controls(self) -> tuple[Variable, ...]:
+        """Inner controls, then the jerks."""
+        return (*self.inner.controls, *self.jerks)
+
+    @cached_property
+    def residuals(self) -> tuple[Variable, ...]:
+        """Inner rows, then the differences a - A."""
+        rows = tuple(Variable(f"continuous.{v.name}", v.unit, v.quantity, v.joint) for v in self.accelerations)
+        return (*self.inner.residuals, *rows)
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """2 for accelerations, 3 for jerks."""
+        known, count = self._inner_orders, len(self.jerks)
+        return known and TimeOrders(known.states + (2,) * count, known.algebraic, known.controls + (3,) * count)
+
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
+        """Put the states A and the jerks into ``point.extra``."""
+        nx, nu = len(self.inner.states), len(self.inner.controls)
+        point = self.inner.point(t, x[:nx, :], z, None if u is None else u[:nu, :], p, names)
+        point.extra |= {v.name: x[nx + i] for i, v in enumerate(self.accelerations)}
+        if u is not None:
+            point.extra |= {v.name: u[nu + i] for i, v in enumerate(self.jerks)}
+        return point
+
+    def rates(self, point: AnyPoint) -> ca.SX:
+        """Inner rates, then j."""
+        return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.jerks))
+
+    def residual(self, point: AnyPoint) -> ca.SX:
+        """Inner rows, then a - A."""
+        planned = ca.vertcat(*(point.extra[v.name] for v in self.accelerations))
+        return ca.vertcat(self.inner.residual(point), point.a - planned)
 
 
 @dataclass(frozen=True)
@@ -145,6 +221,12 @@ class Jerks(Augmented):
         p = ca.vertcat(ca.SX(0, 1), *point.p.values())
         row = self._balance_rate(list(point.p))(point.q, point.v, point.a, point.tau, jerk, rate, p)
         return ca.vertcat(self.inner.residual(point), row)
+
+
+def _joints(dynamics: Dynamics) -> list[tuple[str, str]]:
+    """Names and units of the velocities."""
+    robot = _robot(dynamics)
+    return list(zip(robot.velocity_names, robot.units, strict=True))
 
 
 def _robot(dynamics: Dynamics) -> Robot:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.guess.base import InitialGuess, PhaseGuess
+from robotraj.guess.base import InitialGuess, PhaseGuess, with_copies
 from robotraj.guess.default import default_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.problem.constraints.base import Where
@@ -264,7 +264,7 @@ def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: InitialGuess
         for scalar, name in zip(layout.parameters, phase.parameter_names, strict=True):
             if scalar.column is not None:
                 w[scalar.column] = known.parameters[name]
-        _fill(w, layout, known, t0)
+        _fill(w, layout, with_copies(known, phase.dae), t0)
         t0 += known.duration
     return w
 

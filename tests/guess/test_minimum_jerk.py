@@ -112,7 +112,7 @@ def test_a_phase_with_added_variables_is_guessed_whole() -> None:
         duration=5.0,
         start=rt.State(q=0, v=0),
         end=rt.State(q=[0.5, 0.0], v=0),
-        objective=rt.objectives.Jerk() + rt.objectives.AbsolutePower(),
+        objective=rt.objectives.TorqueRate() + rt.objectives.Jerk() + rt.objectives.AbsolutePower(),
     )
     for guess in (
         rt.guess.MinimumJerk(),
@@ -122,5 +122,17 @@ def test_a_phase_with_added_variables_is_guessed_whole() -> None:
         known = guess.of(phase, 0)
         shapes = [curve(S).shape[1] for curve in (known.states, known.algebraic, known.controls)]
         assert shapes == [len(group) for group in (phase.dae.states, phase.dae.algebraic, phase.dae.controls)]
-    torques = rt.guess.MinimumJerk().of(phase, 0).states(S)[:, 4:]
+    torques = rt.guess.MinimumJerk().of(phase, 0).states(S)[:, 4:6]
     assert np.abs(torques).max() > 0.0
+
+
+def test_accelerations_that_are_states_are_guessed_as_accelerations() -> None:
+    phase = reach(rt.load("two_link_arm"), [1.0, -0.5]).with_(objective=rt.objectives.Jerk())
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4), rt.guess.MinimumJerk())
+    entries = [nlp.variables.entries[k] for k in nlp.variables.meaning]
+    chosen = np.array([(e.name, e.label) == ("acceleration", "elbow") for e in entries])
+    fractions, values = nlp.variables.fraction[chosen], nlp.guess[chosen]
+    # At every point the state and the algebraic variable have the same value.
+    inside = [values[fractions == each] for each in np.unique(fractions)[1:-1]]
+    assert all(len(each) >= 2 and np.ptp(each) < 1e-9 for each in inside)
+    assert np.abs(values).max() > 0.1

@@ -58,8 +58,9 @@ class TorqueRate(Integral):
 class Jerk(Integral):
     """Integral over the phase of sum_j w_j (d a_j / dt)^2 [rad^2/s^5, m^2/s^5], of a robot.
 
-    Torques become states, as for ``TorqueRate``; the jerks follow from the time derivative of the torque
-    balance, also where joints have no motor. ``rt.constraints.JointJerk`` bounds them.
+    With a motor at every joint, accelerations become states and the jerks controls. Otherwise torques become states,
+    as for ``TorqueRate``, and the jerks follow from the time derivative of the torque balance.
+    ``rt.constraints.JointJerk`` bounds them.
 
     Parameters
     ----------
@@ -86,5 +87,5 @@ class Jerk(Integral):
             )
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Make the torques states and add the jerks."""
+        """Add the jerks."""
         return with_jerks(dynamics)

@@ -1,10 +1,10 @@
 """Free durations: the same motion, stretched to a fixed duration T_0.
 
 With s = T / T_0, velocities of the stretched motion are v' = s v and accelerations a' = s^2 a. Where an objective
-depends on them, rates of torques are r' = s r and jerks j' = s^3 j. In these variables dq/dt = v, dv/dt = a and
-dtau/dt = r are linear in all unknowns, although the duration is one of them. The duration remains in the torque
+depends on them, rates of torques are r' = s r and jerks j' = s^3 j. In these variables dq/dt = v, dv/dt = a, da/dt = j
+and dtau/dt = r are linear in all unknowns, although the duration is one of them. The duration remains in the torque
 balance RNEA(q, v' / s, a' / s^2) and in the speed limits v' <= s v_max, which are linear too. A defect of velocities is
-multiplied by s, which does not change its zeros.
+multiplied by s, and one of accelerations by s^2, which does not change their zeros.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import Augmented
 from robotraj.solvers.stagewise.form import Form, with_empty_rows, with_rows
-from robotraj.solvers.stagewise.matrices import entries_of, summed
+from robotraj.solvers.stagewise.matrices import entries, entries_of, summed
 from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -52,7 +52,7 @@ class Stretch:
     unit : ndarray (n_w,)
         1 / T_0 in scaled units: s = w[clock] * unit.
     rows : ndarray of int (n_rows,)
-        1 where a row of the NLP was multiplied by s.
+        k where a row of the NLP was multiplied by s^k.
     row_clock : ndarray of int (n_rows,)
         The duration's column of such a row, else -1.
     """
@@ -120,27 +120,32 @@ def stretch(form: Form, nlp: Nlp, before: Stretch | None = None) -> tuple[Form, 
         unit[column] = nlp.scale[column] / max(nlp.guess[column], 1e-3)
         if before is not None and 0.5 <= before.unit[column] / unit[column] <= 2:
             unit[column] = before.unit[column]
-    if not phases or _limits_accelerations(form, power >= 2):
-        return form, None
     rows, row_clock = np.zeros(n_rows, dtype=int), np.full(n_rows, -1)
-    blocks = []
-    for index, block in enumerate(form.blocks):
-        of_points = phases.get(index)
-        blocks.append(_block(block, power, clock, unit, nlp, of_points))
-        if of_points is not None:
-            speeds = np.flatnonzero(np.array(of_points.states) == 1)
-            outputs = (np.arange(block.count)[:, None] * block.stage.outputs + speeds).ravel()
+    for index, of_points in phases.items():
+        block, powers = form.blocks[index], np.array(of_points.states)
+        for k in sorted(set(powers[powers > 0].tolist())):
+            outputs = (np.arange(block.count)[:, None] * block.stage.outputs + np.flatnonzero(powers == k)).ravel()
             touched = np.flatnonzero(np.bincount(block.scatter.tocsc()[:, outputs].indices))
-            rows[touched], row_clock[touched] = 1, nlp.layouts[index].duration.column
+            rows[touched], row_clock[touched] = k, nlp.layouts[index].duration.column
+    if not phases or _limits_accelerations(form, power, rows):
+        return form, None
+    blocks = [_block(block, power, clock, unit, nlp, phases.get(i)) for i, block in enumerate(form.blocks)]
     known = Stretch(power, clock, unit, rows, row_clock)
     form = replace(form, blocks=tuple(blocks))
     return _limits(_limits(form, known, of_rows=True), known, of_rows=False), known
 
 
-def _limits_accelerations(form: Form, columns: NDArray[np.bool_]) -> bool:
-    """Whether bounds or linear rows depend on accelerations w' / s^2, in which they are not linear."""
-    bounded = np.isfinite(form.lower[columns]).any() or np.isfinite(form.upper[columns]).any()
-    return bool(bounded or columns[form.linear.indices].any())
+def _limits_accelerations(form: Form, power: Indices, rows: Indices) -> bool:
+    """Whether bounds or linear rows depend on accelerations w' / s^2, in which they are not linear.
+
+    Defects of accelerations are linear, since they are multiplied by s^2.
+    """
+    columns, held = power >= 2, rows >= 2
+    bounds = form.lower[columns], form.upper[columns]
+    limits = form.row_lower[held], form.row_upper[held]
+    bounded = any(np.isfinite(each).any() for each in bounds) or any(np.any(each != 0.0) for each in limits)
+    row, read, _ = entries(form.linear)
+    return bool(bounded or np.any(columns[read] & (power[read] != rows[row])))
 
 
 def _orders(nlp: Nlp, index: int) -> TimeOrders | None:

@@ -46,14 +46,15 @@ def recover(reduction: Reduction, y: Array, multipliers: Array) -> tuple[Array, 
     of_row = np.flatnonzero(form.limit_of >= 0)
     factor = np.ones(len(form.row_lower))
     if reduction.stretched is not None:
-        # A stretched row is s times the row of the NLP.
+        # A stretched row is s^k times the row of the NLP.
         stretched = reduction.stretched
         scaled = w / nlp.scale
         columns = form.bound_of[of_bound]
         factor[of_bound] = stretched.factor(scaled, np.where(stretched.power == 1, stretched.clock, -1)[columns])
         # A bound of zero remains a bound, on s^k times the column of the NLP.
         bounds *= stretched.factor(scaled, stretched.clock) ** stretched.power
-        factor[of_row] = stretched.factor(scaled, stretched.row_clock[form.limit_of[of_row]])
+        limited = form.limit_of[of_row]
+        factor[of_row] = stretched.factor(scaled, stretched.row_clock[limited]) ** stretched.rows[limited]
     np.add.at(bounds, form.bound_of[of_bound], (factor * every)[of_bound])
     np.add.at(rows, form.limit_of[of_row], (factor * every)[of_row])
 

@@ -14,6 +14,7 @@ from robotraj._util.errors import InputError
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
+from robotraj.problem.augmentation import Augmented
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.base import BoundLink, Ends
 from robotraj.transcription.assembly.block import Block
@@ -173,7 +174,9 @@ def start_equalities_block(
 
 
 def _chooses_rates(phase: Phase) -> bool:
-    """Whether an objective added controls to the states; their rates are then the controls."""
+    """Whether an objective made controls or accelerations states; their rates are then the controls."""
+    if isinstance(phase.dae, Augmented) and phase.dae.copies:
+        return True
     return not {u.name for u in phase.body.controls} <= {u.name for u in phase.dae.controls}
 
 

@@ -94,9 +94,10 @@ def test_terms_that_need_the_same_variables_share_them() -> None:
     )
     phase = rest_to_rest(arm, [0.5, 0.5], 5.0, objective)
     names = [[v.name for v in group] for group in (phase.dae.states, phase.dae.algebraic, phase.dae.controls)]
-    assert names[0][4:] == ["tau.shoulder", "tau.elbow"]
-    assert names[1][2:] == ["jerk.shoulder", "jerk.elbow"]
-    assert names[2] == ["rate.tau.shoulder", "rate.tau.elbow", "slack.tau.shoulder", "slack.tau.elbow"]
+    assert names[0][4:] == ["tau.shoulder", "tau.elbow", "acceleration.shoulder", "acceleration.elbow"]
+    assert names[1] == ["a.shoulder", "a.elbow"]
+    rates = ["rate.tau.shoulder", "rate.tau.elbow", "jerk.shoulder", "jerk.elbow"]
+    assert names[2] == [*rates, "slack.tau.shoulder", "slack.tau.elbow"]
     assert rt.plan(phase, mesh=rt.Mesh(15)).success
 
 
