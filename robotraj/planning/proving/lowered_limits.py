@@ -7,7 +7,6 @@ from functools import partial
 
 from robotraj._util.lazy_values import LazySequence
 from robotraj.planning.nlp_violations import between_points
-from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
@@ -75,7 +74,7 @@ def _controls(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
 
 
 def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
-    """Find exceeded bounds of the states of exact motions.
+    """Find exceeded bounds of the robot's states in exact motions; states that an objective added are no motion.
 
     Rows on Bernstein coefficients bound the collocated positions. An exact motion integrates its speeds, so its
     positions differ from the collocated ones by some 1e-5 rad between the knots. A given end that is beyond a limit by
@@ -86,10 +85,11 @@ def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
         if not part.exact:
             continue
         given = _given_ends_beyond(part)
+        own = {bound.number for bound, _ in part.phase.rows.bounds_of(part.phase.body.states)}
         found += [
             violation
             for violation in state_violations(part.phase, i, part.trajectory, 0.0)
-            if violation.row.kind is Kind.BOUND
+            if violation.row.number in own
             and violation.amount > given.get((violation.row.number, violation.interval), 0.0)
         ]
     return found
