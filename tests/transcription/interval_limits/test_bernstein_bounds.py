@@ -15,7 +15,7 @@ import robotraj as rt
 from robotraj._util.polynomials import basis
 from robotraj.planning.nlp_violations import violations
 from robotraj.solvers.base import Solver
-from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, control_weights
+from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, coefficients, control_weights
 from robotraj.transcription.schemes.collocation import Scheme
 from tests.solvers.stagewise.problems import block, hurried_arm
 from tests.transcription.assembly.test_derivatives import assert_close, differences, somewhere
@@ -249,3 +249,25 @@ def test_a_block_switches_within_one_interval_at_most_an_interval_late() -> None
     """The optimum is 2 sqrt(10) s: a parabola within the limits takes a few thousandths longer on 20 intervals."""
     solution = planned(block(), rt.Mesh(20), HULL)
     assert 2 * np.sqrt(10) < solution.objective < 2 * np.sqrt(10) * 1.005
+
+
+@pytest.mark.parametrize("degree", range(5))
+def test_coefficients_are_those_of_the_polynomial_through_the_values(degree: int) -> None:
+    rng = np.random.default_rng(degree)
+    sites, values = np.sort(rng.random(degree + 1)), rng.standard_normal((degree + 1, 3))
+    curve = BPoly(coefficients(sites, values)[:, None], [0.0, 1.0])
+    np.testing.assert_allclose(curve(sites), values, atol=1e-9)
+
+
+@pytest.mark.parametrize("ends", [(1.1, 1.1), (1.1, 0.0), (0.0, 1.1), (0.0, 0.0)], ids=str)
+def test_rows_are_relaxed_beside_ends_that_are_fixed_at_a_limit_alone(ends: tuple[float, float]) -> None:
+    start, end = (rt.State({"x": x, "v": v}) for x, v in zip((0, 3), ends, strict=True))
+    problem = drive(start=start, end=end)
+    nlp = rt.transcription.transcribe(problem, rt.Mesh(4, rt.schemes.RadauIIA(3)), interval_limits=HULL)
+    chosen = np.array([nlp.rows.entries[k].name == "state bound" for k in nlp.rows.meaning])
+    interval = np.minimum((4 * nlp.rows.fraction[chosen]).astype(int), 3)
+    beyond = nlp.rows.upper[chosen] > 1.1
+    assert chosen.any() and set(interval) == {0, 1, 2, 3}
+    at_limit = {0: ends[0] == 1.1, 1: False, 2: False, 3: ends[1] == 1.1}
+    assert all(beyond[interval == k].all() if held else not beyond[interval == k].any() for k, held in at_limit.items())
+    assert nlp.rows.upper[chosen].max() < 1.1 + 1e-5
