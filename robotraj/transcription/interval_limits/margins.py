@@ -32,7 +32,7 @@ Margins = Mapping[LimitedInterval, float]
 
 
 def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
-    """Return the NLP with tighter bounds of controls and of their Bernstein coefficients; functions are shared."""
+    """Return the NLP with tighter bounds of variables and of their Bernstein coefficients; functions are shared."""
     if not margins:
         return nlp
     loose = nlp.loose_rows or nlp.rows
@@ -47,6 +47,10 @@ def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
         for bound, control in phase.rows.bounds_of(phase.dae.controls):
             if bound.number == place.row:
                 variables.tighten(_controls(layout, place.interval)[:, control], lower, upper)
+        for bound, state in phase.rows.bounds_of(phase.dae.states):
+            if bound.number == place.row:
+                # Near a knot the value there decides, more than the inner coefficients. Given ends stay as they are.
+                variables.tighten(layout.knots[place.interval : place.interval + 2, state], lower, upper)
         number = numbers.get(Entry.of(place.phase, row))
         first, last = layout.fractions[place.interval : place.interval + 2]
         inside = (loose.fraction >= first) & (loose.fraction <= last)
