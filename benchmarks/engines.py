@@ -116,7 +116,7 @@ def measure(name: str, runs: int, iterations: int) -> str:
     with tempfile.TemporaryDirectory() as folder:
         compiled = rt.engines.Compiled(cache=Path(folder) / "cache")
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        made = rt.precompile(problem, mesh, engine=compiled)
+        made = rt.planning.precompile(problem, mesh, engine=compiled)
         compiler = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
         engines: dict[str, Any] = {
             "plain": rt.engines.VirtualMachine(),

@@ -13,19 +13,16 @@ from . import (
     transcription,
     witness,
 )
-from ._util.errors import InputError, Interrupted, RobotrajError, UnknownName, ValidationFailed
+from ._util.errors import InputError, RobotrajError, UnknownName, ValidationFailed
 from .dynamics import contacts, design, obstacles, terrain
 from .dynamics.contacts.flat_foot import FlatFoot
-from .dynamics.contacts.line_contact import LineContact
 from .dynamics.contacts.point_contact import PointContact
 from .dynamics.system import System
 from .guess.guess import Guess
 from .native import engines
-from .planning.compilation import precompile
 from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
 from .planning.paths.retime import retime
-from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
 from .planning.problem_files.load import load_problem
 from .planning.replanning.replanner import Replanner
@@ -35,11 +32,10 @@ from .problem.constraints.bounds import between
 from .problem.constraints.clearance import GroundClearance
 from .problem.constraints.collision_free import CollisionFree
 from .problem.constraints.frame_pose import FramePose, FramePosition
-from .problem.constraints.integral import IntegralConstraint
 from .problem.constraints.path import PathConstraint
 from .problem.links.continuity import Continuity
 from .problem.links.periodic import Mirror, Periodic
-from .problem.links.touchdown import Liftoff, Touchdown
+from .problem.links.touchdown import Touchdown
 from .problem.objectives.duration import Duration
 from .problem.objectives.effort import Effort
 from .problem.objectives.expressions import Lagrange, Mayer
@@ -47,8 +43,6 @@ from .problem.phase import Phase
 from .problem.problem import Problem
 from .problem.state import State
 from .replay_page.write import replay
-from .robot.known_robots.catalogue import catalogue
-from .robot.limits import Limits
 from .robot.load import load
 from .robot.robot import Robot
 from .solution.errors import NoSolutionFound
@@ -77,14 +71,9 @@ __all__ = [
     "Guess",
     "HermiteSimpson",
     "InputError",
-    "IntegralConstraint",
     "InteriorPoint",
-    "Interrupted",
     "Ipopt",
     "Lagrange",
-    "Liftoff",
-    "Limits",
-    "LineContact",
     "Mayer",
     "Mesh",
     "Mirror",
@@ -103,9 +92,7 @@ __all__ = [
     "Touchdown",
     "UnknownName",
     "ValidationFailed",
-    "Waypoints",
     "between",
-    "catalogue",
     "constraints",
     "contacts",
     "design",
@@ -124,7 +111,6 @@ __all__ = [
     "obstacles",
     "plan",
     "planning",
-    "precompile",
     "refinement",
     "replay",
     "retime",

@@ -68,7 +68,7 @@ def phase_of(entry: Mapping[str, Any]) -> rt.Phase:
         for text, limits in entry.get("at_end", {}).items()
     ]
     rows += [
-        rt.IntegralConstraint(along(text), *map(number, limits), name=text)
+        rt.constraints.IntegralConstraint(along(text), *map(number, limits), name=text)
         for text, limits in entry.get("integral", {}).items()
     ]
     duration = entry["T"]

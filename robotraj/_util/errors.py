@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any
 
 
@@ -46,24 +46,6 @@ class ValidationFailed(RobotrajError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (str(self), self.report)
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C stopped work on many problems; ``found`` holds the solutions so far.
-
-    Attributes
-    ----------
-    found : dict of int to robotraj.Solution
-        Solutions by the number of their problem.
-    """
-
-    def __init__(self, found: Mapping[int, Any], count: int) -> None:
-        super().__init__(f"Interrupted with {len(found)} of {count} done; they are in this error's `found`.")
-        self.found = found
-        self.count = count
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.found, self.count)
 
 
 def require_solution(value: object, what: str) -> None:

@@ -8,8 +8,10 @@ from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
+from .many.workers import Interrupted
 from .paths.joint_path import as_path
 from .paths.retime import retime
+from .paths.waypoints import Waypoints
 from .plan import plan
 from .problem_files.problem_file import ProblemFile
 from .replanning.driven import driven
@@ -19,6 +21,7 @@ from .settings import Restarts, Settings
 __all__ = [
     "Compilation",
     "ContinuationStep",
+    "Interrupted",
     "Kinematic",
     "Multistart",
     "Optimum",
@@ -26,6 +29,7 @@ __all__ = [
     "Replan",
     "Restarts",
     "Settings",
+    "Waypoints",
     "as_path",
     "driven",
     "multistart",

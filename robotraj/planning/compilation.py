@@ -73,9 +73,9 @@ def precompile(
     if isinstance(problem, Phase):
         problem = Problem([problem])
     if not isinstance(problem, Problem):
-        raise InputError(f"rt.precompile takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
+        raise InputError(f"rt.planning.precompile takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
     if engine is not None and not isinstance(engine, Compiled):
-        raise InputError(f"engine= of rt.precompile is an rt.engines.Compiled(); got {engine!r}.")
+        raise InputError(f"engine= of rt.planning.precompile is an rt.engines.Compiled(); got {engine!r}.")
     engine = replace(engine or Compiled(), wait=True)
     nlp = transcribe(problem, mesh or Mesh(), engine=engine)
     cache = engine.open_cache()

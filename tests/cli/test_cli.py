@@ -68,7 +68,7 @@ def test_plan_without_limits_imposes_none(here: Path) -> None:
 
 
 def test_a_urdf_path_is_a_robot(here: Path) -> None:
-    urdf = next(entry.urdf for entry in rt.catalogue() if entry.name == "pendulum")
+    urdf = next(entry.urdf for entry in rt.robot.catalogue() if entry.name == "pendulum")
     assert "pivot" in succeed("show", urdf)
     said = succeed("plan", urdf, "--to", "1", "--duration", "1:3")
     assert "1 .. 3" in said and "PASSED" in said
@@ -108,7 +108,7 @@ def test_what_a_file_cannot_hold_is_a_note(here: Path) -> None:
 
 def test_robots_lists_the_catalogue() -> None:
     said = succeed("robots")
-    for entry in rt.catalogue():
+    for entry in rt.robot.catalogue():
         assert f" {entry.name} " in said
     found = succeed("robots", "cart-pole")
     assert "1 robot" in found and "cartpole" in found and "ur5" not in found

@@ -35,7 +35,7 @@ def test_all_feet_stand_for_their_share(dog: rt.Robot) -> None:
         pytest.approx(b) for b in ((0.1, 0.2),) + ((0.2, 0.4),) * 2
     ]
     assert [type(link) for link in problem.links] == [
-        rt.Liftoff,
+        rt.links.Liftoff,
         rt.Continuity,
         rt.Mirror,
         rt.links.Linkage,

@@ -81,14 +81,14 @@ def test_double_support_comes_first_and_is_landed_on_at_rest(biped: rt.Robot) ->
         (0.15, 0.3),
         (pytest.approx(0.45), pytest.approx(0.9)),
     ]
-    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Mirror, rt.links.Linkage]
+    assert [type(link) for link in problem.links] == [rt.links.Liftoff, rt.Mirror, rt.links.Linkage]
 
 
 def test_a_run_has_a_flight(biped: rt.Robot) -> None:
     problem = gait.run(biped, step_length=0.8, duration=0.5, flight=0.4)
     assert [phase.name for phase in problem.phases] == ["stance", "flight"]
     assert isinstance(problem.phases[1], gait.Flight)
-    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Touchdown]
+    assert [type(link) for link in problem.links] == [rt.links.Liftoff, rt.Touchdown]
     assert sum(phase.duration_bounds[0] for phase in problem.phases) == pytest.approx(0.5)
 
 
@@ -114,7 +114,7 @@ def test_a_jump_starts_and_ends_standing_still(dog: rt.Robot) -> None:
     q = gait.stand(dog)
     np.testing.assert_allclose(problem.phases[0].start_bounds.lower[:19], q)
     np.testing.assert_allclose(problem.phases[2].end_bounds.lower[:19] - q, [0.2, *np.zeros(18)], atol=1e-12)
-    assert [type(link) for link in problem.links] == [rt.Liftoff, rt.Touchdown]
+    assert [type(link) for link in problem.links] == [rt.links.Liftoff, rt.Touchdown]
 
 
 def test_upright_adds_rows_and_can_be_omitted(dog: rt.Robot) -> None:

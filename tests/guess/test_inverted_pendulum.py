@@ -71,7 +71,7 @@ def test_fixed_footholds_are_reached() -> None:
         phase(("FL_FOOT", "HR_FOOT")),
         phase(every, parameters={f"{foot}.x": x for foot, x in spots.items()}),
     ]
-    problem = rt.Problem(phases, [rt.Liftoff(0, 1), rt.Continuity(1, 2)])
+    problem = rt.Problem(phases, [rt.links.Liftoff(0, 1), rt.Continuity(1, 2)])
     guess = default_guess(problem).prepared(problem)
     for i, share in ((1, 1.0), (2, 0.0), (2, 1.0)):
         x = guess.of(phases[i], i).states(np.array([share]))[0]

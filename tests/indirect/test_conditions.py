@@ -111,7 +111,7 @@ def test_integral_constraints_weigh_in_the_hamiltonian() -> None:
     # x'' = u, least u^2 / 2 with the integral of x held at 0.6: u = -lambda_v, H = -72.
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     effort = rt.Lagrange(lambda point: 0.5 * point.u["u"] ** 2)
-    held = rt.IntegralConstraint(lambda point: point.x["x"], 0.6, 0.6, name="area")
+    held = rt.constraints.IntegralConstraint(lambda point: point.x["x"], 0.6, 0.6, name="area")
     solution = rt.plan(rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), effort, [held]), rt.Mesh(20))
     report = rt.indirect.conditions(solution)
     assert report.passed, str(report)
@@ -127,7 +127,7 @@ def test_integral_constraints_weigh_in_the_hamiltonian() -> None:
 def test_an_integral_of_controls_is_no_row_at_an_end(mesh: rt.Mesh) -> None:
     # Least T where the integral of u^2, at least 12 / T^3, is at most 5: H = -1, and dT/d5 = -T / 15.
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
-    energy = rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=5.0, name="energy")
+    energy = rt.constraints.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=5.0, name="energy")
     phase = rt.Phase(block, (0.1, 20), rt.State([0, 0]), rt.State([1, 0]), rt.Duration(), [energy])
     solution = rt.plan(phase, mesh)
     report = rt.indirect.conditions(solution)

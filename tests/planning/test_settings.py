@@ -42,7 +42,7 @@ def robot(name: str, **options: object) -> rt.Problem:
         chain(2, 1),
         chain(3, 1),
         chain(2, 1, parameters={"m": rt.between(1, 2)}),
-        chain(2, 1, constraints=[rt.IntegralConstraint(lambda p: p.x["x0"], upper=3.0)]),
+        chain(2, 1, constraints=[rt.constraints.IntegralConstraint(lambda p: p.x["x0"], upper=3.0)]),
         robot("ur5"),
         robot("cartpole"),
         robot("solo12", root="floating"),
@@ -71,7 +71,7 @@ def test_narrow_stages_of_robots_take_bernstein_bounds_and_corners_do_not() -> N
 
 def test_an_integral_over_an_arms_motion_widens_every_stage() -> None:
     arm = rt.load("cartpole")
-    budget = rt.IntegralConstraint(lambda p: p.tau[0] ** 2, upper=100.0, name="heat")
+    budget = rt.constraints.IntegralConstraint(lambda p: p.tau[0] ** 2, upper=100.0, name="heat")
     bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
     assert isinstance(resolve(bounded, {"mesh": rt.Mesh()}).interval_limits, rt.interval_limits.ConstraintGeneration)
     # Every later stage carries the value of the integral so far.

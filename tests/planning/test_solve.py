@@ -33,7 +33,7 @@ def below(bound: float) -> rt.PathConstraint:
     "other",
     [
         lambda: rt.AtEnd(rt.PathConstraint(lambda p: p.x["x"] + 0.1 * p.x["v"], upper=0.1)),
-        lambda: rt.IntegralConstraint(lambda p: p.x["x"], upper=0.2, name="path constraint"),
+        lambda: rt.constraints.IntegralConstraint(lambda p: p.x["x"], upper=0.2, name="path constraint"),
         lambda: rt.PathConstraint(lambda p: p.u["u"], lower=-100, upper=100),
     ],
     ids=["at the end", "integral", "of a control"],

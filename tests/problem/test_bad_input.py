@@ -372,7 +372,9 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         ["Phase 'phase'", "constraint 'power'", "AttributeError", "'w'"],
     ),
     "expression of an integral that fails": (
-        lambda: block(constraints=[rt.IntegralConstraint(lambda point: min(point.u["u"], 0), upper=1, name="work")]),
+        lambda: block(
+            constraints=[rt.constraints.IntegralConstraint(lambda point: min(point.u["u"], 0), upper=1, name="work")]
+        ),
         rt.InputError,
         ["Phase 'phase'", "constraint 'work'", "casadi.fmin"],
     ),

@@ -151,7 +151,7 @@ def test_a_loaded_solution_warm_starts_and_proves_like_the_first(cartpole: rt.So
 
 def test_the_file_contains_the_model_so_the_urdf_may_be_deleted(tmp_path: Path) -> None:
     urdf = tmp_path / "mine.urdf"
-    text = next(entry.urdf for entry in rt.catalogue() if entry.name == "block").read_text()
+    text = next(entry.urdf for entry in rt.robot.catalogue() if entry.name == "block").read_text()
     urdf.write_text(text.replace('robot name="block"', 'robot name="mine"'))
     robot = rt.load(urdf)
     phase = rt.Phase(robot, duration=5.0, start=rt.State(q=0, v=0), end=rt.State(q=1, v=0), objective=rt.Effort())

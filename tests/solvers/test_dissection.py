@@ -21,7 +21,7 @@ PUSH = rt.Phase(
     rt.State([1, 0]),
     rt.Duration(),
     controls={"u": rt.between(-1, 1)},
-    constraints=[rt.IntegralConstraint(lambda p: p.u["u"] ** 2, upper=0.5)],
+    constraints=[rt.constraints.IntegralConstraint(lambda p: p.u["u"] ** 2, upper=0.5)],
 )
 
 

@@ -17,7 +17,7 @@ def solved(**options):
 
 @pytest.mark.parametrize("assembled", [False, True])
 def test_affine_offsets_are_those_of_a_new_reduction(assembled):
-    constraints = [rt.IntegralConstraint(lambda point: point.v[0] ** 2, upper=10.0)] if assembled else []
+    constraints = [rt.constraints.IntegralConstraint(lambda point: point.v[0] ** 2, upper=10.0)] if assembled else []
     formulation = solved(constraints=constraints)
     layout = formulation.nlp.layouts[0]
     columns = np.concatenate([layout.knots[0], layout.knots[-1]])

@@ -130,7 +130,7 @@ def from_rest(walk: Walk, robot: rt.Robot) -> tuple[rt.Problem, list[rt.Mesh]]:
         meshes.append(rt.Mesh(FROM_REST.get(walk.robot, swing) if swinging else 1 if last else stance))
         for foot in swinging:
             places[foot][0] += length
-    links = [rt.Liftoff(i, i + 1) if not plan[i][0] else rt.Continuity(i, i + 1) for i in range(len(plan) - 1)]
+    links = [rt.links.Liftoff(i, i + 1) if not plan[i][0] else rt.Continuity(i, i + 1) for i in range(len(plan) - 1)]
     return rt.Problem(phases, links), meshes
 
 

@@ -32,7 +32,7 @@ def compile_functions(
 
     For a saved solution: the functions of its problem, on any mesh and between any ends. For a robot: those of motions
     from rest to rest, of least effort and of least duration, as 'robotraj plan ROBOT --compiled' plans them. Problems
-    with contacts, path constraints or other objectives have other functions; compile them by rt.precompile.
+    with contacts, path constraints or other objectives have other functions; compile them by rt.planning.precompile.
     """
     from robotraj.planning.compilation import precompile
     from robotraj.transcription.schemes.control import LinearControl
@@ -50,7 +50,9 @@ def _of_file(path: str) -> Problem:
 
     problem = load_solution(path).problem
     if problem.missing:
-        raise InputError(f"{path} holds no Python functions, and its problem needs some; compile it by rt.precompile.")
+        raise InputError(
+            f"{path} holds no Python functions, and its problem needs some; compile it by rt.planning.precompile."
+        )
     return problem
 
 

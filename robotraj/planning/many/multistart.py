@@ -11,14 +11,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from robotraj._util.errors import InputError, Interrupted
+from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess, default_guess, other_guess
 from robotraj.planning.many.local_optima import equal_objectives, same_optimum
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import attach, check_options, detach
-from robotraj.planning.many.workers import run
+from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -8,8 +8,8 @@ from dataclasses import replace
 from inspect import signature
 from typing import TYPE_CHECKING, cast
 
-from robotraj._util.errors import InputError, Interrupted, unknown_name
-from robotraj.planning.many.workers import run
+from robotraj._util.errors import InputError, unknown_name
+from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -10,19 +10,37 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import cloudpickle
 
-from robotraj._util.errors import InputError, Interrupted, RobotrajError
+from robotraj._util.errors import InputError, RobotrajError
 
 S = TypeVar("S")
 T = TypeVar("T")
 R = TypeVar("R")
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C stopped work on many problems; ``found`` holds the solutions so far.
+
+    Attributes
+    ----------
+    found : dict of int to robotraj.Solution
+        Solutions by the number of their problem.
+    """
+
+    def __init__(self, found: Mapping[int, Any], count: int) -> None:
+        super().__init__(f"Interrupted with {len(found)} of {count} done; they are in this error's `found`.")
+        self.found = found
+        self.count = count
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.found, self.count)
 
 
 def run(

@@ -45,7 +45,7 @@ class PathConstraint(Constraint):
 
     Notes
     -----
-    A point holds the variables at one instant. The expressions of ``rt.PathConstraint``, ``rt.IntegralConstraint`` and
+    A point holds the variables at one instant. The expressions of ``rt.PathConstraint``, ``rt.constraints.IntegralConstraint`` and
     ``rt.Lagrange``, and the equations of ``rt.System``, are functions of a point.
 
     ================================  ======================================================================

@@ -100,7 +100,7 @@ def standing(robot: rt.Robot) -> Any:
             rt.FlatFoot("left_sole_link", 0.2, 0.12),
             rt.FlatFoot("right_sole_link", 0.2, 0.12, sole=rt.contacts.FourCorners()),
         ],
-        [rt.LineContact(f"{side}_sole_link", 0.12, offset=(0.1, 0.0, 0.0)) for side in ("left", "right")],
+        [rt.contacts.LineContact(f"{side}_sole_link", 0.12, offset=(0.1, 0.0, 0.0)) for side in ("left", "right")],
     ],
     ids=["flat", "toes"],
 )

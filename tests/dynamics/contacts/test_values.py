@@ -18,7 +18,7 @@ VALUES = [
     ),
     rt.FlatFoot("foot", np.array([0.1, 0.2]), 0.1, sole=rt.contacts.FourCorners(), normal=[0, 0, 2], forward=[1, 0, 0]),
     rt.FlatFoot("foot", 0.2, 0.1, sole=rt.contacts.PressureAndTorsion(rt.contacts.Linearised(6), radius=0.02)),
-    rt.LineContact("foot", 0.1, direction=np.array([0.0, 3.0, 0.0])),
+    rt.contacts.LineContact("foot", 0.1, direction=np.array([0.0, 3.0, 0.0])),
     rt.contacts.LoopClosure("left", "right", rigid=True),
 ]
 

@@ -33,7 +33,7 @@ def test_a_sole_on_stairs_lies_on_one_tread(kind: str) -> None:
             rt.FlatFoot("FL_FOOT", (0.05, 0.15), 0.1, ground=STEPS),
             [[-0.05, -0.05], [-0.05, 0.05], [0.15, -0.05], [0.15, 0.05]],
         ),
-        "edge": (rt.LineContact("FL_FOOT", 0.1, ground=STEPS), [[0.0, -0.05], [0.0, 0.05]]),
+        "edge": (rt.contacts.LineContact("FL_FOOT", 0.1, ground=STEPS), [[0.0, -0.05], [0.0, 0.05]]),
         "point": (rt.PointContact("FL_FOOT", ground=STEPS), [[0.0, 0.0]]),
     }[kind]
     random, allowed = np.random.default_rng(2), 0

@@ -77,7 +77,7 @@ def test_a_budget_too_small_is_named_with_the_least_one(duration: float | tuple[
     # From rest to rest over 1 m within T the integral of the squared acceleration is at least 12 / T^3.
     system = rt.System(states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]])
     effort = lambda point: point.u["u"] ** 2  # noqa: E731
-    budget = rt.IntegralConstraint(effort, upper=6.0, name="budget")
+    budget = rt.constraints.IntegralConstraint(effort, upper=6.0, name="budget")
     ends = rt.State({"x": 0, "v": 0}), rt.State({"x": 1, "v": 0})
     phase = rt.Phase(system, duration, *ends, rt.Lagrange(effort), constraints=[budget])
     conflict = rt.plan(phase, rt.Mesh(20), check=False).conflicts[0]

@@ -206,7 +206,7 @@ class PressedAt(Executor):
 
 
 def test_ctrl_c_keeps_the_solutions_that_were_there() -> None:
-    with pytest.raises(rt.Interrupted, match="3 of 4 done") as stopped:
+    with pytest.raises(rt.planning.Interrupted, match="3 of 4 done") as stopped:
         rt.sweep(moves(), executor=PressedAt(3), mesh=MESH)
     found = stopped.value.found
     assert sorted(found) == [0, 1, 3]
@@ -221,7 +221,7 @@ def test_ctrl_c_does_not_wait_for_fresh_processes() -> None:
     pressed.start()
     began = time.monotonic()
     try:
-        with pytest.raises(rt.Interrupted):
+        with pytest.raises(rt.planning.Interrupted):
             run(_slow, None, [20.0] * 6, None)
     finally:
         pressed.cancel()
@@ -244,7 +244,7 @@ def test_ctrl_c_while_tasks_are_handed_over() -> None:
             future.result()
             return future
 
-    with Pressed(1) as executor, pytest.raises(rt.Interrupted) as pressed:
+    with Pressed(1) as executor, pytest.raises(rt.planning.Interrupted) as pressed:
         run(_twice, None, [1.0, 2.0, 3.0], executor, None)
     assert pressed.value.found == {0: 2.0, 1: 4.0} and "3" in str(pressed.value)
 

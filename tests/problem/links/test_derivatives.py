@@ -20,7 +20,7 @@ CART = rt.System(
 
 def problem() -> tuple[rt.Problem, list[rt.Mesh]]:
     """Every kind of link on three phases of other meshes and schemes, with an integral row."""
-    spent = rt.IntegralConstraint(lambda point: point.u["u"] ** 2 * point.p["m"], upper=9.0)
+    spent = rt.constraints.IntegralConstraint(lambda point: point.u["u"] ** 2 * point.p["m"], upper=9.0)
     phases = [
         rt.Phase(
             CART,

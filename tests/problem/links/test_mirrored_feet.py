@@ -30,7 +30,7 @@ def test_a_foot_without_a_partner_is_refused(walker: rt.Robot) -> None:
 def test_it_is_refused_where_a_flight_closes_the_gait(walker: rt.Robot) -> None:
     phases = [standing(walker, "left_foot"), standing(walker)]
     with pytest.raises(rt.InputError, match="contact 'left_foot'"):
-        rt.Problem(phases, [rt.Liftoff(0, 1), rt.Touchdown(1, 0, repeat=legs())])
+        rt.Problem(phases, [rt.links.Liftoff(0, 1), rt.Touchdown(1, 0, repeat=legs())])
 
 
 def test_feet_that_are_named_are_imposed_where_they_newly_stand(walker: rt.Robot) -> None:

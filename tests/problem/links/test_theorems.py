@@ -158,7 +158,7 @@ def test_an_integral_is_held_and_bounds_that_are_met_do_not_cost() -> None:
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
 
     def cost(*bounds: float | None) -> float:
-        area = rt.IntegralConstraint(lambda point: point.x["x"], *bounds, name="area", unit="m s")
+        area = rt.constraints.IntegralConstraint(lambda point: point.x["x"], *bounds, name="area", unit="m s")
         effort = rt.Lagrange(lambda point: point.u["u"] ** 2)
         phase = rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), effort, [area])
         return rt.plan(phase, rt.Mesh(5), solver=rt.Ipopt(1e-11)).objective
@@ -172,7 +172,7 @@ def test_an_integral_is_held_and_bounds_that_are_met_do_not_cost() -> None:
 def test_an_integral_holds_in_its_own_phase_alone(push: Any) -> None:
     """The first second may spend 1e-4, and so ends where it began at w = 0.005; the second pays for the rest."""
     spent, w = 1e-4, 0.005
-    little = rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=spent, name="energy")
+    little = rt.constraints.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=spent, name="energy")
     phases = [push.phase(1.0, [0, 0], {"x": 0}, constraints=[little]), push.phase(1.0, None, [1, 0])]
     solution = push.plan(phases, [rt.Continuity(0, 1)])
     assert solution.objective == pytest.approx(spent + push.cost(1 - w, -w), rel=1e-7)

@@ -12,11 +12,11 @@ from robotraj.robot.known_robots.catalogue import find
 
 @pytest.fixture
 def limits():
-    return rt.Limits(("hip", "knee"), [-1, -2], [1, 2], [3, 3], [np.inf, np.inf], [10, 20])
+    return rt.robot.Limits(("hip", "knee"), [-1, -2], [1, 2], [3, 3], [np.inf, np.inf], [10, 20])
 
 
 def test_values_above_1e20_are_no_limits():
-    limits = rt.Limits(("a", "b"), [-1.8e308, -1], [1.8e308, 1e19], [1e30, 1], [2e20, 1], [np.inf, 1e20])
+    limits = rt.robot.Limits(("a", "b"), [-1.8e308, -1], [1.8e308, 1e19], [1e30, 1], [2e20, 1], [np.inf, 1e20])
     np.testing.assert_array_equal(limits.position_lower, [-np.inf, -1])
     np.testing.assert_array_equal(limits.position_upper, [np.inf, 1e19])
     np.testing.assert_array_equal(limits.velocity, [np.inf, 1])
@@ -28,7 +28,7 @@ def test_pinocchios_unbounded_joints_are_infinite():
     model = pin.Model()
     model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "free")
     assert model.upperPositionLimit[0] > 1e300
-    limits = rt.Limits.of(model)
+    limits = rt.robot.Limits.of(model)
     for values in (limits.position_upper, -limits.position_lower, limits.velocity, limits.effort):
         assert np.isposinf(values[0])
 
@@ -37,7 +37,7 @@ def test_the_lower_velocity_limit_of_pinocchio_41_is_not_believed():
     model = pin.buildSampleModelManipulator()
     model.upperVelocityLimit[:] = 2.0
     model.lowerVelocityLimit[:] = 2.0  # the sign that Pinocchio 4.1 writes
-    np.testing.assert_array_equal(rt.Limits.of(model).velocity, np.full(model.nv, 2.0))
+    np.testing.assert_array_equal(rt.robot.Limits.of(model).velocity, np.full(model.nv, 2.0))
 
 
 def test_a_tighter_lower_effort_limit_holds_both_ways():
@@ -45,13 +45,13 @@ def test_a_tighter_lower_effort_limit_holds_both_ways():
     model.upperEffortLimit[:] = 5.0
     model.lowerEffortLimit[:] = -5.0
     model.lowerEffortLimit[1] = -2.0
-    np.testing.assert_array_equal(rt.Limits.of(model).effort, [5, 2, 5, 5, 5, 5])
+    np.testing.assert_array_equal(rt.robot.Limits.of(model).effort, [5, 2, 5, 5, 5, 5])
 
 
 def test_limits_are_copies_that_cannot_be_written():
     model = pin.buildSampleModelManipulator()
     model.upperVelocityLimit[:] = 2.0
-    limits = rt.Limits.of(model)
+    limits = rt.robot.Limits.of(model)
     model.upperVelocityLimit[:] = 9.0
     assert limits.velocity[0] == 2.0
     with pytest.raises(ValueError, match="read-only"):
@@ -117,7 +117,7 @@ def test_bad_overrides_are_named(limits, changes, parts):
 
 def test_a_limit_per_joint_is_needed():
     with pytest.raises(rt.InputError, match=r"Limits.velocity has 1 values; give one per joint, 2"):
-        rt.Limits(("a", "b"), [0, 0], [1, 1], [1], [1, 1], [1, 1])
+        rt.robot.Limits(("a", "b"), [0, 0], [1, 1], [1], [1, 1], [1, 1])
 
 
 def test_sound_limits_give_no_warning(limits):
@@ -139,7 +139,7 @@ def test_sound_limits_give_no_warning(limits):
 )
 def test_each_fault_is_one_sentence_of_its_joint_with_the_cure(limits, changes, part):
     values = {name: getattr(limits, name) for name in limits.__dataclass_fields__} | changes
-    warnings = rt.Limits(**values).warnings()
+    warnings = rt.robot.Limits(**values).warnings()
     assert len(warnings) == 1
     assert "'hip'" in warnings[0]
     assert part in warnings[0]

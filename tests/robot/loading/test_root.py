@@ -167,7 +167,7 @@ def test_what_a_joint_has_stays_with_it(root):
     for name in ("armature", "damping", "upperDryFrictionLimit"):
         np.testing.assert_array_equal(getattr(robot.model, name), np.append(np.zeros(first), getattr(model, name)))
     np.testing.assert_array_equal(robot.model.gravity.linear, [0, 0, -1.62])
-    np.testing.assert_array_equal(robot.limits.position_upper[first:], rt.Limits.of(model).position_upper)
+    np.testing.assert_array_equal(robot.limits.position_upper[first:], rt.robot.Limits.of(model).position_upper)
 
 
 @pytest.mark.parametrize("root", ["planar", "floating"])

@@ -24,7 +24,7 @@ def length(point: Any) -> Any:
 def rope(objective: Any = None) -> rt.Phase:
     """A curve of a given length: the rates are exact whatever the slope, the length is not."""
     system = rt.System(["y"], ["slope"], lambda point: [point.u["slope"]])
-    held = rt.IntegralConstraint(length, LENGTH, LENGTH, name="length")
+    held = rt.constraints.IntegralConstraint(length, LENGTH, LENGTH, name="length")
     return rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), objective, [held])
 
 

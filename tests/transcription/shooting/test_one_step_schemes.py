@@ -306,7 +306,7 @@ DAE = rt.System(
             "slacks at collocation points, which",
         ),
         (
-            phase_of(constraints=[rt.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=9)]),
+            phase_of(constraints=[rt.constraints.IntegralConstraint(lambda point: point.u["u"] ** 2, upper=9)]),
             rt.Mesh(4, rt.schemes.CompressedHermiteSimpson()),
             "bounds an integral",
         ),

@@ -354,7 +354,7 @@ SOLE = "left_sole_link"
     [
         rt.PointContact(SOLE, offset=(0.1, 0.02, 0.0)),
         rt.FlatFoot(SOLE, length=0.2, width=0.1),
-        rt.LineContact(SOLE, width=0.1),
+        rt.contacts.LineContact(SOLE, width=0.1),
         rt.contacts.LoopClosure(SOLE, "right_sole_link", rigid=True),
     ],
     ids=lambda contact: type(contact).__name__,

@@ -95,7 +95,7 @@ def test_soles_and_edges_lie_on_the_ground(monopod, ground, tolerance):
     sole = rt.FlatFoot("foot", length=(0.05, 0.15), width=0.08, ground=ground, **axes)
     corners = distances(monopod, sole, q)
     assert len(corners) == 4 and np.abs(corners).max() < 1e-9
-    edge = rt.LineContact("foot", width=0.1, ground=ground, direction=(0, 1, 0))
+    edge = rt.contacts.LineContact("foot", width=0.1, ground=ground, direction=(0, 1, 0))
     ends = distances(monopod, edge, q)
     assert len(ends) == 2 and np.abs(ends).max() < 1e-9
 

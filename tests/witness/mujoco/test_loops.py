@@ -52,7 +52,7 @@ def test_loops_stay_closed(four_bar):
         four_bar, [rt.contacts.LoopClosure("end", "pivot")], "closed", duration=0.2, start=rt.State(q=angles(-1.0), v=0)
     )
     opened = swing(four_bar, [], "opened", duration=0.2)
-    problem = rt.Problem([closed, opened], links=[rt.Liftoff(0, 1)])
+    problem = rt.Problem([closed, opened], links=[rt.links.Liftoff(0, 1)])
     solution = rt.plan(problem, mesh=rt.Mesh(4, rt.HermiteSimpson()), check=False)
     with pytest.raises(InputError, match="Phase 'opened' opens the loop 'end-pivot'"):
         rt.witness.second_opinion(solution)
