@@ -113,7 +113,7 @@ def _place(robot: Robot, place: Place, number: int) -> np.ndarray | Constraint:
         q = np.zeros(0)
     if q.shape != (robot.nq,) or not np.isfinite(q).all():
         raise InputError(
-            f"Place {number} of rt.planning.Waypoints is {place!r}; give {robot.nq} joint positions, or a constraint such as "
-            "rt.FramePose(frame, pose)."
+            f"Place {number} of rt.planning.Waypoints is {place!r}; give {robot.nq} joint positions, or a constraint "
+            "such as rt.FramePose(frame, pose)."
         )
     return q

@@ -45,8 +45,8 @@ class PathConstraint(Constraint):
 
     Notes
     -----
-    A point holds the variables at one instant. The expressions of ``rt.PathConstraint``, ``rt.constraints.IntegralConstraint`` and
-    ``rt.Lagrange``, and the equations of ``rt.System``, are functions of a point.
+    A point holds the variables at one instant. The expressions of ``rt.PathConstraint``,
+    ``rt.constraints.IntegralConstraint`` and ``rt.Lagrange``, and the equations of ``rt.System``, are functions of a point.
 
     ================================  ======================================================================
     point.t                           time [s]
