@@ -46,7 +46,8 @@ class PathConstraint(Constraint):
     Notes
     -----
     A point holds the variables at one instant. The expressions of ``rt.PathConstraint``,
-    ``rt.constraints.IntegralConstraint`` and ``rt.Lagrange``, and the equations of ``rt.System``, are functions of a point.
+    ``rt.constraints.IntegralConstraint`` and ``rt.Lagrange`` are functions of a point, and so are the equations of
+    ``rt.System``.
 
     ================================  ======================================================================
     point.t                           time [s]
