@@ -65,7 +65,7 @@ VALUES: tuple[Any, ...] = (
 """What is put in the place of a value."""
 
 
-def good_files(folder: Path) -> list[Path]:
+def good_files(folder: Path, solver: rt.InteriorPoint | None = None) -> list[Path]:
     """Save plans of a robot with a proof and gains, a System, an arm among obstacles, and a leg with contacts."""
     block = rt.System(
         states=["x", "v"], controls=["u"], dynamics=lambda point: [point.x["v"], point.u["u"]], name="block"
@@ -82,9 +82,12 @@ def good_files(folder: Path) -> list[Path]:
         name="stand",
     )
     plans = {
-        "proved": rt.plan(rt.Phase(pendulum, 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())),
+        "proved": rt.plan(rt.Phase(pendulum, 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort()), solver=solver),
         "system": rt.plan(
-            rt.Phase(block, 1.0, *ends, rt.Lagrange(lambda point: point.u["u"] ** 2)), mesh=rt.Mesh(4), check=False
+            rt.Phase(block, 1.0, *ends, rt.Lagrange(lambda point: point.u["u"] ** 2)),
+            mesh=rt.Mesh(4),
+            solver=solver,
+            check=False,
         ),
         "obstacles": rt.plan(
             rt.Phase(
@@ -96,9 +99,10 @@ def good_files(folder: Path) -> list[Path]:
                 constraints=[rt.CollisionFree([box])],
             ),
             mesh=rt.Mesh(4),
+            solver=solver,
             check=False,
         ),
-        "contacts": rt.plan(stand, mesh=rt.Mesh(3), check=False, solver=rt.InteriorPoint(max_iterations=5)),
+        "contacts": rt.plan(stand, mesh=rt.Mesh(3), check=False, solver=solver or rt.InteriorPoint(max_iterations=5)),
     }
     _ = plans["proved"].gains
     return [solution.save(folder / f"{name}.npz") for name, solution in plans.items()]

@@ -113,6 +113,15 @@ def good_urdf(rng: np.random.Generator) -> Element:
     return root
 
 
+def unchanged_urdf(seed: int) -> bytes:
+    """Return a random tree whose moving joints have one degree of freedom; every one loads."""
+    root = good_urdf(np.random.default_rng(seed))
+    for joint in root.findall("joint"):
+        if joint.get("type") in ("floating", "planar"):
+            joint.set("type", "fixed")
+    return ElementTree.tostring(root)
+
+
 def hostile_urdf(seed: int) -> bytes:
     """Return a URDF with random changes."""
     rng = np.random.default_rng([2022, seed])
