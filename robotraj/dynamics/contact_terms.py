@@ -13,12 +13,12 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contact_expressions import ContactExpressions, anchors, pinned, transposed_jacobian_product
 from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.holding import ContactExpressions, anchors, pinned, transposed_jacobian_product
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.native.shared_terms import Added, Addend, positions_in
-from robotraj.robot.memory import PerRobot
+from robotraj.robot.per_robot import PerRobot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

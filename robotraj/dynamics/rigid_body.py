@@ -18,9 +18,9 @@ import numpy as np
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contact_expressions import contact_terms_of, correct, hold, pinned
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.dae import TimeOrders
-from robotraj.dynamics.holding import contact_terms_of, correct, hold, pinned
 from robotraj.dynamics.motors_and_friction import joint_forces
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Column, Named, Variable
@@ -164,7 +164,7 @@ class RigidBody(OneLine):
         return ca.vertcat(ca.SX(0, 1), *quaternion, *hold(self.contacts, point))
 
     def correction(self, point: RobotPoint, c: ca.SX) -> ca.SX:
-        """Return W c: along the quaternion, and along the directions of ``holding.correct`` for contacts.
+        """Return W c: along the quaternion, and along the directions of ``contact_expressions.correct`` for contacts.
 
         The quaternion changes by s(c) times itself, s(c) = c / sqrt(1 + (c / L)^2), with L = ``LONGEST_STRETCH``. Since
         |s| < L < 1, no correction changes a quaternion's sign, which would count as a full turn.

@@ -11,7 +11,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.violation import Side, Violation, violated
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.table import Scalars
+from robotraj.transcription.scalar_table import Scalars
 
 Array = NDArray[np.float64]
 

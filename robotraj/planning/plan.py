@@ -35,7 +35,7 @@ from robotraj.solvers.base import Solver
 from robotraj.solvers.checks import above_zero
 from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.refinement.strategy import Refinement
+from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.shooting import Shooting
 
@@ -204,7 +204,7 @@ def plan(
         warn_of_long_shooting(problem, settings.mesh)
     first = problem.phases[0]
     if any(each.avoids_collisions for each in first.constraints):
-        from robotraj.problem.clearance.ends import check_moving_obstacles
+        from robotraj.problem.clearance.end_checks import check_moving_obstacles
 
         ends = {Where.START: first.start_bounds, Where.END: first.end_bounds}
         check_moving_obstacles(first.name, first.constraints, first.robot, ends, first.duration_bounds)

@@ -18,8 +18,8 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
+from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
-from robotraj.transcription.refinement.strategy import Assessment, Refinement
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep

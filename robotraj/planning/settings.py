@@ -16,9 +16,9 @@ from robotraj._util.printing import as_call
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
-from robotraj.planning import conditions as when
-from robotraj.planning.conditions import Case, Condition
+from robotraj.planning import setting_conditions as when
 from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, ProportionalMeshes, graded
+from robotraj.planning.setting_conditions import Case, Condition
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
@@ -27,9 +27,9 @@ from robotraj.solvers.base import Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
+from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
-from robotraj.transcription.refinement.orders import SplitOrRaise
-from robotraj.transcription.refinement.strategy import Refinement
+from robotraj.transcription.refinement.raise_order import SplitOrRaise
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 

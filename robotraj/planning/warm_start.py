@@ -32,7 +32,7 @@ from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.compressed import CompressedHermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
-from robotraj.transcription.shooting.problem import explicit
+from robotraj.transcription.shooting.explicit_dynamics import explicit
 
 NEAR = 0.1
 """Largest violation of a scaled row at a guess from another problem whose multipliers are used."""

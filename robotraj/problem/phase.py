@@ -130,7 +130,7 @@ class Phase(OneLine):
         if self.robot is None:
             return
         if any(each.avoids_collisions for each in self.constraints):
-            from robotraj.problem.clearance.ends import check_ends
+            from robotraj.problem.clearance.end_checks import check_ends
 
             check_ends(self.name, self.constraints, self.robot, self._ends)
         if self.bound_design is None:
@@ -284,7 +284,7 @@ class Phase(OneLine):
         objective = str(self.objective or "none: any feasible motion")
         more = parameter_rows(self.parameter_names, self.parameter_bounds, self.bound_design)
         if any(each.avoids_collisions for each in self.constraints):
-            from robotraj.problem.clearance.ends import clearance_summary
+            from robotraj.problem.clearance.end_checks import clearance_summary
 
             more += clearance_summary(self.constraints, self.robot)
         return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, more)

@@ -13,7 +13,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.robot.loading.surgery import names_of
+from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.root import ROOTS, root_of
 
 Array = npt.NDArray[np.float64]

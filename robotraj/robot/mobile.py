@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.surgery import rebuilt
+from robotraj.robot.loading.planning_model import rebuilt
 from robotraj.robot.robot import Robot
 
 JOINTS = ("base_x", "base_y", "base_yaw")

@@ -12,7 +12,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.surgery import angles
+from robotraj.robot.loading.planning_model import angles
 from robotraj.robot.root import QUATERNION, in_plane, with_root
 
 Array = npt.NDArray[np.float64]

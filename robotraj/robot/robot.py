@@ -16,12 +16,12 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import brief, wrapped
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
+from robotraj.robot.joint_table import Joints, joint_html, joint_table, number
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.assembly import units
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
-from robotraj.robot.loading.surgery import names_of
+from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.root import QUATERNION, root_of
-from robotraj.robot.table import Joints, joint_html, joint_table, number
 
 if TYPE_CHECKING:
     from robotraj.symbolic import SymbolicModel

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
-from robotraj.robot.loading.surgery import has_free_flyer, rebuilt
+from robotraj.robot.loading.planning_model import has_free_flyer, rebuilt
 
 Array = npt.NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from robotraj.native.engines.base import Engine
 from robotraj.solution.proof import Goals
 from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.refinement.strategy import Refinement
+from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
 
 

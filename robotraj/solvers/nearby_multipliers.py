@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from robotraj.solvers.formulation import Formulation
     from robotraj.transcription.nlp import Nlp
-    from robotraj.transcription.table import Scalars
+    from robotraj.transcription.scalar_table import Scalars
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.transcription.scalar_table import Entry
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
-from robotraj.transcription.table import Entry
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable

@@ -25,7 +25,7 @@ from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import scaled
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout
-from robotraj.transcription.table import Scalars
+from robotraj.transcription.scalar_table import Scalars
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,10 +15,10 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.layout import Array, Indices, PhaseLayout, Run, Scalar, entries_of
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

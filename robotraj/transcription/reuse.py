@@ -22,9 +22,9 @@ from robotraj.transcription.collocation.invariants import determined_invariants
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import Scalar
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.scalar_table import Scalars
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import Scalars
 from robotraj.transcription.transcribe import bounds_of, start_of
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
 from robotraj.transcription.assembly.block import Block
-from robotraj.transcription.table import Entry, Scalars
+from robotraj.transcription.scalar_table import Entry, Scalars
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from scipy import sparse
 
 if TYPE_CHECKING:
     from robotraj.transcription.assembly.assembly import Functions
-    from robotraj.transcription.table import Scalars
+    from robotraj.transcription.scalar_table import Scalars
 
 
 def spy(functions: Functions, named_rows: Scalars, width: int) -> Figure:

@@ -38,10 +38,10 @@ from robotraj.transcription.interval_limits.rate_bounds import impose_on_rates
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
+from robotraj.transcription.scalar_table import ColumnBound, Entry, Scalars, ScalarTable
 from robotraj.transcription.scaling import rescale_unsized, row_scale, variable_scale
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import ColumnBound, Entry, Scalars, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -85,7 +85,7 @@ def transcribe(
     as_tapes = engine.separate_torques
     meshes = _meshes(problem, mesh)
     if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.given):
-        from robotraj.transcription.shooting.problem import explicit
+        from robotraj.transcription.shooting.explicit_dynamics import explicit
 
         problem = explicit(problem, meshes)
     columns, rows, linear = ScalarTable(), ScalarTable(), Triplets()

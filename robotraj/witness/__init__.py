@@ -7,8 +7,8 @@ Start with ``validation.py``. The room may import ``solution``, ``problem`` and 
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
-from robotraj.witness.contacts.holding import Holding
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.figures import Tolerances
 from robotraj.witness.mujoco import (
     Feedback,
@@ -28,7 +28,7 @@ from robotraj.witness.robustness.disturbances import Disturbances
 from robotraj.witness.robustness.margin import DisturbanceMargin, disturbance_margin
 from robotraj.witness.robustness.monte_carlo import MonteCarlo, monte_carlo
 from robotraj.witness.simulation.drift import Drift, DriftRow
-from robotraj.witness.simulation.robot import Simulation, simulate
+from robotraj.witness.simulation.simulate import Simulation, simulate
 from robotraj.witness.simulation.tracking import TrackingResult, track
 from robotraj.witness.validation import validate
 

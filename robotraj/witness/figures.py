@@ -7,8 +7,8 @@ from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
-from robotraj.witness.contacts.holding import Holding
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.simulation.closed_loop import ClosedLoop
 from robotraj.witness.simulation.drift import Drift

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from robotraj.witness.contacts.table import contacts
+from robotraj.witness.contacts.contact_table import contacts
 from robotraj.witness.figures import Figures
 from robotraj.witness.peak import Peak
 from robotraj.witness.report_tables import table, worst_of, wrapped

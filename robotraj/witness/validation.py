@@ -14,8 +14,8 @@ from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.violations import violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
-from robotraj.witness.contacts.holding import holding_of
 from robotraj.witness.contacts.impact import impacts_of
+from robotraj.witness.contacts.slip_and_friction import holding_of
 from robotraj.witness.figures import Tolerances
 from robotraj.witness.peak import largest
 from robotraj.witness.protocols import SolutionLike

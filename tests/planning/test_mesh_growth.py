@@ -3,7 +3,7 @@
 import robotraj as rt
 from robotraj._util.values import dataclass
 from robotraj.solvers.status import Status
-from robotraj.transcription.refinement.strategy import Assessment, Refinement
+from robotraj.transcription.refinement.base import Assessment, Refinement
 
 
 @dataclass(frozen=True)

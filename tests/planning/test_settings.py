@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.conditions import ALWAYS
+from robotraj.planning.setting_conditions import ALWAYS
 from robotraj.planning.settings import RULES, SETTINGS, resolve, table
 from robotraj.problem.objectives.base import Objective
 from robotraj.solvers.base import Solver

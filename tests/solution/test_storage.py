@@ -33,7 +33,7 @@ from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import NotPlainData
 from robotraj.solution.storage.unpacking import Unpacker
 from robotraj.solvers.base import Multipliers, Solver
-from robotraj.transcription.refinement.strategy import Refinement
+from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.collocation import Scheme
 
 

@@ -18,7 +18,7 @@ from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Scalar, Variable
-from robotraj.robot.memory import PerRobot
+from robotraj.robot.per_robot import PerRobot
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot

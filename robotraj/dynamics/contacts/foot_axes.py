@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.spot import Triple, vector_of
+from robotraj.dynamics.contacts.point_on_frame import Triple, vector_of
 from robotraj.dynamics.variable import Scalar
 
 Array = NDArray[np.float64]

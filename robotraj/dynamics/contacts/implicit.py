@@ -15,7 +15,7 @@ from robotraj.dynamics.contacts.base import BoundContact, Contact, Wrench, check
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane
 from robotraj.dynamics.contacts.point_contact import require_vertical
-from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import dot
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row

@@ -27,7 +27,7 @@ from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point
-from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row

@@ -21,7 +21,7 @@ from robotraj.dynamics.contacts.base import (
     spread,
 )
 from robotraj.dynamics.contacts.mobility import mobility, require_rank
-from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, scale, subtract
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.variable import Scalar

@@ -28,7 +28,7 @@ from robotraj.dynamics.contacts.base import (
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
-from robotraj.dynamics.contacts.spot import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground

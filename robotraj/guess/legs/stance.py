@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
-from robotraj.dynamics.holding import anchors
+from robotraj.dynamics.contact_expressions import anchors
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.problem.constraints.base import symbols_of

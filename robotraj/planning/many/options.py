@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from robotraj.solution.solution import Solution
     from robotraj.solvers.base import Solver
     from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-    from robotraj.transcription.refinement.strategy import Refinement
+    from robotraj.transcription.refinement.base import Refinement
     from robotraj.transcription.schemes.mesh import Mesh
 
 

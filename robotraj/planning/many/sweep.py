@@ -17,7 +17,7 @@ from robotraj.solution.records import added_times
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.reuse import sharing
-from robotraj.transcription.shooting.problem import explicit
+from robotraj.transcription.shooting.explicit_dynamics import explicit
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -15,9 +15,9 @@ from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.refinement.assess import errors_of
+from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.refinement.path_violations import broken_rows
-from robotraj.transcription.refinement.strategy import Assessment, Refinement
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
 

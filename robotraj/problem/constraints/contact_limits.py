@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from robotraj.dynamics.holding import anchors
+from robotraj.dynamics.contact_expressions import anchors
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.scalars import Scalar
 

@@ -10,8 +10,8 @@ import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contact_expressions import anchors, torques
 from robotraj.dynamics.contacts.base import of_impulses
-from robotraj.dynamics.holding import anchors, torques
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Row

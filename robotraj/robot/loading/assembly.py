@@ -27,9 +27,9 @@ from robotraj.robot.loading.notes import (
     weightless_note,
 )
 from robotraj.robot.loading.other_units import other_unit_note
+from robotraj.robot.loading.planning_model import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
-from robotraj.robot.loading.surgery import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
 from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.root import carried, root_of, with_root
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.geometry import Geometry
-from robotraj.robot.loading.surgery import PER_VELOCITY
+from robotraj.robot.loading.planning_model import PER_VELOCITY
 
 
 @dataclass(frozen=True)

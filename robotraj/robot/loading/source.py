@@ -15,7 +15,7 @@ from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
-from robotraj.robot.loading.surgery import names_of
+from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.loading.urdf import read_model, read_xml
 from robotraj.robot.loading.urdf_numbers import check_numbers
 from robotraj.robot.loading.urdf_structure import check_structure

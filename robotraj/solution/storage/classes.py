@@ -103,8 +103,8 @@ from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 from robotraj.transcription.refinement.equidistribution import Equidistribute
-from robotraj.transcription.refinement.orders import RaiseOrder, SplitOrRaise
-from robotraj.transcription.refinement.strategy import SplitAndMerge
+from robotraj.transcription.refinement.raise_order import RaiseOrder, SplitOrRaise
+from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.compressed import CompressedHermiteSimpson
 from robotraj.transcription.schemes.control import ConstantControl, LinearControl, PolynomialControl
 from robotraj.transcription.schemes.gauss import GaussLegendre

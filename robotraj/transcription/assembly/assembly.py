@@ -22,7 +22,7 @@ from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, StageMapped
 from robotraj.transcription.assembly.block import Array, Block, Chain, Indices
 from robotraj.transcription.assembly.callbacks import NlpFunction
-from robotraj.transcription.assembly.places import Places, stacked
+from robotraj.transcription.assembly.evaluation import Places, stacked
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.problem.clearance.ends import clearances_of
+from robotraj.problem.clearance.end_checks import clearances_of
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
@@ -24,12 +24,12 @@ from robotraj.transcription.clearance.distance_functions import (
     function_of,
     key_of,
 )
-from robotraj.transcription.clearance.places import StatePlaces, state_places
+from robotraj.transcription.clearance.state_places import StatePlaces, state_places
 from robotraj.transcription.clearance.supporting_planes import Motion, heights, in_axes, in_world, planes
 from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
-from robotraj.problem.clearance.ends import clearances_of
+from robotraj.problem.clearance.end_checks import clearances_of
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -28,7 +28,7 @@ from robotraj.transcription.clearance.clearance_rows import SLACK, with_distance
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of, key_of
 from robotraj.transcription.clearance.nearest_planes import NearestPlanes
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.transcription.layout import PhaseLayout

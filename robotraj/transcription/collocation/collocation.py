@@ -39,9 +39,9 @@ from robotraj.transcription.collocation.symbols import interval_scalars, point_s
 from robotraj.transcription.interval_limits.bernstein_bounds import impose_on_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import MovingMesh
-from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

@@ -43,7 +43,7 @@ from robotraj.transcription.collocation.symbols import (
     point_symbols,
 )
 from robotraj.transcription.layout import PhaseLayout, entries_of
-from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

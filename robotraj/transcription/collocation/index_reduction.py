@@ -29,7 +29,7 @@ from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
-from robotraj.transcription.table import Entry, ScalarTable
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.links.base import BoundLink

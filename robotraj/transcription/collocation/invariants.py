@@ -19,7 +19,7 @@ from robotraj.problem.links.base import BoundLink
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.layout import PhaseLayout, entries_of
-from robotraj.transcription.table import ScalarTable
+from robotraj.transcription.scalar_table import ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.constraints.bounds import Bounds

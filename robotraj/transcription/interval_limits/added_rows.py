@@ -17,9 +17,9 @@ from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow, add_rows
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.scaling import row_scale
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import ScalarTable
 
 Array = NDArray[np.float64]
 

@@ -29,8 +29,8 @@ from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import Indices, PhaseLayout, Run
+from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable

@@ -24,8 +24,8 @@ from robotraj.transcription.collocation.ends import repeated
 from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.extract import correction_basis
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
+from robotraj.transcription.scalar_table import Entry, Indices, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import Entry, Indices, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

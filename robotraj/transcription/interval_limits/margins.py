@@ -16,7 +16,7 @@ import numpy as np
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.table import Entry, Scalars
+from robotraj.transcription.scalar_table import Entry, Scalars
 
 
 class LimitedInterval(NamedTuple):

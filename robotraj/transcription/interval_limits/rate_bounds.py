@@ -24,8 +24,8 @@ from robotraj._util.polynomials import basis, differentiation
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.bernstein_bounds import from_values
 from robotraj.transcription.layout import Indices, PhaseLayout, Run
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

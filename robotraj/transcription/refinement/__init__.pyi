@@ -1,11 +1,12 @@
 """Refinement: the error between knots, and the next mesh."""
 
 from .assess import assess, errors_of
+from .base import Assessment, Refinement
 from .equidistribution import Equidistribute
 from .error import interval_errors, state_errors
 from .integrals import integral_errors
-from .orders import RaiseOrder, SplitOrRaise
-from .strategy import Assessment, Refinement, SplitAndMerge
+from .raise_order import RaiseOrder, SplitOrRaise
+from .split_and_merge import SplitAndMerge
 
 __all__ = [
     "Assessment",

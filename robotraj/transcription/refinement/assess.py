@@ -11,10 +11,10 @@ from robotraj._util.polynomials import basis
 from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.path_violations import broken_rows
-from robotraj.transcription.refinement.strategy import Assessment
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.transcription.refinement.strategy import Assessment, Refinement, error_order
+from robotraj.transcription.refinement.base import Assessment, Refinement, error_order
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh
 

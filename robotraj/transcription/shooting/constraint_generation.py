@@ -17,9 +17,9 @@ from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.shooting.shooting import IntervalSymbols, Rate, interval_columns, interval_constants
-from robotraj.transcription.table import ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

@@ -28,9 +28,9 @@ from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import gather_points, tie_intervals
 from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
-from robotraj.transcription.table import Entry, ScalarTable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

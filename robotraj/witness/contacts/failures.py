@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robotraj.witness.contacts.holding import Holding, part_of
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.slip_and_friction import Holding, part_of
 
 MOVES = {"slip": "slips", "sink": "leaves the ground or sinks into it", "turn": "turns"}
 

@@ -14,7 +14,7 @@ from robotraj.problem.links.base import BoundLink
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.constrained import mass_and_bias
-from robotraj.witness.contacts.holding import FORCE_NOISE, part_of, weight_of
+from robotraj.witness.contacts.slip_and_friction import FORCE_NOISE, part_of, weight_of
 from robotraj.witness.contacts.stance import Instant, Stance
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak

@@ -14,7 +14,7 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.witness.mujoco.deviation import Fall
 from robotraj.witness.mujoco.feedback import Feedback, LinearQuadratic
 from robotraj.witness.mujoco.feet import SoftGround, feet_of, furnish
-from robotraj.witness.mujoco.loops import close, loops_of
+from robotraj.witness.mujoco.loop_closures import close, loops_of
 from robotraj.witness.mujoco.model import mujoco_robot
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.mujoco.report import SecondOpinion

@@ -12,7 +12,7 @@ from robotraj.witness.protocols import Array
 from robotraj.witness.report_tables import table, worst_of, wrapped
 from robotraj.witness.report_text import coloured
 from robotraj.witness.simulation.drift import Drift
-from robotraj.witness.simulation.robot import Simulation
+from robotraj.witness.simulation.simulate import Simulation
 
 if TYPE_CHECKING:
     from robotraj.witness.robustness.monte_carlo import MonteCarlo

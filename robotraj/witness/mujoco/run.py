@@ -26,7 +26,7 @@ from robotraj.witness.mujoco.reference_motion import PeriodPhase, ReferenceMotio
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.peak import peaks
 from robotraj.witness.protocols import Array
-from robotraj.witness.simulation.robot import Simulation
+from robotraj.witness.simulation.simulate import Simulation
 
 DIVERGED = 1e6
 """Velocity [rad/s, m/s] above which the simulation has diverged."""

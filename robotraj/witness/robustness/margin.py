@@ -5,8 +5,8 @@ from __future__ import annotations
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.witness.protocols import SolutionLike
+from robotraj.witness.robustness.control_loop import Loop, above_zero, generators, whole
 from robotraj.witness.robustness.disturbances import Disturbances
-from robotraj.witness.robustness.loop import Loop, above_zero, generators, whole
 from robotraj.witness.robustness.monte_carlo import MonteCarlo, monte_carlo
 
 LARGEST, LEAST = 10.0, 1e-3

@@ -9,8 +9,8 @@ import numpy as np
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.robustness.control_loop import Loop, above_zero, generators, whole
 from robotraj.witness.robustness.disturbances import Disturbances
-from robotraj.witness.robustness.loop import Loop, above_zero, generators, whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

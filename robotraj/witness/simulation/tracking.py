@@ -20,7 +20,7 @@ from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.integration import integrate
-from robotraj.witness.simulation.robot import split
+from robotraj.witness.simulation.simulate import split
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.native.build import load_native
-from robotraj.problem.clearance.ends import clearances_of
+from robotraj.problem.clearance.end_checks import clearances_of
 from robotraj.transcription.clearance.distance_functions import constants_of, function_of, key_of
 from robotraj.transcription.clearance.nearest_planes import NearestPlanes
 

@@ -9,7 +9,7 @@ import robotraj as rt
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.assess import assess
-from robotraj.transcription.refinement.strategy import Assessment
+from robotraj.transcription.refinement.base import Assessment
 
 MESH = rt.Mesh(3, rt.schemes.RadauIIA(3))
 BREAKS = np.array([0.0, 1.0, 2.0, 3.0])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.equidistribution import evenly_finer
-from robotraj.transcription.refinement.strategy import Assessment
 
 TOLERANCE = 1e-4
 

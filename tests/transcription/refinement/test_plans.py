@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 import robotraj as rt
 from robotraj.planning import duality_gap
 from robotraj.planning import refine as adaptive
+from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.error import interval_errors
-from robotraj.transcription.refinement.strategy import Assessment, Refinement
 
 PENDULUM = rt.System(["q", "w"], ["u"], lambda point: [point.x["w"], point.u["u"] - 9.81 * ca.sin(point.x["q"])])
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import robotraj as rt
-from robotraj.transcription.refinement.strategy import Assessment, Refinement, points_of
+from robotraj.transcription.refinement.base import Assessment, Refinement, points_of
 
 SMOOTH, TOLERANCE = 3.0, 1e-6
 EVERY = [rt.refinement.SplitAndMerge(), rt.refinement.RaiseOrder(), rt.refinement.SplitOrRaise()]

@@ -12,7 +12,7 @@ import robotraj as rt
 from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.witness.contacts.stance import Stance
 from robotraj.witness.simulation.integration import integrate
-from robotraj.witness.simulation.robot import robot_rates
+from robotraj.witness.simulation.simulate import robot_rates
 
 LENGTH, BASE = 0.5, 0.8
 CRANK, COUPLER, INERTIA = 1.2, 2.0, 0.03

@@ -19,7 +19,7 @@ from robotraj.problem.links.touchdown import Touchdown
 from robotraj.witness import NumericPoint, track, validate
 from robotraj.witness.contacts.stance import Stance
 from robotraj.witness.simulation.integration import integrate
-from robotraj.witness.simulation.robot import robot_rates
+from robotraj.witness.simulation.simulate import robot_rates
 
 MASS, INERTIA, HEIGHT = 2.0, 0.05, 0.4
 ABOUT_FOOT = INERTIA + MASS * HEIGHT**2

@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.robot.known_robots.catalogue import find
-from robotraj.robot.loading.surgery import angles, with_angles
+from robotraj.robot.loading.planning_model import angles, with_angles
 
 CONTINUOUS = ("kinova", "double_pendulum_continuous", "tiago_no_hand")
 

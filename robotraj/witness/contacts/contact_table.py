@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from robotraj.witness.contacts.holding import Holding, part_of
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.slip_and_friction import Holding, part_of
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.report_tables import table, worst_of, wrapped
 

@@ -16,7 +16,8 @@ import numpy as np
 from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.transcription.refinement.strategy import Assessment, Refinement, SplitAndMerge, points_of
+from robotraj.transcription.refinement.base import Assessment, Refinement, points_of
+from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.onestep import OneStep

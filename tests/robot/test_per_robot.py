@@ -6,7 +6,7 @@ import gc
 import weakref
 
 import robotraj as rt
-from robotraj.robot.memory import PerRobot
+from robotraj.robot.per_robot import PerRobot
 
 
 def test_a_value_is_made_once_for_a_robot_and_a_key() -> None:
