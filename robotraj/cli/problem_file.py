@@ -45,7 +45,7 @@ def plan_problem_file(
     written = load_problem(path)
     outputs = {name: output_path(each, SUFFIXES[name], f"{name} of [output]") for name, each in written.output.items()}
     files = Files(**{**outputs, **{name: each for name, each in given.items() if each}}, replay=written.replay)
-    chosen = {**written.options, **{name: each for name, each in options.items() if each is not None}}
+    chosen: dict[str, Any] = {**written.options, **{name: each for name, each in options.items() if each is not None}}
     if time_limit is not None:
         chosen["time_limit"] = time_limit
     if not as_json:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -158,7 +158,7 @@ class Limits(OneLine):
                 new[name] = self._magnitudes(name, value)
         return replace(self, **new)
 
-    def override(self, changes: Limits | Mapping[str, Any]) -> Limits:
+    def override(self, changes: Limits | Mapping[str, PositionLimits | MagnitudeLimits]) -> Limits:
         """Return the limits after ``limits=`` of ``rt.load``: a mapping by quantity, see ``with_``, or Limits."""
         if isinstance(changes, Limits):
             if changes.joints != self.joints:
@@ -173,7 +173,7 @@ class Limits(OneLine):
         for name in changes:
             if name not in QUANTITIES:
                 raise unknown_name("limited quantity", name, QUANTITIES)
-        return self.with_(**changes)
+        return self.with_(**cast("dict[str, Any]", changes))
 
     def warnings(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
         """Return a sentence for each joint that its limits lock or contradict, with the remedy.

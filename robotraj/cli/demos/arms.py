@@ -106,7 +106,7 @@ def tool_on_a_line() -> Demo:
     )
     about = [State(q=[pan, -1.2, 1.6, -2.0, -1.57, 0.0]) for pan in (0.3, -0.8)]
     everywhere = BernsteinBounds(controls=True)
-    return Demo(draw, (Mesh(40),), Keyframes([0, 1], about), options={"interval_limits": everywhere})
+    return Demo(draw, (Mesh(40),), Keyframes([0, 1], about), interval_limits=everywhere)
 
 
 def around_a_box() -> Demo:

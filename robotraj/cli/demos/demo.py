@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import field
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
@@ -14,6 +13,10 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution
 from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from robotraj.planning.continuation import ContinuationStep
+    from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +36,8 @@ class Demo:
         Number of periods of a gait that the page shows.
     starts : int
         Number of random initial guesses, of which the best solution is kept; 0 for the one guess.
-    options : mapping
-        Further arguments of ``rt.plan``.
+    continuation, interval_limits
+        See ``rt.plan``.
     analysis : callable or None
         ``analysis(solution)`` returns text that is printed below the solution.
     """
@@ -45,14 +48,22 @@ class Demo:
     tolerance: float | None = None
     periods: int = 1
     starts: int = 0
-    options: Mapping[str, Any] = field(default_factory=dict)
+    continuation: Sequence[ContinuationStep] = ()
+    interval_limits: ConstraintGeneration | None = None
     analysis: Callable[[Solution], object] | None = None
 
     def plan(self) -> Solution:
         """Plan on one mesh after the other."""
         if self.starts:
-            return multistart(self.problem, starts=self.starts, seed=0, mesh=self.meshes[-1], **self.options).best
+            return multistart(self.problem, starts=self.starts, seed=0, mesh=self.meshes[-1]).best
         known: InitialGuess | Solution | None = self.guess
         for mesh in self.meshes or (None,):
-            known = solution = plan(self.problem, mesh, known, tolerance=self.tolerance, **self.options)
+            known = solution = plan(
+                self.problem,
+                mesh,
+                known,
+                tolerance=self.tolerance,
+                continuation=self.continuation,
+                interval_limits=self.interval_limits,
+            )
         return solution

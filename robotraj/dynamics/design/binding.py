@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import casadi as ca
 import numpy as np
@@ -126,7 +126,19 @@ class Design:
         return replace(self.robot, model=model, damping=damping)
 
 
-def realised(planned: Any) -> Robot:
+class PlannedRobot(Protocol):
+    """A planned phase: what it moves, and the values of its parameters."""
+
+    @property
+    def phase(self) -> Any:
+        """A phase of a robot."""
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Values of the parameters by name."""
+
+
+def realised(planned: PlannedRobot) -> Robot:
     """Return the robot of a planned phase with its design evaluated at ``planned.parameters``."""
     design = getattr(planned.phase, "bound_design", None)
     return planned.phase.robot if design is None else design.realise(planned.parameters)

@@ -104,16 +104,8 @@ class Sphere(Obstacle):
 
 
 @dataclass(frozen=True)
-class Cylinder(Obstacle):
-    """A cylinder about its z axis, x^2 + y^2 <= r^2, abs(z) <= length / 2.
-
-    Parameters
-    ----------
-    radius, length : float
-        Radius and length [m].
-    position, quaternion, frame, name
-        See ``Obstacle``.
-    """
+class _Round(Obstacle):
+    """A shape about its z axis, with a radius and a length."""
 
     radius: float
     length: float
@@ -121,8 +113,6 @@ class Cylinder(Obstacle):
     quaternion: Place = UPRIGHT
     frame: str | None = None
     name: str = ""
-
-    kind: ClassVar[str] = "cylinder"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -133,6 +123,21 @@ class Cylinder(Obstacle):
     def dimensions(self) -> tuple[float, ...]:
         """Radius and half the length [m]."""
         return float(self.radius), 0.5 * self.length
+
+
+@dataclass(frozen=True)
+class Cylinder(_Round):
+    """A cylinder about its z axis, x^2 + y^2 <= r^2, abs(z) <= length / 2.
+
+    Parameters
+    ----------
+    radius, length : float
+        Radius and length [m].
+    position, quaternion, frame, name
+        See ``Obstacle``.
+    """
+
+    kind: ClassVar[str] = "cylinder"
 
     def distance(self, points: Array) -> Array:
         """Exact signed distance (m,) [m]."""
@@ -146,7 +151,7 @@ class Cylinder(Obstacle):
 
 
 @dataclass(frozen=True)
-class Capsule(Obstacle):
+class Capsule(_Round):
     """All points within a radius of a segment on its z axis.
 
     Parameters
@@ -159,24 +164,7 @@ class Capsule(Obstacle):
         See ``Obstacle``.
     """
 
-    radius: float
-    length: float
-    position: Place = ORIGIN
-    quaternion: Place = UPRIGHT
-    frame: str | None = None
-    name: str = ""
-
     kind: ClassVar[str] = "capsule"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._positive("radius")
-        self._positive("length")
-
-    @property
-    def dimensions(self) -> tuple[float, ...]:
-        """Radius and half the length [m]."""
-        return float(self.radius), 0.5 * self.length
 
     def distance(self, points: Array) -> Array:
         """Exact signed distance (m,) [m]."""

@@ -14,11 +14,14 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import cloudpickle
 
 from robotraj._util.errors import InputError, RobotrajError
+
+if TYPE_CHECKING:
+    from robotraj.solution.solution import Solution
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -34,7 +37,7 @@ class Interrupted(KeyboardInterrupt):
         Solutions by the number of their problem.
     """
 
-    def __init__(self, found: Mapping[int, Any], count: int) -> None:
+    def __init__(self, found: Mapping[int, Solution], count: int) -> None:
         super().__init__(f"Interrupted with {len(found)} of {count} done; they are in this error's `found`.")
         self.found = found
         self.count = count
@@ -126,7 +129,8 @@ def _first(
                 break
     except KeyboardInterrupt as pressed:
         done = {i: f for i, f in enumerate(futures) if f.done() and not f.cancelled() and f.exception() is None}
-        raise Interrupted({i: unpacked(future.result()) for i, future in done.items()}, len(tasks)) from pressed
+        found = {i: unpacked(future.result()) for i, future in done.items()}
+        raise Interrupted(cast("dict[int, Solution]", found), len(tasks)) from pressed
     finally:
         for future in futures[len(results) :]:
             future.cancel()

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.planning.plan import plan
@@ -29,6 +29,9 @@ if TYPE_CHECKING or sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+if TYPE_CHECKING:
+    from robotraj.planning.many.options import PlanOptions
 
 _PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 
@@ -100,7 +103,7 @@ def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
     return ProblemFile(
         source,
         problem,
-        reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS),
+        cast("PlanOptions", reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS)),
         reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
         reader.arguments(replay, _table(data, "replay"), ("replay",), without=("solution", "path")),
         _output(_table(data, "output"), source.parent),

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.planning.plan import plan
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from robotraj.planning.many.options import PlanOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,14 +37,15 @@ class ProblemFile(OneLine):
 
     path: Path
     problem: Problem
-    options: Mapping[str, Any]
+    options: PlanOptions
     validation: Mapping[str, Any]
     replay: Mapping[str, Any]
     output: Mapping[str, Path]
 
-    def plan(self, **options: Any) -> Solution:
+    def plan(self, **options: Unpack[PlanOptions]) -> Solution:
         """Plan the motion, ``rt.plan(file.problem, **file.options)``; the options given here precede the file's."""
-        return plan(self.problem, **{**self.options, **options})
+        merged: PlanOptions = {**self.options, **options}
+        return plan(self.problem, **merged)
 
     def __str__(self) -> str:
         return str(self.problem)

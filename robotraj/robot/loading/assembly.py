@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name, warn
-from robotraj.robot.limits import Limits
+from robotraj.robot.limits import Limits, MagnitudeLimits, PositionLimits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.loading.mimic import lock_mimics
@@ -40,7 +40,7 @@ def assemble(
     about: Description,
     actuated: Iterable[str] | None,
     locked: Mapping[str, float] | None,
-    limits: Limits | Mapping[str, Any] | None,
+    limits: Limits | Mapping[str, PositionLimits | MagnitudeLimits] | None,
     root: str = "fixed",
 ) -> dict[str, Any]:
     """Return the fields of the Robot.
