@@ -1,4 +1,5 @@
 // Accepted points against the conditions of the line search, and the corners that the filter adds for them.
+#include <algorithm>
 #include <cmath>
 
 #include "check.hpp"
@@ -47,6 +48,31 @@ ROBOTRAJ_TEST(a_point_that_was_given_up_is_accepted_no_more) {
   CHECK(!search.accepts(0.5 * violation, std::nan("")));
   search.reset();
   CHECK(search.accepts(violation, barrier - 1e-8 * violation - 1e-9));
+}
+
+ROBOTRAJ_TEST(a_corner_of_no_consequence_shortens_five_steps_and_no_more) {
+  const auto on_the_sphere = [](double x, double y, double z) {
+    return std::vector<double>{x, y, z, std::sqrt(40.0 - x * x - y * y - z * z)};
+  };
+  // A corner of almost no violation and a better objective than the start's.
+  std::vector<double> corner = on_the_sphere(1.2, 4.6, 3.9);
+  corner[3] += 1e-11;
+  Started its(corner);
+  interior_point::LineSearch& search = its.algorithm.search;
+  search.start();
+  search.give_up();
+  interior_point::start_cold(its.run, on_the_sphere(1.5, 3.5, 4.5).data());
+  std::vector<double> moved;
+  for (int iteration = 0; iteration < 7; ++iteration) {
+    CHECK(its.run.direction.find(*its.run.current, its.run.mu, its.run.step.get()));
+    CHECK(search.search());
+    double most = 0.0;
+    for (int i = 0; i < 4; ++i) most = std::max(most, std::abs(its.run.trial->at->x[i] - its.run.current->at->x[i]));
+    moved.push_back(most);
+    std::swap(its.run.current, its.run.trial);
+  }
+  for (int iteration = 0; iteration < 5; ++iteration) CHECK(moved[iteration] < 1e-3);
+  CHECK(moved[5] > 0.1);
 }
 
 }  // namespace robotraj::tests

@@ -17,6 +17,7 @@ constexpr double kCorrectionGain = 0.99;  // kappa_soc
 constexpr double kObjectiveGrowth = 5.0;  // powers of ten
 constexpr int kWatchdogTrigger = 10, kWatchdogSteps = 3;
 constexpr int kSoftSteps = 10;
+constexpr int kClearingTrigger = 5, kClearings = 5;
 constexpr double kSoftGain = 1.0 - 1e-4;
 
 /// a <= b but for rounding in numbers of the size of `beside`.
@@ -45,7 +46,7 @@ void LineSearch::start() {
 void LineSearch::reset() {
   filter_.clear();
   watching_ = soft_ = false;
-  shortened_ = 0;
+  shortened_ = filtered_ = clearings_ = 0;
 }
 
 LineSearch::Reference LineSearch::reference_of(Iterate& iterate) {
@@ -109,7 +110,8 @@ bool LineSearch::acceptable(double alpha) {
   const bool improved = alpha > 0.0 && is_f_type(alpha) && reference_.violation <= theta_min_
                             ? armijo(alpha, barrier)
                             : improves(violation, barrier, false);
-  return improved && filter_.accepts(violation, barrier);
+  rejected_by_filter_ = improved && !filter_.accepts(violation, barrier);
+  return improved && !rejected_by_filter_;
 }
 
 bool LineSearch::accepts(double violation, double barrier) const {
@@ -163,6 +165,7 @@ bool LineSearch::backtrack(bool skip_first, int& shortenings) {
   const double tested = watching_ ? watched_alpha_ : longest_step;
   double alpha = longest_step;
   shortenings = 0;
+  bool filtered = false;
   corrected_ = false;
   if (skip_first) alpha *= kReduction, shortenings = 1;
   for (; shortenings == 0 || alpha > least; alpha *= kReduction, ++shortenings) {
@@ -173,7 +176,11 @@ bool LineSearch::backtrack(bool skip_first, int& shortenings) {
     if (!accepted && shortenings == 0 && run_.trial->violation() >= run_.current->violation() &&
         std::isfinite(run_.trial->violation()))
       accepted = correct(alpha);
-    if (!accepted) continue;
+    if (!accepted) {
+      filtered = rejected_by_filter_;
+      continue;
+    }
+    filtered_ = filtered ? filtered_ + 1 : 0;
     if (!corrected_) move_duals(longest_dual(step), alpha, step);
     if (!is_f_type(test) || !armijo(test, run_.trial->barrier(run_.mu))) add_reference();
     return true;
@@ -235,6 +242,11 @@ bool LineSearch::search() {
     return true;
   }
   if (!watching_ && shortened_ >= kWatchdogTrigger) start_watchdog();
+  if (filtered_ >= kClearingTrigger && clearings_ < kClearings) {
+    filter_.clear();
+    filtered_ = 0;
+    ++clearings_;
+  }
   int shortenings = 0;
   bool accepted = backtrack(false, shortenings);
   if (watching_) {

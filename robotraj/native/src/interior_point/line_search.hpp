@@ -16,7 +16,9 @@ namespace robotraj::interior_point {
 ///
 /// and the filter accepts it. Where the full step raises theta, it is corrected up to four times by the solution for
 /// the residuals c(x + d) + alpha c(x), and such a step is taken if it is acceptable. After ten shortened steps in a
-/// row, up to three full steps are taken without a test (watchdog). Where alpha falls below alpha_min, up to ten steps
+/// row, up to three full steps are taken without a test (watchdog). After five searches in a row whose last rejected
+/// point was rejected by the filter alone, the filter is cleared, up to five times for a barrier parameter: corners of
+/// much lower violation than matters would keep all steps short. Where alpha falls below alpha_min, up to ten steps
 /// follow that lower the error of the primal-dual equations; then the restoration phase is needed.
 /// Source: the paper, sections 2.3, 2.4 and 3.2; Chamberlain, Powell, Lemarechal, Pedersen, The watchdog technique,
 /// Math. Programming Study 16 (1982).
@@ -66,6 +68,8 @@ class LineSearch {
   Reference reference_{};
   double theta_max_ = -1.0, theta_min_ = -1.0;
   int shortened_ = 0;
+  bool rejected_by_filter_ = false;
+  int filtered_ = 0, clearings_ = 0;
   // The watchdog's beginning.
   bool watching_ = false;
   int watched_ = 0;
