@@ -258,12 +258,12 @@ class NearestPlanes:
         """
 
 class Tape:
-    """A scalar graph as a list of instructions. Made by ``native.tape_of``.
+    """A scalar graph as a list of instructions.
 
     Parameters
     ----------
-    address : int
-        Of a casadi::Function, of SX with one dense result.
+    text : str
+        ``Function.serialize()`` of a function of SX with one dense result.
 
     Attributes
     ----------
@@ -275,7 +275,7 @@ class Tape:
     NotATape
     """
 
-    def __init__(self, address: int) -> None: ...
+    def __init__(self, text: str) -> None: ...
     @property
     def outputs(self) -> int: ...
 
@@ -297,8 +297,8 @@ class StageGraph:
 
     Parameters
     ----------
-    v, c, r, y, x : int
-        Addresses of casadi::SX, columns; the first three of symbols.
+    text : str
+        ``Function.serialize()`` of (v, c, r) -> y, x, columns.
 
     Attributes
     ----------
@@ -311,7 +311,7 @@ class StageGraph:
         A tape is requested and the function calls other functions.
     """
 
-    def __init__(self, v: int, c: int, r: int, y: int, x: int) -> None: ...
+    def __init__(self, text: str) -> None: ...
     @property
     def inputs(self) -> int: ...
     @property
@@ -363,7 +363,7 @@ class Call:
     Parameters
     ----------
     tape : Tape
-        u -> numbers or, called by a recipe of the Hessian, (u, l) -> numbers.
+        Of a stage graph without constants: u -> numbers or, called by a recipe of the Hessian, (u, l) -> numbers.
     inputs : ndarray of int
         The index in (v, c) of every entry of u.
     multipliers : ndarray of int

@@ -19,12 +19,11 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.native.sparse_products import Entries, Indices, Sums, copied
-from robotraj.native.tape import nonzeros, tape
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from robotraj.native._native import Call, Tape
+    from robotraj.native._native import Call, StageGraph, Tape
 
 Pattern = tuple[Indices, Indices]
 NO_POSITIONS: Indices = np.zeros(0, dtype=np.int64)
@@ -50,20 +49,29 @@ class Addend:
         return ca.Function("addend", [self.u], [self.s])
 
     @cached_property
+    def graph(self) -> StageGraph:
+        """The graph of the compiled module, which differentiates it: a stage without constants and torques."""
+        none = ca.SX(0, 1)
+        stage = ca.Function("addend", [self.u, none, none], [self.s, none])
+        made: StageGraph = load_native().StageGraph(stage.serialize())
+        return made
+
+    @cached_property
     def values(self) -> tuple[Tape, int]:
         """The tape of s and the number of its results."""
-        return tape([self.u], self.s), int(self.s.numel())
+        return self.graph.values(), self.graph.outputs
 
     @cached_property
-    def jacobian(self) -> tuple[tuple[Tape, int], Pattern]:
+    def jacobian(self) -> tuple[Tape, Pattern]:
         """The tape of the nonzeros of ds/du, and their rows and columns."""
-        return _nonzeros([self.u], ca.jacobian(self.s, self.u))
+        made, by_u, _ = self.graph.slopes()
+        return made, by_u
 
     @cached_property
-    def hessian(self) -> tuple[tuple[Tape, int], Pattern]:
+    def hessian(self) -> tuple[Tape, Pattern]:
         """The tape (u, l) of the nonzeros of the lower triangle of d^2(l' s)/du^2, and their rows and columns."""
-        m = ca.SX.sym("l", self.s.numel())
-        return _nonzeros([self.u, m], ca.tril(ca.hessian(ca.dot(m, self.s), self.u)[0]))
+        made, by_u, _, _ = self.graph.curvature()
+        return made, by_u
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +93,11 @@ class Added:
 
     def call(self, name: str) -> tuple[Call, int]:
         """Return the call of ``"values"``, ``"jacobian"`` or ``"hessian"``, and the number of its results."""
-        made, numbers = self.addend.values if name == "values" else getattr(self.addend, name)[0]
+        if name == "values":
+            made, numbers = self.addend.values
+        else:
+            made, (rows, _) = getattr(self.addend, name)
+            numbers = len(rows)
         multipliers = self.rows if name == "hessian" else NO_POSITIONS
         return load_native().Call(made, self.inputs, multipliers), numbers
 
@@ -136,11 +148,6 @@ class Calls:
         """Return the terms of the results, which begin at ``first``; see ``Added.terms``."""
         begin = zip(self._added, self._begin, strict=False)
         return [each.terms(self._name, first + at, unknowns) for each, at in begin]
-
-
-def _nonzeros(inputs: list[ca.SX], matrix: ca.SX) -> tuple[tuple[Tape, int], Pattern]:
-    rows, columns = (np.array(side, dtype=np.int64) for side in matrix.sparsity().get_triplet())
-    return (tape(inputs, nonzeros(matrix)), len(rows)), (rows, columns)
 
 
 def positions_in(symbols: ca.SX, entries: ca.SX) -> NDArray[np.int64]:

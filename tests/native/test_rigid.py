@@ -12,9 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
-from robotraj.native._native import NotATape, Recipe, TapeBlock, Torques, processors
+from robotraj.native._native import NotATape, Recipe, Tape, TapeBlock, Torques, processors
 from robotraj.native.rigid_tree import rigid_tree
-from robotraj.native.tape import tape, tape_of
 
 Array = NDArray[np.float64]
 NONE: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
@@ -30,6 +29,10 @@ ROBOTS: dict[str, dict[str, Any]] = {
     "solo12": {"root": "floating"},
     "bolt": {"root": "floating"},
 }
+
+
+def tape(inputs: list[ca.SX | ca.MX], result: ca.SX | ca.MX) -> Tape:
+    return Tape(ca.Function("tape", inputs, [result]).serialize())
 
 
 def recipe(inputs: list[ca.SX], result: ca.SX, at: int, count: int, **parts: bool) -> Recipe:
@@ -231,6 +234,6 @@ def test_wrong_sizes_are_refused() -> None:
         TapeBlock(1, 3, 0, long, long, long)
     with pytest.raises(NotATape, match="scalar graph"):
         x = ca.MX.sym("x", 2)
-        tape_of(ca.Function("f", [x], [2 * x]))
+        tape([x], 2 * x)
     with pytest.raises(ValueError, match="this processor does not run"):
         TapeBlock(1, 3, 0, plain, plain, plain, processor="abacus")

@@ -18,7 +18,6 @@ from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, ins
 from robotraj.dynamics.torque_symbols import Torques
 from robotraj.native.build import load_native
 from robotraj.native.stage_tapes import Tapes
-from robotraj.native.tape import nonzeros
 from robotraj.native.torque_chain import TorqueChain
 
 if TYPE_CHECKING:
@@ -91,8 +90,8 @@ class PointFunctions:
     def _graph_of(self, y: ca.SX) -> StageGraph:
         nothing = ca.SX(0, 1)
         r, x = (nothing, nothing) if self.torques is None else (self.torques.symbols, self.torques.arguments)
-        # The compiled module reads CasADi's objects in place; see ``native.tape``.
-        made: StageGraph = load_native().StageGraph(*(int(each.this) for each in (self.v, self.c, r, y, x)))
+        stage = ca.Function("stage", [self.v, self.c, r], [y, x])
+        made: StageGraph = load_native().StageGraph(stage.serialize())
         return made
 
     @property
@@ -146,7 +145,7 @@ class PointFunctions:
         matrix = ca.jacobian(self._whole, self.v)
         if self.torques is not None and self.tapes is not None:
             matrix = _spread(matrix, self.tapes.jacobian_pattern)
-        return ca.Function("jacobian", [self.v, self.c], [nonzeros(matrix)]), _pattern(matrix.sparsity())
+        return ca.Function("jacobian", [self.v, self.c], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
     def jacobian(self) -> ca.Function:
@@ -164,7 +163,7 @@ class PointFunctions:
         matrix = ca.tril(ca.hessian(ca.dot(m, self._whole), self.v)[0])
         if self.torques is not None and self.tapes is not None:
             matrix = _spread(matrix, self.tapes.hessian_pattern)
-        return ca.Function("hessian", [self.v, self.c, m], [nonzeros(matrix)]), _pattern(matrix.sparsity())
+        return ca.Function("hessian", [self.v, self.c, m], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
     def hessian(self) -> ca.Function:
@@ -205,3 +204,10 @@ def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
 def _pattern(sparsity: ca.Sparsity) -> Pattern:
     rows, columns = sparsity.get_triplet()
     return np.array(rows, dtype=int), np.array(columns, dtype=int)
+
+
+def _nonzeros(matrix: Symbols) -> Symbols:
+    """Return the nonzeros of a matrix as a dense column."""
+    found = matrix.nz[:]
+    # CasADi returns the nonzeros of a row vector as a row.
+    return found if found.is_column() else found.T

@@ -7,6 +7,7 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
 namespace nb = nanobind;
@@ -56,14 +57,7 @@ void bind_stage_graph(nb::module_& m) {
           nb::arg("constants"), nb::arg("count"));
 
   nb::class_<StageGraph>(m, "StageGraph")
-      .def(
-          "__init__",
-          [](StageGraph* self, std::uintptr_t v, std::uintptr_t c, std::uintptr_t r, std::uintptr_t y,
-             std::uintptr_t x) {
-            const auto at = [](std::uintptr_t address) { return *reinterpret_cast<const casadi::SX*>(address); };
-            new (self) StageGraph(at(v), at(c), at(r), at(y), at(x));
-          },
-          nb::arg("v"), nb::arg("c"), nb::arg("r"), nb::arg("y"), nb::arg("x"))
+      .def(nb::init<const std::string&>(), nb::arg("text"))
       .def_prop_ro("inputs", &StageGraph::inputs)
       .def_prop_ro("constants", &StageGraph::constants)
       .def_prop_ro("torques", &StageGraph::torques)

@@ -89,11 +89,8 @@ void bind_tape_block(nb::module_& m) {
 
   nb::class_<Tape>(m, "Tape")
       .def(
-          "__init__",
-          [](Tape* self, std::uintptr_t address) {
-            new (self) Tape(*reinterpret_cast<const casadi::Function*>(address));
-          },
-          nb::arg("address"))
+          "__init__", [](Tape* self, const std::string& text) { new (self) Tape(casadi::Function::deserialize(text)); },
+          nb::arg("text"))
       .def_prop_ro("outputs", &Tape::outputs);
 
   nb::class_<Torques>(m, "Torques")

@@ -86,7 +86,7 @@ void TapeBlock::check(const Recipe& recipe, bool multiplied) const {
 }
 
 void TapeBlock::check(const Call& call, bool multiplied) const {
-  std::vector<std::size_t> given = {call.inputs.size()};
+  std::vector<std::size_t> given = {call.inputs.size(), 0};
   if (multiplied) given.push_back(call.multipliers.size());
   need(call.tape && call.tape->inputs() == given, "a tape that is called takes other arguments than it is given");
   const auto inside = [](const std::vector<std::int32_t>& places, std::size_t size) {
@@ -153,7 +153,7 @@ void TapeBlock::run_calls(const Recipe& recipe, Work& work, double* results) con
     double* inputs = work.given.data();
     double* multipliers = gather(call.inputs, work.v.data(), sizes().inputs, work.c.data(), lanes, inputs);
     gather(call.multipliers, work.m.data(), sizes().outputs, nullptr, lanes, multipliers);
-    run_tape(*call.tape, {inputs, multipliers}, work.tape, results);
+    run_tape(*call.tape, {inputs, nullptr, multipliers}, work.tape, results);
     results += call.tape->outputs() * lanes;
   }
 }

@@ -11,8 +11,8 @@
 
 namespace robotraj::native {
 
-/// A tape that many blocks have in common, called with some entries of theirs: first with those of (v, c) at `inputs`,
-/// then, where it takes multipliers, with those of m at `multipliers`.
+/// A tape of a stage without constants that many blocks have in common. Its v are the entries of the block's (v, c) at
+/// `inputs`, and its multipliers, where it takes some, those of m at `multipliers`.
 struct Call {
   std::shared_ptr<const Tape> tape;
   std::vector<std::int32_t> inputs, multipliers;

@@ -45,6 +45,13 @@ std::vector<double> LinearPart::at(const double* constants, std::size_t count) c
   return found;
 }
 
+StageGraph::StageGraph(const std::string& text) {
+  const Function function = Function::deserialize(text);
+  const std::vector<SX> in = function.sx_in(), out = function(in);
+  v_ = in.at(0), c_ = in.at(1), r_ = in.at(2);
+  y_ = SX::densify(out.at(0)), x_ = SX::densify(out.at(1));
+}
+
 Tape StageGraph::tape(const std::vector<SX>& more, const SX& result) const {
   std::vector<SX> inputs = {v_, c_};
   if (!r_.is_empty()) inputs.push_back(r_);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,9 +36,8 @@ class LinearPart {
 /// y = psi(v, c, r) and, where r = RNEA(x) is a robot's torques, x = chi(v, c).
 class StageGraph {
  public:
-  /// Columns; the first three of symbols.
-  StageGraph(casadi::SX v, casadi::SX c, casadi::SX r, const casadi::SX& y, const casadi::SX& x)
-      : v_(std::move(v)), c_(std::move(c)), r_(std::move(r)), y_(casadi::SX::densify(y)), x_(casadi::SX::densify(x)) {}
+  /// Reads a serialised function (v, c, r) -> y, x of columns.
+  explicit StageGraph(const std::string& text);
 
   std::size_t inputs() const { return v_.numel(); }
   std::size_t constants() const { return c_.numel(); }
