@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
     """Return the default guess of a problem.
 
-    It is an inverted pendulum for one robot with a free root on contacts, the path for a phase with ``FollowPath``, and
-    a straight line for others. Among obstacles, a path around them replaces a straight line that is not free.
+    It is an inverted pendulum for one robot with a free root on contacts. A phase with ``FollowPath`` gets its path,
+    others a straight line. Among obstacles, a path around them replaces a straight line that is not free.
 
     Parameters
     ----------

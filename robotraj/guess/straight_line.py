@@ -30,7 +30,7 @@ class StraightLine(InitialGuess):
 
     The velocities of a robot are the rate of the line, (q_end - q_start) / T, so that positions and velocities are
     consistent. At the ends the velocities are those of the problem. The origin of a floating root moves on the line,
-    and the root turns at a constant rate about one axis; its velocities are in its own axes. Compared with velocities
+    and the root turns at a constant rate about one axis. Its velocities are in its own axes. Compared with velocities
     on a separate line, this halves the iterations, and minimum-time problems do not collapse to zero duration.
 
     If the duration is free and limits bound the accelerations of all joints, the fastest motion along the line is

@@ -2,8 +2,8 @@
 
     y = psi(v, c, r) + sum_k S_k s_k(u_k),    u_k some entries of (v, c),    S_k one row of y for every entry of s_k
 
-Example: the forces of a contact in a robot's equations, where a foot is in contact in several phases. The tapes
-of s_k, of its Jacobian and of the Hessian of l' s_k are shared; a stage has its own indices of u_k and of rows.
+Example: the forces of a contact in a robot's equations, where a foot is in contact in several phases. The tapes of s_k,
+of its Jacobian and of the Hessian of l' s_k are shared. A stage has its own indices of u_k and of rows.
 """
 
 from __future__ import annotations

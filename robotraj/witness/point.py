@@ -165,7 +165,7 @@ class NumericFrame:
 def system_point(system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]) -> Point:
     """Return the point that a System's equations take, in numbers.
 
-    Entries are NumPy scalars. The square root of a negative trial value is then NaN, which shortens the step; that of a
+    Entries are NumPy scalars. The square root of a negative trial value is then NaN, which shortens the step. That of a
     Python float would be complex or raise an error.
 
     Parameters

@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 class Payload(Quantity):
     """The parameter m is a point mass [kg] at the origin of a frame, in addition to the body's mass.
 
-    r is the frame's origin in its joint's frame. The payload adds m to the body's mass, m r to its first moment h and
-    m (r'r 1 - r r') to its inertia about the joint's origin. On a body with a ``LinkLength`` r is scaled as well.
+    r is the frame's origin in its joint's frame. The payload adds m to the body's mass and m r to its first moment h.
+    It adds m (r'r 1 - r r') to the inertia about the joint's origin. On a body with a ``LinkLength`` r is scaled as
+    well.
 
     Parameters
     ----------

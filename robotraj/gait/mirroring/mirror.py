@@ -47,8 +47,8 @@ def mirror(
     the states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
 
     Geometry and inertia are then compared in seeded random configurations. In the mirrored configuration the partner of
-    every joint must be at (x, -y, z), and the moment of gravity about the root must be the mirrored one. Pairs of
-    frames that are not images, such as cameras, are dropped. A planar robot moves in the plane of the mirror.
+    every joint must be at (x, -y, z). The moment of gravity about the root must be the mirrored one. Pairs of frames
+    that are not images, such as cameras, are dropped. A planar robot moves in the plane of the mirror.
 
     Parameters
     ----------

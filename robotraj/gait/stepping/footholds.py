@@ -86,8 +86,8 @@ def steps(
         One mapping a step: from the frames of the feet that swing together to world x, y and, for soles, yaw
         [m, m, rad]. In a plane, x alone.
     swing, support, shift : float
-        Durations [s] of a step, of the support by all feet between steps (0 for none), and of that at both ends; by
-        default 1.8, 0.4 and 1.4 times sqrt(h / g), with the height h of the centre of mass in the first configuration.
+        Durations [s] of a step, of the support by all feet between steps (0 for none), and of that at both ends. By
+        default 1.8, 0.4 and 1.4 times sqrt(h / g), with h the height of the centre of mass in the first configuration.
     feet, contact, objective, ground
         As for ``rt.gait.walk``.
     clearance : float or None

@@ -52,8 +52,8 @@ class InvertedPendulum(InitialGuess):
     height : float, optional
         Height of the centre of mass above the feet [m]; by default that of ``rt.gait.stand``.
     apex : float, optional
-        Apex of swinging feet [m]. By default it is the largest of three values: a twentieth of that height, 1.2 times
-        an ``apex`` of the phases' clearances, and the rise of the centre of mass in flight.
+        Apex of swinging feet [m]. By default it is the largest of three values: a twentieth of that height, the rise of
+        the centre of mass in flight, and 1.2 times an ``apex`` of the clearances.
     durations : mapping of int to float
         Guessed durations [s] of phases whose duration is free.
     """

@@ -46,8 +46,8 @@ def completed(
 def explained(solution: Solution, solve_coarse: Solve) -> Solution:
     """Return a failed solution with its cause: an undefined expression, conflicts of limits, or its mesh.
 
-    A mesh may have no motion where the problem has one: the solver finds it infeasible, and a motion of the relaxed
-    problem meets every row on another mesh.
+    A mesh may have no motion where the problem has one. The solver then finds it infeasible, and a motion of the
+    relaxed problem meets every row on another mesh.
     """
     if solution.success or solution.conflicts:
         return solution

@@ -1,7 +1,7 @@
 """The classes and functions that a file may name, with what they take.
 
-The classes are those of saved solutions, so that a new constraint stands in both by one entry in
-``robotraj.solution.storage.classes``; guesses and the functions of ``rt.gait`` are added here.
+The classes are those of saved solutions, so one entry in ``robotraj.solution.storage.classes`` serves both. Guesses and
+the functions of ``rt.gait`` are added here.
 """
 
 from __future__ import annotations

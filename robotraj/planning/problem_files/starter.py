@@ -115,7 +115,7 @@ html = {page} # the replay; save = "x.npz" keeps the solution, plot = "x.png" dr
 def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     """Write a problem file that plans as it stands.
 
-    A robot with a fixed root moves from its neutral configuration to one nearby, from rest to rest; joints without
+    A robot with a fixed root moves from its neutral configuration to one nearby, from rest to rest. Joints without
     motors start at their neutral position and end anywhere. A robot with a moving root walks on two feet, trots on
     four, and jumps on another number.
 

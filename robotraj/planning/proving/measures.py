@@ -57,8 +57,8 @@ class Measured:
     before : Measured or None
         Measures on the mesh before.
     errors : tuple of ndarray (K,)
-        For each phase, the error of every interval: the larger of its relative error and of its error of the
-        objective's integral, scaled to the same goal.
+        For each phase, the error of every interval. It is the larger of its relative error and that of the objective's
+        integral, scaled to the same goal.
     broken : tuple of ndarray (K,)
         For each phase, the relative violation of path rows on every interval.
     coarse : float

@@ -7,7 +7,7 @@ optimum, or takes hundreds of iterations. The problem is first solved with
 
 at falling c, each solution the guess of the next, and then with the robot's own friction. The slope of this curve falls
 as v^-3 beside the reversal, that of tanh exponentially. A Newton step can therefore shift the time of a reversal by a
-share of its distance from the optimum; with tanh it shifts by the width of the reversal alone.
+share of its distance from the optimum. With tanh it shifts by the width of the reversal alone.
 """
 
 from __future__ import annotations

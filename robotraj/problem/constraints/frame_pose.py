@@ -67,7 +67,7 @@ class FramePosition(Constraint):
 class FramePose(Constraint):
     """A frame held at a pose: p_f(q) = position and R_f(q) = rotation.
 
-    The orientation rows are the three entries of the skew part of R_d' R_f, which is sin(theta) times the axis of the
+    The orientation rows are the three entries of the skew part of R_d' R_f. It is sin(theta) times the axis of the
     error rotation [rad near zero]. The row trace(R_d' R_f) >= 1 excludes the root at a half turn. Along a phase the
     rows are imposed as those of ``FramePosition``.
 

@@ -8,8 +8,8 @@ Lagrangian, divided by the quadrature weight, are the costate of stage k,
 
 for which d b_k T (l_k + Lambda_k' f_k) is the weighted Hamiltonian: stationarity of the NLP in u_k is that of
 the Hamiltonian. The adjoint scheme of a Butcher tableau (A, b) has the coefficients b_k - b_k A_kj / b_j
-(Lobatto IIIB for Lobatto IIIA, Radau IA for Radau IIA, Gauss for Gauss), so the costate has the scheme's full
-order at the knots,
+(Lobatto IIIB for Lobatto IIIA, Radau IA for Radau IIA, Gauss for Gauss). So the costate has the scheme's full order at
+the knots,
 
     lambda(t_k+) = dL_right / dx_k,    lambda(t) = lambda(t_k+) - int H_x,
 

@@ -3,8 +3,8 @@
     H(t, x, z, u, p, lambda, nu, eta) = l + lambda' f + nu' g + eta' h
 
 Here l is the integrand of the objective, f are the rates, g the algebraic rows and h the path rows. The integrands of
-integral constraints are the last entries of h; their eta is constant. The value of H along a trajectory is evaluated
-without eta' h of path rows, since h measured from the bound vanishes where a row is active.
+integral constraints are the last entries of h; their eta is constant. H along a trajectory is evaluated without eta' h
+of path rows: h measured from the bound vanishes where a row is active.
 """
 
 from __future__ import annotations

@@ -6,9 +6,9 @@ Lagrangian,
     lambda(t_k+) = dL_k / dx_0,    lambda(t_{k+1}-) = -dL_k / dx_1 = -mu  in shooting,
 
 which is the discrete adjoint of the integrator. Between the knots the adjoint equation lambdadot = -l_x -
-f_x' lambda, linear in lambda, is collocated along the trajectory from the knot on the left. Multipliers of
-rows on states make the costate jump at the knots; in single shooting the rows of the phase that are not
-bounds of states are taken as inactive between its ends.
+f_x' lambda, linear in lambda, is collocated along the trajectory from the knot on the left. Multipliers of rows on
+states make the costate jump at the knots. In single shooting, rows that are not bounds of states are taken as inactive
+between the ends of the phase.
 
 Source: Hager, Runge-Kutta methods in optimal control
 and the transformed adjoint system, Numerische Mathematik 87 (2000).

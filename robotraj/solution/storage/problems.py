@@ -1,7 +1,7 @@
 """Problems in files: their plain data, and the names of their other parts.
 
-Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives)
-cannot be stored safely; a problem loaded without them is enough to look at, sample and plot.
+Functions that the user wrote in Python (a System's equations, expressions of constraints and objectives) cannot be
+stored safely. A problem loaded without them is enough to look at, sample and plot.
 """
 
 from __future__ import annotations

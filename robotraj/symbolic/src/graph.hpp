@@ -25,9 +25,9 @@ struct Moving;
 
 /// A model whose numbers are constants of the graph, or partly symbols of it.
 ///
-/// With `parametric`, the inertial parameters (10 x njoints, Pinocchio's dynamic parameters
-/// m, m c, I about the joint origin) and the translations of the joint placements (3 x njoints)
-/// are symbols; column 0 belongs to the universe and is not used.
+/// With `parametric`, inertial parameters and the translations of the joint placements (3 x njoints) are symbols. The
+/// former (10 x njoints) are Pinocchio's dynamic parameters m, m c, I about the joint origin. Column 0 belongs to the
+/// universe and is not used.
 struct SymbolicModel {
   SymbolicModel(Tree tree, bool parametric);
 

@@ -40,8 +40,8 @@ class Block(OneLine):
     weights : ndarray (E,)
         s, zero at places without cost.
     phases : tuple of int
-        Phases whose fixed scalars (start time, duration, parameters) are the last constants; empty where there are none
-        or where the block is added to an NLP later.
+        Phases whose fixed scalars (start time, duration, parameters) are the last constants. Empty where there are
+        none, or where the block is added to an NLP later.
     """
 
     stage: PointFunctions

@@ -239,9 +239,9 @@ def _planes(
 ) -> Array:
     """Return the planes (n, 4) of rows.
 
-    All rows of a pair on an interval have the plane of its nearest place: shapes on both sides of one plane at the ends
-    hardly cross it in between. A row that the known motion would violate has the plane of its own place.
-    Planes of a moving obstacle are in its axes.
+    All rows of a pair on an interval have the plane of its nearest place. Shapes on both sides of one plane at the ends
+    hardly cross it in between. A row that the known motion would violate has the plane of its own place. Planes of a
+    moving obstacle are in its axes.
     """
     neutral = own.pairs.robot.neutral
     obstacle = own.pairs.obstacles[int(own.pairs.second[pairs[0]])] if function.timed else None

@@ -1,9 +1,9 @@
 """Distances of pairs as point functions: one for all pairs of a joint, or of two joints.
 
-The distance of a sphere with centre p and radius r from a convex shape is at least n' p - h - r for every unit vector
-n, where h is the largest n' x of the shape. For spheres around p and q with radii r and s it is at least
-n' (p - q) - r - s. These bounds equal the distance where n is its gradient. With n fixed they are as smooth as the
-robot's kinematics, while a distance has corners.
+A sphere with centre p and radius r is at least n' p - h - r from a convex shape, for every unit vector n. Here h is the
+largest n' x of the shape. For spheres around p and q with radii r and s it is at least n' (p - q) - r - s. These bounds
+equal the distance where n is its gradient. With n fixed they are as smooth as the robot's kinematics, while a distance
+has corners.
 
 The plane of a moving obstacle moves with it, and its function depends on the time. Centres, normals and offsets are
 constants, which differ from pair to pair.

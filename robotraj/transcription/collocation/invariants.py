@@ -1,7 +1,7 @@
 """Rows of the invariants of a phase: at every node above 0 of its intervals, and at its start.
 
-Linearly dependent rows disturb a solver. Redundant rows are therefore removed: those at a fixed end, and those at a
-start that a link equates to the end of a phase with the same invariants.
+Linearly dependent rows disturb a solver. Redundant rows are therefore removed. They are those at a fixed end, and those
+at a start that a link equates to an end with the same invariants.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Constraint generation: rows imposed between the collocation points, on the collocated polynomials.
 
-Where a solution violates a row between its collocation points (``interval_violations``), the row is imposed at the
+A solution may violate a row between its collocation points (``interval_violations``). The row is then imposed at the
 worst place as well, and the problem is solved again. This is an exchange method for semi-infinite programs. At a place
 tau of an interval the state is x(tau) = x_0 + d sum_k (T f_k) int_0^tau l_k, linear in the outputs of point functions.
 Source: Hettich and Kortanek, Semi-infinite programming, SIAM Review 35 (1993), section 7.

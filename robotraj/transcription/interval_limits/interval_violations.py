@@ -201,7 +201,7 @@ def _violations(
             if over[i] > amount[k[i], r[i]]:
                 amount[k[i], r[i]], place[k[i], r[i]] = over[i], tau[i]
                 above[k[i], r[i]] = exact[i] > upper[r[i]]
-    # A violation at a knot is counted once, in the interval on its right. It is kept on the left in two cases: the
+    # A violation at a knot is counted once, in the interval on its right. It is kept on the left in two cases. The
     # worst place of the right interval is its own right knot, or a curve jumps to a value within its limits.
     shared = (place[:-1] == 1.0) & (place[1:] < 1.0) & (seen[1:, 0] >= amount[:-1] * (1.0 - ROUNDING))
     amount[:-1][shared] = -np.inf

@@ -35,9 +35,9 @@ class Assessment:
     settled : bool
         Whether the objective changed by less than the tolerance since the last mesh.
     coarse : ndarray (K,)
-        Estimated effect of the shape of the controls on the objective: duration of the interval times the squared
-        difference between its control and that extrapolated from a neighbour. It is used for schemes whose residual
-        does not depend on it: one-step schemes, and collocation with constant or linear controls.
+        Estimated effect of the shape of the controls on the objective. It is the duration of the interval times the
+        squared difference between its control and that extrapolated from a neighbour. It is used for schemes whose
+        residual does not depend on it: one-step schemes, and collocation with constant or linear controls.
     growth : float
         Least factor by which the number of intervals grows, so that the objective settles.
     """

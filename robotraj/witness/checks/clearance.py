@@ -1,8 +1,8 @@
 """Distances of a robot's exact shapes from obstacles and from each other, by coal, along a plan.
 
 A pair whose distance d changes at a rate of at most L cannot touch within a time of d / L. Each pair is evaluated again
-after that time, and near contact every ``RESOLUTION``. The bound L is independent of the planner: sampled speeds of the
-joints, with a reserve, times the greatest distances of the shape's points from each joint.
+after that time, and near contact every ``RESOLUTION``. The bound L is independent of the planner. It is the sampled
+speeds of the joints, with a reserve, times the greatest distances of the shape's points from each joint.
 """
 
 from __future__ import annotations

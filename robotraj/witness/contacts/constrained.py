@@ -4,9 +4,9 @@ All three are one least-squares problem in the metric of the mass matrix, solved
 Redundant rows (closed loops, four corners of a foot) share their force evenly.
 
 The rows are imposed on accelerations, and the state is projected on them at every knot, without Baumgarte's terms.
-Measured on a swinging body pinned by a contact, 5 s, DOP853 at rtol 1e-10: rows drift by 1e-11 m, with projection at
-knots by 2e-12 m, and no less with projection after every step. Baumgarte's alpha = 10 / s takes 1.7 times and 100 / s
-17 times as many evaluations without a gain.
+Measured on a swinging body pinned by a contact, 5 s, DOP853 at rtol 1e-10: rows drift by 1e-11 m. With projection at
+knots they drift by 2e-12 m, and no less with projection after every step. Baumgarte's alpha = 10 / s takes 1.7 times
+and 100 / s 17 times as many evaluations without a gain.
 
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), section 3.2 and chapter 11; Udwadia and Kalaba, Analytical
 Dynamics (1996); Eich-Soellner and Fuehrer, Numerical Methods in Multibody Dynamics (1998), section 5.3 (projection).

@@ -1,6 +1,6 @@
 """Feet and ground for MuJoCo: shapes, places and stiffness.
 
-A point foot is a small sphere about its contact point, a flat one a thin box, a line a capsule, all with the same
+A point foot is a small sphere about its contact point, a flat one a thin box, a line a capsule. All have the same
 radius r. The ground is lower by r along its normal, so that each foot touches it at its planned place. A foot that
 turns rolls by at most r times its angle. Each foot collides only with the ground of its contact.
 """

@@ -79,7 +79,7 @@ def mujoco_robot(
     coordinates = Coordinates(model, compiled)
 
     # MuJoCo's compiler refuses massless bodies and the inertias of point masses and planar models, but its dynamics
-    # accept them: the bodies are compiled with placeholders, which are replaced here.
+    # accept them. The bodies are compiled with placeholders, which are replaced here.
     for joint in range(1, model.njoints):
         body = compiled.body(model.names[joint]).id
         compiled.body_mass[body] = model.inertias[joint].mass

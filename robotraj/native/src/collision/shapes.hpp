@@ -27,8 +27,8 @@ struct Distance {
 
 /// A shape with a fixed pose in the world.
 ///
-/// Axes of cylinders and capsules lie along z. Sizes are a radius, half of three sides, a radius and half a length, or
-/// the normal of a half space and the offset of its surface along it [m].
+/// Axes of cylinders and capsules lie along z. Sizes [m] are a radius, half of three sides, or a radius and half a
+/// length. Those of a half space are its normal and the offset of its surface along it.
 struct Shape {
   Kind kind;
   Matrix3 rotation;

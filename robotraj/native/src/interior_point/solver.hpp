@@ -42,8 +42,8 @@ struct Stop {
   const char* status;
 };
 
-/// A solver of one program: no memory is taken once its first solve has ended, but for the restoration phase, which is
-/// made when a solve first enters it.
+/// A solver of one program. No memory is taken once its first solve has ended. The restoration phase alone is made when
+/// a solve first enters it.
 class Solver {
  public:
   Solver(std::shared_ptr<native::Program> program, native::Stages stages);

@@ -34,8 +34,8 @@ bool spin(Condition&& holds) {
 ThreadPool::~ThreadPool() { leave_if_elsewhere(); }
 
 void ThreadPool::leave_if_elsewhere() {
-  // The threads of the parent process do not exist here: they cannot be joined, and the destructor of their condition
-  // variable would wait for them for ever.
+  // The threads of the parent process do not exist here. They cannot be joined, and the destructor of their condition
+  // variable would wait for ever.
   if (team_ && !team_->here()) static_cast<void>(team_.release());
 }
 

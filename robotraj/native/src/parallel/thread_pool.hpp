@@ -70,8 +70,8 @@ class ThreadPool {
     std::vector<std::thread> workers_;
     std::mutex mutex_;
     std::condition_variable wake_;
-    // Which call it is, how many pieces it has and which is next, in one word: a late thread cannot take a piece of a
-    // call that is over, nor mistake it for one of the next.
+    // The number of the call, of its pieces and of the next piece, in one word. So a late thread takes no piece of a
+    // call that is over, nor one of the next call by mistake.
     std::atomic<std::uint64_t> ticket_{0};
     std::atomic<std::size_t> unfinished_{0};
     std::atomic<int> asleep_{0};

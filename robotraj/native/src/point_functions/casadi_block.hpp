@@ -49,9 +49,9 @@ class CasadiBlock : public PointBlock {
   /// Name of an evaluation -> the function's text and the points a call of it takes.
   using Functions = std::map<std::string, std::pair<std::string, std::size_t>>;
 
-  /// `functions` holds any of "values", "jacobian", "cost", "gradient" and "hessian"; each takes v and c, the last one
-  /// m too, as dense matrices of `batch` columns, and gives one dense matrix of as many.
-  /// Throws std::invalid_argument where a function's shape is not that.
+  /// `functions` holds any of "values", "jacobian", "cost", "gradient" and "hessian". Each takes v and c, the last one
+  /// m too, as dense matrices of `batch` columns. It returns one dense matrix with as many columns. Throws
+  /// std::invalid_argument where a function's shape is not that.
   CasadiBlock(const PointSizes& sizes, const Functions& functions);
 
   void prepare(std::size_t threads) override;

@@ -41,8 +41,8 @@ struct Recipe {
 
 /// Inverse dynamics inside a stage function: tau = RNEA(q, w, a), x = (q, w, a).
 ///
-/// Each entry of x is one of v, or zero where its place is -1; or else a tape computes x from (v, c), followed by
-/// the nonzeros of dx/dv. A second tape then gives sum_i g_i d^2 x_i/dv^2 from (v, c, g).
+/// Each entry of x is one of v, or zero where its place is -1. Otherwise a tape computes x from (v, c), followed by the
+/// nonzeros of dx/dv. A second tape then gives sum_i g_i d^2 x_i/dv^2 from (v, c, g).
 struct Torques {
   RigidTree robot;
   std::vector<std::int32_t> places;

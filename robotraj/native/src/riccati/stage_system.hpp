@@ -1,8 +1,8 @@
 // One stage of Newton's system as the inner loops read it: numbers in place, patterns that equal stages share.
 //
-// Symmetric matrices and factors are kept in trapezoids: column j of a matrix of n rows, padded to a multiple of
-// kBlock, stands from row 8 (j / 8) on. So every column starts where a vector register may be loaded, and little more
-// than the lower triangle goes through memory.
+// Symmetric matrices and factors are kept in trapezoids. The n rows are padded to a multiple of kBlock, and column j
+// begins at row 8 (j / 8). So every column starts where a vector register may be loaded, and little more than the lower
+// triangle goes through memory.
 #pragma once
 
 #include <cstddef>

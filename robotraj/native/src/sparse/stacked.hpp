@@ -12,8 +12,8 @@ namespace robotraj::native {
 
 /// Rows from interval to interval: the same numbers, each time `shift` columns further on.
 ///
-/// A mesh of equal intervals writes one block of rows as often as it has intervals; as compressed rows they would be a
-/// good part of the memory that a plan takes.
+/// A mesh of equal intervals writes one block of rows as often as it has intervals. As compressed rows they would be a
+/// good part of the memory of a plan.
 class Stacked {
  public:
   /// `repeats` times the same rows; columns are those of the first.

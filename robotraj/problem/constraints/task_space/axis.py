@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 class FrameAxis(Constraint):
     """An axis e of a frame keeps within an angle of a direction d of the world: (R_f e)' d >= cos(angle).
 
-    The row is (1 - (R_f e)' d) / (1 - cos(angle)) <= 1. With angle 0 the two components of R_f e across d are 0, and
-    those rows are held with their rates, as ``PathConstraint`` describes; the frame turns freely about the axis.
+    The row is (1 - (R_f e)' d) / (1 - cos(angle)) <= 1. With angle 0 the two components of R_f e across d are 0. Those
+    rows are held with their rates, as ``PathConstraint`` describes, and the frame turns freely about the axis.
 
     Parameters
     ----------

@@ -25,9 +25,9 @@ class SpeedVariation(Integral):
     """Integral over the phase of sum_j w_j (sqrt(r_j^2 + c^2) - c) [1], r_j = a_j / v_max_j the relative acceleration.
 
     For |r_j| far above c it is the total variation of v_j / v_max_j: 2 for a joint that reaches its limit of speed
-    once, however short the acceleration. Where a limit of the tool's speed determines the duration, many motions of
-    the joints are equally short, and those that oscillate exploit the gaps between the points. With 1e-3 of this
-    integral beside ``rt.Duration()`` the plan is unique, and longer by at most 2e-3 s for each such joint.
+    once, however short the acceleration. Where a limit of the tool's speed determines the duration, many motions of the
+    joints are equally short. Those that oscillate exploit the gaps between the points. With 1e-3 of this integral
+    beside ``rt.Duration()`` the plan is unique, and longer by at most 2e-3 s for each such joint.
 
     Parameters
     ----------

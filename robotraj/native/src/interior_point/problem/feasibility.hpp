@@ -7,9 +7,9 @@ namespace robotraj::interior_point {
 
 /// minimise rho sum(p + n) + zeta / 2 |D_R (x - x_R)|^2  subject to  c(x, s) - p + n = 0,  p, n >= 0,
 ///
-/// with D_R = diag(1 / max(1, |x_R|)) and zeta = sqrt(mu). Dynamics stay as they are: a state that follows from the
-/// stage before is free, so that their rows are of full rank and can always be met.
-/// Slacks are [s, p, n]. Source: the paper, section 3.3.
+/// with D_R = diag(1 / max(1, |x_R|)) and zeta = sqrt(mu). Dynamics stay as they are. A state that follows from the
+/// stage before is free, so their rows are of full rank and can always be met. Slacks are [s, p, n]. Source: the paper,
+/// section 3.3.
 class Feasibility final : public Problem {
  public:
   static constexpr double rho = 1000.0;
