@@ -8,6 +8,9 @@ Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find 
 
 Guesses may also be symmetric to an obstacle, with gradients that point to neither side, or lie at a singular pose.
 Seeded random variations avoid both. Each ends at another branch of inverse kinematics, if a pose has several.
+
+Passive joints swing, and the relaxed problem has many local optima: from one guess larger torques may seem necessary,
+where another motion needs none. More variations are tried there before the problem is called infeasible.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ from robotraj.planning.diagnosis.explain import are_certain, completed
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.records import added_times
@@ -43,6 +47,9 @@ RESTARTED_FROM = ", from a "
 
 VARIATION = "variation of the default guess, which did not converge"
 """Description of a start from a variation of the default guess."""
+
+UNRELAXED = 2
+"""Largest number of variations from which the problem itself is solved, although its relaxed form has conflicts."""
 
 Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
@@ -117,7 +124,7 @@ def restarted(
         least, relaxed = (), motion
     if not all(conflict.physical for conflict in least) and guess is None:
         # Constraints of the user, such as obstacles, may be passed on another side.
-        for branch, seed in enumerate(restarts.seeds, 1):
+        for branch, seed in enumerate(restarts.seeds[:UNRELAXED], 1):
             found = solve(problem, other_guess(problem, branch, (seed,)))
             failed = _counted(failed, found)
             if found.status is Status.INTERRUPTED:
@@ -156,7 +163,8 @@ class _Start:
     free : tuple of bool
         Whether the duration of each phase is free in the problem.
     certain : bool
-        Whether conflicts of joint limits alone end the search, since they do not depend on the guess.
+        Whether conflicts of joint limits alone end the search. With a motor at every joint they seldom depend on the
+        guess.
     varied : bool
         Whether the guess is a variation of the default guess.
     """
@@ -206,11 +214,15 @@ def _starts(failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, r
             yield longer
     if left and (isinstance(guess, InitialGuess) and not isinstance(guess, StraightLine) or not any(free)):
         left -= 1
-        yield _Start(problem, failed, certain=not any(free))
+        yield _Start(problem, failed, certain=not any(free) and all(map(_is_driven_at_every_joint, problem.phases)))
     if guess is None:
         for branch, seed in enumerate(restarts.seeds[:left], 1):
             varied = other_guess(problem, branch, (seed,))
             yield replace(longer or _Start(problem, None), guess=varied, varied=True)
+
+
+def _is_driven_at_every_joint(phase: Phase) -> bool:
+    return phase.robot is not None and phase.robot.nu == phase.robot.nv
 
 
 def _motion_text(nlp: Nlp, free: Sequence[bool], durations: tuple[float, ...], found: Solution) -> str:

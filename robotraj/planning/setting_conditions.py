@@ -133,6 +133,11 @@ def _floats(phase: Phase) -> bool:
     return phase.robot is not None and phase.robot.root == "floating"
 
 
+def _has_passive_joints(phase: Phase) -> bool:
+    """Whether a robot on a fixed root has a joint without a motor, such as a cart-pole."""
+    return phase.robot is not None and phase.robot.root == "fixed" and phase.robot.nu < phase.robot.nv
+
+
 ALWAYS = Condition("otherwise", lambda case: True)
 TOLERANCE = Condition("tolerance", lambda case: case.settled["tolerance"] is not None)
 OPEN_MESH = Condition("no mesh", lambda case: "mesh" not in case.settled and case.settled["tolerance"] is None)
@@ -152,3 +157,4 @@ ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase 
 SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
 FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])
 CONTACTS = any_phase("contacts", lambda phase: bool(phase.bound_contacts))
+PASSIVE = any_phase("joints without a motor", _has_passive_joints)

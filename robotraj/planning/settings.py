@@ -143,6 +143,7 @@ RULES: tuple[Rule, ...] = (
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),
+    _rule("restarts", when.PASSIVE, Restarts(12, seeds=range(9)), "their motions have many local optima"),
     _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or cross an obstacle"),
 )
 

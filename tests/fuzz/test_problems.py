@@ -17,6 +17,8 @@ FOUND = {
     297: "torques of Gauss points exceeded their limits at both sides of every knot, and no list had it",
     500093: "compressed collocation of an arm did not converge in 20 s",
     500239: "nor that of an arm with dry friction, with rows between the points",
+    9512348: "a feasible acrobot was called infeasible from one guess",
+    9512568: "and so was another one",
     501899: "a light joint ended with 4e-5 rad/s where 0 is required, since its defects were scaled by 6e6",
 }
 """Seeds that failed once."""

@@ -215,3 +215,23 @@ def test_a_seed_may_be_a_number() -> None:
     phase = around_a_ball()
     one, other = (rt.guess.Perturbed(rt.guess.StraightLine(), seed).of(phase, 0) for seed in (3, (3,)))
     np.testing.assert_array_equal(one.states(np.linspace(0, 1, 5)), other.states(np.linspace(0, 1, 5)))
+
+
+def test_a_weak_cartpole_is_not_called_infeasible_after_one_guess() -> None:
+    """From the straight line 9 N seem necessary; the motion within 5 N swings the pole to the other side first."""
+    robot = rt.load("cartpole")
+    weak = robot.limits.with_(effort=5.0)
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.5, np.pi], v=0)
+    solution = rt.plan(rt.Phase(robot, 3.0, *ends, rt.Effort(), limits=weak))
+    assert "from a variation of the default guess" in solution.message
+    assert np.abs(solution.at(np.linspace(0, 3, 301)).tau).max() < 5.0 + 1e-3
+    assert rt.validate(solution).passed
+
+
+def test_more_variations_are_tried_where_a_joint_has_no_motor() -> None:
+    def restarts(name: str) -> rt.planning.Restarts:
+        robot = rt.load(name)
+        phase = rt.Phase(robot, 1.0, rt.State(q=0, v=0), rt.State(q=0.1, v=0), rt.Effort())
+        return resolve(rt.Problem([phase]), {}).restarts
+
+    assert len(restarts("acrobot").seeds) > len(restarts("two_link_arm").seeds)
