@@ -133,8 +133,8 @@ def test_links_join_the_end_of_one_phase_to_the_start_of_the_next() -> None:
     first, last = (driven(start=rt.State(), end=rt.State(), name=name) for name in ("first", "last"))
     nlp = transcribe(rt.Problem([first, last], [rt.Continuity(0, 1)]), rt.Mesh(2))
     w = somewhere(nlp)
-    jump = w[nlp.layouts[0].knots[-1]] - w[nlp.layouts[1].knots[0]]
-    (linked,) = nlp.problem.bound_links
-    found = [i for row in linked.rows for i in rows(nlp, row.label)]
-    joined = [i for i in dict.fromkeys(found) if nlp.rows.entries[nlp.rows.meaning[i]].name != "defect"]
-    np.testing.assert_allclose(np.abs(nlp.values(w)[joined]), np.abs(jump))
+    before, after = nlp.layouts
+    jump = np.append(after.t0.of(w) - 2.0, w[after.knots[0]] - w[before.knots[-1]])
+    np.testing.assert_allclose(nlp.values(w)[rows(nlp, "continuity")], jump, atol=1e-12)
+    np.testing.assert_array_equal(nlp.rows.lower[rows(nlp, "continuity")], 0.0)
+    np.testing.assert_array_equal(nlp.rows.upper[rows(nlp, "continuity")], 0.0)

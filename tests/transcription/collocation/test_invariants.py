@@ -41,6 +41,12 @@ def test_one_end_determines_a_place_that_is_free_and_the_other_end_only_then(hop
     assert start_invariants([both], 0, []) == np.flatnonzero(along).tolist()
 
 
+def test_without_contacts_there_is_nothing_to_determine(hopper: rt.Robot) -> None:
+    flight = rt.Phase(hopper, 0.5, rt.State(q=STAND, v=0))
+    assert [each.size for each in determined_invariants(flight)] == [0, 0]
+    assert start_invariants([flight], 0, []) == []
+
+
 def test_rest_determines_velocities_of_contacts_in_any_pose(hopper: rt.Robot) -> None:
     at_rest, _ = determined_invariants(phase(hopper, rt.State(v=0)))
     moving, _ = determined_invariants(phase(hopper, rt.State(v=0.1)))

@@ -10,8 +10,14 @@ import pytest
 import robotraj as rt
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.added_rows import with_added_rows
+from robotraj.transcription.interval_limits.added_rows import (
+    SPREAD,
+    exceeded_although_added,
+    rows_to_add,
+    with_added_rows,
+)
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 
 
 def tip(point: Any) -> Any:
@@ -54,6 +60,8 @@ def test_rows_and_states_between_points_come_last_and_follow_the_polynomial(nlp:
     assert values[:m] == pytest.approx(nlp.values(w))
     q = x(second)
     assert values[m:] == pytest.approx([x(first)[0], 0, 0, 0, 0, q[0] ** 2 + q[1]], abs=1e-9)
+    assert more.rows.lower[m:].tolist() == [nlp.problem.phases[0].rows.rows[variable].lower, 0, 0, 0, 0, -np.inf]
+    assert more.rows.upper[m:].tolist() == [nlp.problem.phases[0].rows.rows[variable].upper, 0, 0, 0, 0, 5.0]
     assert more.objective(more.guess) == pytest.approx(nlp.objective(w))
     assert np.array_equal(more.row_scale[:m], nlp.row_scale)
     assert np.array_equal(more.scale[n:], more.scale[nlp.layouts[0].knots[0]])
@@ -85,3 +93,40 @@ def test_a_row_at_many_places_is_one_block(nlp: rt.transcription.Nlp) -> None:
     step = 1e-6
     slope = (more.values(w + step * along) - more.values(w - step * along)) / (2 * step)
     assert more.jacobian(w) @ along == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+def violated(nlp: rt.transcription.Nlp, number: int, interval: int, tau: float = 0.3) -> IntervalViolation:
+    return IntervalViolation(0, interval, nlp.problem.phases[0].rows.rows[number], tau, 0.0, 0.1, True)
+
+
+def test_a_row_is_added_at_its_worst_place_and_the_second_time_on_the_whole_interval(
+    nlp: rt.transcription.Nlp,
+) -> None:
+    path, worst = tip_row(nlp), AddedRow(0, 1, tip_row(nlp), 0.3)
+    assert rows_to_add(nlp, [violated(nlp, path, 1)], []) == [worst]
+    again = rows_to_add(nlp, [violated(nlp, path, 1, 0.6), violated(nlp, path, 2)], [worst])
+    spread = [AddedRow(0, 1, path, tau) for tau in (0.6, *SPREAD.tolist())]
+    assert again == [*spread, AddedRow(0, 2, path, 0.3)]
+    assert rows_to_add(nlp, [violated(nlp, path, 1)], [worst, *spread]) == []
+
+
+def test_an_equality_between_the_points_is_added_once_only() -> None:
+    turn = rt.PathConstraint(lambda point: point.v[0] - point.v[1], 0, 0, name="same speed")
+    phase = rt.Phase(rt.load("cartpole"), 1.0, rt.State(q=0, v=0), objective=rt.Effort(), constraints=[turn])
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4))
+    (number,) = (row.number for row in phase.rows.rows if row.name == "same speed")
+    added = [AddedRow(0, 1, number, 0.3)]
+    assert rows_to_add(nlp, [violated(nlp, number, 1, 0.6)], added) == [AddedRow(0, 1, number, 0.6)]
+    everywhere = [AddedRow(0, 1, number, tau) for tau in (0.3, *SPREAD.tolist())]
+    assert exceeded_although_added(nlp, [violated(nlp, number, 1)], everywhere) == []
+
+
+def test_only_path_rows_that_hold_on_the_whole_interval_are_exceeded_although_added(
+    nlp: rt.transcription.Nlp,
+) -> None:
+    path = tip_row(nlp)
+    (bound,) = (row.number for row in nlp.problem.phases[0].rows.of_state if row.variable == "q.slider")
+    found = [violated(nlp, number, interval) for number in (path, bound) for interval in (1, 2)]
+    added = [AddedRow(0, 1, number, tau) for number in (path, bound) for tau in (0.3, *SPREAD.tolist())]
+    assert exceeded_although_added(nlp, found, added) == [found[0]]
+    assert exceeded_although_added(nlp, found, added[: len(SPREAD)]) == []

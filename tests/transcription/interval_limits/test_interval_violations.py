@@ -96,6 +96,41 @@ def test_rows_of_controls_are_read_along_all_polynomials() -> None:
     assert not state_violations(phase, 0, motion, 0.0)
 
 
+@pytest.mark.parametrize(("excess", "listed"), [(2e-3, True), (0.5e-3, False)])
+def test_path_rows_of_controls_may_exceed_their_limit_by_a_thousandth(excess: float, listed: bool) -> None:
+    """x u peaks with 1 at the middle of the second interval."""
+    limit = 1.0 / (1.0 + excess)
+    power = rt.PathConstraint(lambda point: point.x["x"] * point.u["u"], upper=limit, name="power")
+    motion = parabolas([[0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 1, 0]])
+    found = variable_violations(block(constraints=[power]), 0, motion)
+    assert [(each.interval, each.row.name) for each in found] == ([(1, "power")] if listed else [])
+    assert len(input_violations(block(constraints=[power]), 0, motion)) == 1
+
+
+def test_equalities_that_read_controls_are_listed_with_rows_not_with_limits() -> None:
+    """Between the points u - x = 0 holds to the order of the scheme only; limits of torques are another matter."""
+    same = rt.PathConstraint(lambda point: point.u["u"] - point.x["x"], 0, 0, name="same")
+    motion = parabolas([[0, 0.5, 0], [0, 0, 0]], FLAT)
+    assert variable_violations(block(constraints=[same]), 0, motion) == []
+    assert [each.row.name for each in input_violations(block(constraints=[same]), 0, motion)] == ["same"]
+
+
+def test_cones_of_contacts_are_rows_and_no_limits() -> None:
+    """They are measured against the weight; a foot that pushes sideways alone breaks its cone everywhere."""
+    hopper = rt.load("hopper", root="planar")
+    phase = rt.Phase(hopper, 3.0, contacts=[rt.PointContact("foot", friction=0.5)])
+    sizes = len(phase.dae.states), len(phase.dae.algebraic), len(phase.dae.controls)
+    x, z, u = (PiecewisePolynomial(BREAKS, [SITES] * 2, [np.zeros((3, size)) for _ in range(2)]) for size in sizes)
+    forces = [force.name for contact in phase.bound_contacts for force in contact.forces]
+    pushed = np.array([[100.0 * (variable.name == forces[0]) for variable in phase.dae.algebraic]] * 3)
+    z = PiecewisePolynomial(BREAKS, [SITES] * 2, [pushed] * 2)
+    parameters = dict.fromkeys(phase.parameter_names, 0.0)
+    motion = PhaseTrajectory(0.0, 3.0, x, z, u, BREAKS, parameters)
+    listed = {each.row.name for each in input_violations(phase, 0, motion)}
+    assert any("friction" in name for name in listed), listed
+    assert not any("friction" in each.row.name for each in variable_violations(phase, 0, motion))
+
+
 def test_peaks_of_bends_sharper_than_the_places_are_found() -> None:
     """x = 1.05 tanh(tau / w) - 3 tau, w a tenth of the distance of two places, peaks between the first two."""
     sharp = 0.1 / 48

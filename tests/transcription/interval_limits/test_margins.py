@@ -93,3 +93,39 @@ def test_no_margin_and_a_margin_as_wide_as_the_limits_change_nothing() -> None:
     wide = with_margins(nlp, {LimitedInterval(0, 1, number): 1.0})
     assert np.array_equal(wide.rows.upper, nlp.rows.upper)
     assert np.array_equal(wide.variables.upper, nlp.variables.upper)
+
+
+def test_a_margin_of_a_state_tightens_the_knots_of_its_interval_and_its_coefficients() -> None:
+    phase = pushed().with_(states={"v": rt.between(-2, 2)})
+    nlp = transcribe(rt.Problem([phase]), rt.Mesh(4), interval_limits=rt.interval_limits.BernsteinBounds())
+    number = next(row.number for row in phase.rows if row.variable == "v")
+    tight = with_margins(nlp, {LimitedInterval(0, 1, number): 0.25})
+    layout = nlp.layouts[0]
+    changed = np.flatnonzero(tight.variables.upper != nlp.variables.upper)
+    assert changed.tolist() == sorted(layout.knots[1:3, 1].tolist())
+    assert tight.variables.upper[changed].tolist() == [1.75] * 2
+    assert tight.variables.lower[changed].tolist() == [-1.75] * 2
+    rows = np.flatnonzero(tight.rows.upper != nlp.rows.upper)
+    assert rows.size and np.all((nlp.rows.fraction[rows] > 0.25) & (nlp.rows.fraction[rows] < 0.5))
+    assert tight.rows.upper[rows].tolist() == [1.75] * rows.size
+    assert tight.rows.lower[rows].tolist() == [-1.75] * rows.size
+
+
+def test_given_ends_beyond_a_margin_stay_as_they_are() -> None:
+    phase = pushed().with_(states={"v": rt.between(-1, 1)}, end=rt.State({"x": 1, "v": 0.9}))
+    nlp = transcribe(rt.Problem([phase]), rt.Mesh(4))
+    number = next(row.number for row in phase.rows if row.variable == "v")
+    tight = with_margins(nlp, {LimitedInterval(0, 3, number): 0.25})
+    last = nlp.layouts[0].knots[-1, 1]
+    assert tight.variables.lower[last] == tight.variables.upper[last] == 0.9
+    assert np.all(tight.variables.lower <= tight.variables.upper)
+
+
+def test_the_guess_is_within_tighter_bounds() -> None:
+    phase = pushed().with_(states={"v": rt.between(-1, 1)})
+    nlp = transcribe(rt.Problem([phase]), rt.Mesh(4))
+    number = next(row.number for row in phase.rows if row.variable == "v")
+    at = nlp.layouts[0].knots[1:3, 1]
+    nlp.guess[at] = [1.0, -1.0]
+    tight = with_margins(nlp, {LimitedInterval(0, 1, number): 0.25})
+    assert tight.guess[at].tolist() == [0.75, -0.75]
