@@ -1,9 +1,9 @@
 """Point functions by CasADi's virtual machine, as compiled C and in our own module: ``python benchmarks/engines.py``.
 
-Every task is posed once for each engine, and all are evaluated and solved in turn; medians of processor time, so that
-other work on the machine counts little. Libraries are compiled into an empty cache. Solves stop after a given number
-of iterations. The first two engines take the same steps, to the last bit; the third computes the same derivatives by
-other formulas, to 1e-9. Both are checked.
+Every task is posed once for each engine, and all are evaluated and solved in turn. Figures are medians of processor
+time, so other work on the machine counts little. Libraries are compiled into an empty cache. Solves stop after a given
+number of iterations. The first two engines take the same steps, to the last bit; the third computes the same
+derivatives by other formulas, to 1e-9. Both are checked.
 """
 
 from __future__ import annotations

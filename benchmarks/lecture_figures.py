@@ -3,7 +3,7 @@
 3, 4, 5
     Direct collocation by the lecture's scheme at 51, 101 and 201 points: position, velocity and force over the exact
     ones, and how far the position is off. The force crosses from 1 to -1 on lines over the two intervals beside the
-    switch; the error is made there, and falls by four when the points double.
+    switch. The error arises there, and falls by four when the points double.
 6, 7
     The same of multiple and of single shooting at 21 points: constants meet the switch, which is on a knot, and the
     position is off by 1e-8 m only.

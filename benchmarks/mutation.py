@@ -41,8 +41,8 @@ HEAD = """\
 # Mutation score by room
 
 Written by `python benchmarks/mutation.py --each N`: a seeded sample of changed operators and constants, and how many
-of them the fast tests of the room notice. Survivors are listed below: each is a change that no test of its room
-notices, be it because it changes nothing that matters (a tolerance, a cache, a margin) or because a test is missing.
+of them the fast tests of the room notice. Survivors are listed below: no test of the room notices such a change. Either
+it changes nothing that matters (a tolerance, a cache, a margin), or a test is missing.
 
 | room | mutants | killed | score |
 |---|---|---|---|

@@ -8,9 +8,9 @@ n_h inequalities, n = n_u + n_x (Vanroye et al., FATROP, IROS 2023; a multiplica
 
 and of the point functions: the operations of CasADi's graphs of inverse dynamics, its Jacobian and its Hessian, which
 the native engine's formulas undercut. Both count dense matrices: the recursion skips zeros. The rate is that of
-products of matrices of 256 rows by SciPy's BLAS, on one core; the last column uses 30 rows, the size of a
-small arm. An iteration is in processor time, the least of several solves of a compiled program; inertia corrections,
-refinements and the line search are included.
+products of matrices of 256 rows by SciPy's BLAS, on one core. The last column uses 30 rows, the size of a small arm. An
+iteration is in processor time, the least of several solves of a compiled program; inertia corrections, refinements and
+the line search are included.
 
 Gaits have no stages, and their Newton systems are factorised as sparse matrices. Their table has the unknowns and rows
 of the last mesh of a default plan, and the part of an iteration that is linear algebra.

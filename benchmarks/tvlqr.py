@@ -2,8 +2,8 @@
 
 cart-pole, acrobot, ur5 and panda: `rt.witness.monte_carlo` under `solution.gains`, at the default disturbances
 (initial error, masses, friction, noise, one push, delay) and at those of `rt.witness.disturbance_margin`, which are
-stated for the plan. five_link, which stands on a soft foot and moves its root: a step by
-`rt.witness.second_opinion` under its time-varying LQR, from a seeded random error of the first state.
+stated for the plan. five_link, which stands on a soft foot and moves its root, is simulated by
+`rt.witness.second_opinion`. It takes a step under its time-varying LQR, from a seeded random error of the first state.
 
 The acrobot's plan is, among the optima of 20 starts, the one with the largest margin.
 """

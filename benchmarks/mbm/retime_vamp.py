@@ -5,8 +5,8 @@ Runs in an environment of its own: ``pip install vamp-planner toppra pin``. Usag
     python retime_vamp.py FOLDER OUT.json
 
 writes for every problem the duration of the retimed path [s] and the processor seconds of both libraries. Entries are
-null where VAMP finds no path or toppra no times. Torque limits hold through inverse dynamics, velocity limits are those
-of the URDF; the path is the cubic spline through the corners of the simplified path, by their distances.
+null where VAMP finds no path or toppra no times. Torque limits hold through inverse dynamics, and velocity limits are
+those of the URDF. The path is the cubic spline through the corners of the simplified path, by their distances.
 """
 
 import json

@@ -1,9 +1,9 @@
 """Every gait call on every robot: `python benchmarks/proven/gaits.py [--robot NAME] [--gait NAME] [--resume]`.
 
-Default calls of ``rt.gait`` and ``rt.plan``: only sizes are given (step length, speed, rise, width, angle), drawn with
-a fixed seed in parts of the height h of the centre of mass. Each robot is planned in a fresh process, and each plan
-validated. Every row is written to ``GAITS.md`` beside this file as soon as it is known; a run of one robot or one gait
-replaces its own rows there and keeps the others. ``--resume`` runs only what has no row yet.
+Default calls of ``rt.gait`` and ``rt.plan``: only sizes are given (step length, speed, rise, width, angle). They are
+drawn with a fixed seed in parts of the height h of the centre of mass. Each robot is planned in a fresh process, and
+each plan validated. Every row is written to ``GAITS.md`` beside this file as soon as it is known. A run of one robot or
+one gait replaces its own rows there and keeps the others. ``--resume`` runs only what has no row yet.
 """
 
 from __future__ import annotations

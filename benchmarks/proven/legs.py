@@ -140,8 +140,8 @@ def in_a_fresh_process(name: str, froude: float) -> dict[str, object]:
     except subprocess.TimeoutExpired:
         return {"proved": False, "seconds": float(LIMIT), "remark": f"stopped after {LIMIT} s"}
     if done.returncode:
-        said = done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"]
-        return {"proved": False, "seconds": float("nan"), "remark": said[-1][:120]}
+        lines = done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"]
+        return {"proved": False, "seconds": float("nan"), "remark": lines[-1][:120]}
     found: dict[str, object] = json.loads(done.stdout.splitlines()[-1])
     return found
 

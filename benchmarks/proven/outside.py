@@ -1,7 +1,7 @@
 """Judge a plan of a robot with a motor at every joint from outside: plain Pinocchio, NumPy, and the values of the plan.
 
-The motion is cut into pieces. Each starts from the planned state, is driven by the planned torques and integrated by
-fixed steps of Runge and Kutta's classical rule; the steps are halved until the ends agree. The end of a piece is then
+The motion is cut into pieces. Each starts from the planned state and is driven by the planned torques. It is integrated
+by fixed steps of Runge and Kutta's classical rule, which are halved until the ends agree. The end of a piece is then
 compared with the plan. Limits of the URDF are read on a dense grid.
 """
 

@@ -1,11 +1,11 @@
 """Random reaches of arms, each planned by the default call: `python benchmarks/proven/reaches.py [robot ...]`.
 
-Ends are drawn within the limits of the URDF; every second reach has a fixed duration of 1.05 to 3 times its bound by
-speed limits and the least effort, the others take the least time. A reach counts as proved where ``solution.proof``
-holds and the judgement from outside (``outside.py``) agrees; a claimed proof that it refutes is a false success. A
-reach of fixed duration that was not proved is called infeasible where the least time found for its ends, from several
-guesses, is longer. The table goes to ``REACHES.md``, with ``--log FILE`` also a line of JSON for every reach. A run
-that was stopped goes on with the same log: reaches of the log are not planned again.
+Ends are drawn within the limits of the URDF. Every second reach has the least effort and a fixed duration of 1.05 to 3
+times its bound by speed limits. The others take the least time. A reach counts as proved where ``solution.proof`` holds
+and the judgement from outside (``outside.py``) agrees; a claimed proof that it refutes is a false success. A reach of
+fixed duration that was not proved is called infeasible where the least time found for its ends, from several guesses,
+is longer. The table goes to ``REACHES.md``, with ``--log FILE`` also a line of JSON for every reach. A run that was
+stopped goes on with the same log: reaches of the log are not planned again.
 """
 
 from __future__ import annotations

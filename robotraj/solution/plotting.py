@@ -146,7 +146,7 @@ def _arrange(variables: Sequence[Variable], systems: bool) -> tuple[list[Panel |
 
 
 def _colors(labels: Sequence[str]) -> dict[str, ColorType]:
-    """One colour for each joint or variable, easy to tell apart up to ten."""
+    """One colour for each joint or variable, easy to distinguish up to ten."""
     from matplotlib import colormaps
 
     if len(labels) <= 10:

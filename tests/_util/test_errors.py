@@ -41,7 +41,7 @@ def test_errors_of_robotraj_pass_through() -> None:
 
 
 @pytest.mark.parametrize(
-    ("function", "said"),
+    ("function", "expected"),
     [
         (lambda x: x[9], "RuntimeError: Slice (start=9, stop=10, step=1) out of bounds with supplied length of 2. It"),
         (lambda x: x["a"], "NotImplementedError: Wrong number or type of arguments for overloaded function 'SX_get'."),
@@ -51,11 +51,11 @@ def test_errors_of_robotraj_pass_through() -> None:
     ],
     ids=["index", "name", "and", "or", "arguments"],
 )
-def test_errors_of_casadi_lose_their_source_lines_and_prototypes(function: object, said: str) -> None:
+def test_errors_of_casadi_lose_their_source_lines_and_prototypes(function: object, expected: str) -> None:
     with pytest.raises(FailedExpression) as caught:
         called("expression", function, ca.SX.sym("x", 2))  # type: ignore[arg-type]
     message = str(caught.value)
-    assert said in message and ".cpp" not in message and "prototypes" not in message and "\n" not in message
+    assert expected in message and ".cpp" not in message and "prototypes" not in message and "\n" not in message
 
 
 def test_what_a_point_has_is_listed_where_something_else_is_asked_of_it() -> None:

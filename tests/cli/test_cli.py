@@ -22,20 +22,20 @@ PARTS = ("combinations", "functions", "linear", "steps")
 
 
 def test_demo_prints_the_phase_and_the_proof_and_writes_its_replay(here: Path) -> None:
-    said = succeed("demo")
-    assert "minimise Effort" in said and "position limit" in said
-    assert "solved: objective 58.80766" in said
-    assert "PASSED" in said
-    assert said.rstrip().endswith(f"wrote {here / 'cartpole.html'}")
+    output = succeed("demo")
+    assert "minimise Effort" in output and "position limit" in output
+    assert "solved: objective 58.80766" in output
+    assert "PASSED" in output
+    assert output.rstrip().endswith(f"wrote {here / 'cartpole.html'}")
     assert "</html>" in (here / "cartpole.html").read_text()[-200:]
     assert [path.name for path in here.iterdir()] == ["cartpole.html"]
-    assert all(f" {entry.name} " in said for entry in DEMOS.values())
+    assert all(f" {entry.name} " in output for entry in DEMOS.values())
 
 
 def test_demo_writes_to_the_given_path(here: Path) -> None:
-    said = succeed("demo", "block", "--html", "a.html", "--save", "b", "--plot", "c.svg")
-    assert "demos:" not in said
-    assert all(f"wrote {here / name}" in said for name in ("a.html", "b.npz", "c.svg"))
+    output = succeed("demo", "block", "--html", "a.html", "--save", "b", "--plot", "c.svg")
+    assert "demos:" not in output
+    assert all(f"wrote {here / name}" in output for name in ("a.html", "b.npz", "c.svg"))
     assert rt.load_solution("b.npz").duration == pytest.approx(2 * np.sqrt(10))
     assert "<svg" in (here / "c.svg").read_text()
 
@@ -51,8 +51,8 @@ def test_plan_moves_from_rest_to_rest(here: Path) -> None:
 
 
 def test_plan_can_take_the_least_time_within_given_limits(here: Path) -> None:
-    said = succeed("plan", "block", "--start=0", "--to=1", "--objective=duration", "--effort=0.25", "--save=a")
-    assert "-0.25 .. 0.25" in said
+    output = succeed("plan", "block", "--start=0", "--to=1", "--objective=duration", "--effort=0.25", "--save=a")
+    assert "-0.25 .. 0.25" in output
     # 2 sqrt(distance mass / force) with a force that jumps; here it has to run from one bound to the other.
     assert 4.0 < rt.load_solution("a").duration < 4.002
 
@@ -63,15 +63,15 @@ def test_plan_refines_when_a_tolerance_is_asked_for(here: Path) -> None:
 
 
 def test_plan_without_limits_imposes_none(here: Path) -> None:
-    said = succeed("plan", "two_link_arm", "--to", "0.5,0.5", "--no-limits")
-    assert "limit" not in said.split("solved:")[0]
+    output = succeed("plan", "two_link_arm", "--to", "0.5,0.5", "--no-limits")
+    assert "limit" not in output.split("solved:")[0]
 
 
 def test_a_urdf_path_is_a_robot(here: Path) -> None:
     urdf = next(entry.urdf for entry in rt.robot.catalogue() if entry.name == "pendulum")
     assert "pivot" in succeed("show", urdf)
-    said = succeed("plan", urdf, "--to", "1", "--duration", "1:3")
-    assert "1 .. 3" in said and "PASSED" in said
+    output = succeed("plan", urdf, "--to", "1", "--duration", "1:3")
+    assert "1 .. 3" in output and "PASSED" in output
 
 
 def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
@@ -107,18 +107,18 @@ def test_what_a_file_cannot_hold_is_a_note(here: Path) -> None:
 
 
 def test_robots_lists_the_catalogue() -> None:
-    said = succeed("robots")
+    output = succeed("robots")
     for entry in rt.robot.catalogue():
-        assert f" {entry.name} " in said
+        assert f" {entry.name} " in output
     found = succeed("robots", "cart-pole")
     assert "1 robot" in found and "cartpole" in found and "ur5" not in found
 
 
 def test_show_prints_joints_limits_and_frames() -> None:
-    said = succeed("show", "cartpole")
-    assert "slider" in said and "[-2, 2]" in said and "20 N" in said
-    assert "tip" in said.split("frames")[1]
-    assert "licence:" in said
+    output = succeed("show", "cartpole")
+    assert "slider" in output and "[-2, 2]" in output and "20 N" in output
+    assert "tip" in output.split("frames")[1]
+    assert "licence:" in output
     assert all(len(line) <= 80 for robot in ("pendulum", "ur5") for line in succeed("show", robot).splitlines())
     assert "! Joint 'joint1' cannot be planned" in succeed("show", "double_pendulum")
 
@@ -171,7 +171,7 @@ def test_where_a_file_cannot_be_written_nothing_is_planned(
         raise AssertionError("planned")
 
     monkeypatch.setattr(import_module("robotraj.planning.plan"), "plan", planned)
-    assert message in (said := fail(*words, option, name)) and option in said
+    assert message in (output := fail(*words, option, name)) and option in output
 
 
 def test_a_failed_plan_prints_its_reason(here: Path) -> None:
@@ -186,16 +186,16 @@ def test_a_failed_plan_prints_its_reason(here: Path) -> None:
 )
 def test_every_command_explains_itself(command: str) -> None:
     assert command in succeed("--help")
-    said = succeed(command, "--help")
-    assert f"{command} [OPTIONS]" in said and "--help" in said
+    output = succeed(command, "--help")
+    assert f"{command} [OPTIONS]" in output and "--help" in output
     if command == "demo":
-        assert all(name in said for name in DEMOS)
+        assert all(name in output for name in DEMOS)
 
 
 @pytest.mark.parametrize("command", ["plan", "validate"])
 def test_exit_codes_are_documented(command: str) -> None:
-    for said in (succeed("--help"), succeed(command, "--help")):
-        assert "2 bad input, 3 not solved, 4 solved but not proved" in " ".join(said.split())
+    for output in (succeed("--help"), succeed(command, "--help")):
+        assert "2 bad input, 3 not solved, 4 solved but not proved" in " ".join(output.split())
 
 
 def test_watching_a_plan_prints_its_address_and_needs_no_screen(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,8 +234,8 @@ def test_json_describes_a_robot() -> None:
 
 def test_a_script_is_refused_with_the_command_that_runs_it(here: Path) -> None:
     for command in (["plan", "swing.py", "--to", "1"], ["show", "swing.py"], ["compile", "swing.py"]):
-        said = fail(*command)
-        assert "takes a robot" in said and said.endswith("python swing.py")
+        output = fail(*command)
+        assert "takes a robot" in output and output.endswith("python swing.py")
 
 
 def test_a_plan_stops_at_its_time_limit(here: Path) -> None:

@@ -54,8 +54,8 @@ def test_a_problem_file_is_planned_proved_and_written(here: Path) -> None:
     folder = here / "folder"
     folder.mkdir()
     (folder / "problem.toml").write_text(BLOCK)
-    said = succeed("plan", "folder/problem.toml")
-    assert "minimise Effort" in said and "PASSED" in said
+    output = succeed("plan", "folder/problem.toml")
+    assert "minimise Effort" in output and "PASSED" in output
     # Paths of the file start at its folder.
     assert "a block is pushed" in (folder / "push.html").read_text()
     assert rt.load_solution(folder / "push.npz").success
@@ -63,16 +63,18 @@ def test_a_problem_file_is_planned_proved_and_written(here: Path) -> None:
 
 def test_options_of_the_shell_precede_those_of_the_file(here: Path) -> None:
     (here / "problem.toml").write_text(BLOCK)
-    said = json.loads(succeed("plan", "problem.toml", "--json", "--save", "other.npz"))
-    assert said["written"] == [str(here / "other.npz"), str(here / "push.html")] and said["intervals"] == {"push": 10}
+    output = json.loads(succeed("plan", "problem.toml", "--json", "--save", "other.npz"))
+    assert output["written"] == [str(here / "other.npz"), str(here / "push.html")] and output["intervals"] == {
+        "push": 10
+    }
     result = run("plan", "problem.toml", "--time-limit", "0.001", "--json")
     assert result.exit_code == 3 and json.loads(result.stdout)["status"] == "time limit"
 
 
 def test_options_of_a_robot_are_refused_beside_a_file(here: Path) -> None:
     (here / "problem.toml").write_text(BLOCK)
-    said = fail("plan", "problem.toml", "--to", "1", "--intervals", "20")
-    assert "--to, --intervals are for a robot; problem.toml is a problem file" in said
+    output = fail("plan", "problem.toml", "--to", "1", "--intervals", "20")
+    assert "--to, --intervals are for a robot; problem.toml is a problem file" in output
     assert "--to is missing" in fail("plan", "block") and "robotraj init block" in fail("plan", "block")
 
 
@@ -93,8 +95,8 @@ def test_a_proof_that_fails_by_the_files_own_tolerance_exits_with_4(here: Path) 
 @pytest.mark.parametrize("robot", ["block", "ur5", "acrobot", "cartpole", "double_pendulum"])
 def test_a_first_problem_plans_as_it_stands(here: Path, robot: str) -> None:
     assert "plan it with: robotraj plan problem.toml" in succeed("init", robot)
-    said = succeed("plan", "problem.toml", "--json")
-    assert json.loads(said)["proved"] and (here / f"{robot}.html").is_file()
+    output = succeed("plan", "problem.toml", "--json")
+    assert json.loads(output)["proved"] and (here / f"{robot}.html").is_file()
 
 
 def test_a_first_problem_of_a_urdf_names_it_from_its_own_folder(here: Path) -> None:
@@ -162,8 +164,8 @@ def test_an_export_stands_beside_the_solution_and_holds_gains_on_request(two: tu
 
 
 def test_two_solutions_are_compared(two: tuple[Path, Path], here: Path) -> None:
-    said = succeed("compare", "a.npz", "b.npz")
-    assert "intervals" in said and "setting mesh" in said and "measures are equal" in said
+    output = succeed("compare", "a.npz", "b.npz")
+    assert "intervals" in output and "setting mesh" in output and "measures are equal" in output
     rows = {row["name"]: row for row in json.loads(succeed("compare", "a.npz", "b.npz", "--json"))["measures"]}
     assert (rows["intervals"]["first"], rows["intervals"]["second"], rows["intervals"]["difference"]) == (10, 20, 10)
     first, second = (rt.load_solution(path) for path in two)
@@ -179,8 +181,8 @@ def test_a_solution_equals_itself(two: tuple[Path, Path]) -> None:
 
 def test_the_schema_is_printed(here: Path) -> None:
     assert "Constraints: AtEnd" in succeed("schema")
-    said = succeed("schema", "GroundClearance")
-    assert re.search(r"^frames .* required$", said, re.MULTILINE)
+    output = succeed("schema", "GroundClearance")
+    assert re.search(r"^frames .* required$", output, re.MULTILINE)
     assert json.loads(succeed("schema", "Box", "--json"))["entry"][0]["keys"][0]["default"] == "required"
     assert "Did you mean 'Box'" in fail("schema", "Bx")
     assert succeed("schema", "--markdown").startswith("### Tables")

@@ -777,7 +777,7 @@ def test_bad_input_meets_one_clear_error(name: str) -> None:
         provoke()
     message = str(caught.value)
     missing = [part for part in parts if part not in message]
-    assert not missing, f"{message!r} does not say {missing}"
+    assert not missing, f"{message!r} lacks {missing}"
     assert "\n" not in message and message[-1] in ".?", message
 
 

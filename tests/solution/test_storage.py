@@ -493,9 +493,9 @@ def test_a_file_of_a_robotraj_with_other_classes_is_not_called_damaged(
         for key in place:
             part = part[key]
         part[name] = 1.0
-        told = {**about, "robotraj": "0.0.7", "classes": classes}
+        header = {**about, "robotraj": "0.0.7", "classes": classes}
         changed = rewritten(
-            path, tmp_path / "other.npz", about=np.array(json.dumps(told)), solution=np.array(json.dumps(other))
+            path, tmp_path / "other.npz", about=np.array(json.dumps(header)), solution=np.array(json.dumps(other))
         )
         with pytest.raises(rt.InputError, match=message) as error, pytest.warns(UserWarning):
             rt.load_solution(changed)
@@ -512,9 +512,9 @@ def test_settings_of_other_classes_are_left_out_with_both_versions(cartpole: rt.
     with np.load(path) as archive:
         about, data = (json.loads(str(archive[entry])) for entry in ("about", "solution"))
     data["settings"]["fields"]["given_name"] = 1.0
-    told = {**about, "robotraj": "0.0.7", "classes": "0123456789abcdef"}
+    header = {**about, "robotraj": "0.0.7", "classes": "0123456789abcdef"}
     changed = rewritten(
-        path, tmp_path / "other.npz", about=np.array(json.dumps(told)), solution=np.array(json.dumps(data))
+        path, tmp_path / "other.npz", about=np.array(json.dumps(header)), solution=np.array(json.dumps(data))
     )
     with pytest.warns(UserWarning, match=r"settings of the plan could not be read: .*Robotraj 0\.0\.7 wrote the file"):
         assert rt.load_solution(changed).objective == cartpole.objective

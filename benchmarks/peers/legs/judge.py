@@ -131,8 +131,8 @@ def _slip(places: np.ndarray, stands: np.ndarray) -> tuple[float, float]:
 def _simulate(model: pin.Model, data: pin.Data, feet: list[int], plan: Any, flat: bool) -> tuple[float, float]:
     """Accurate simulation under the planned torques with the standing feet's accelerations zero.
 
-    Phases and intervals are simulated from their planned starts. Returns the largest joint or root error [rad, m] at
-    the end of a phase, and the largest error of an interval relative to its length [rad/s, m/s].
+    Phases and intervals are simulated from their planned starts. Returns the largest joint or root error at the end of
+    a phase [rad, m]. The second value is the largest error of an interval relative to its length [rad/s, m/s].
     """
     stands, rows = plan["stands"].astype(bool), 6 if flat else 3
     nq = model.nq

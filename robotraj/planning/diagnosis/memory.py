@@ -18,7 +18,7 @@ MB = 1e6
 
 
 def resident() -> float:
-    """Return the resident memory of this process [MB]; the largest so far on macOS, which does not tell the present."""
+    """Return the resident memory of this process [MB]; on macOS, where it is not known, the largest so far."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:
             pages = int(file.read().split()[1])

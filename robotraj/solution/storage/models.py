@@ -80,7 +80,7 @@ def model_of(data: Mapping[str, object]) -> pin.Model:
     Raises
     ------
     ValueError
-        Names, sizes or numbers that are none of a model; the message says which.
+        Names, sizes or numbers that are none of a model; the message names it.
     """
     names, parents, joints = (_entries(data, key, JOINTS) for key in ("joint_names", "parents", "joints"))
     placements, count = _array(data, "placements", (len(joints), 12)), len(joints) + 1

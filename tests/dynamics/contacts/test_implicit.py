@@ -103,15 +103,15 @@ def test_a_hopper_finds_its_own_steps() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("make", "expected"),
     [
         (lambda: rt.contacts.ImplicitContact("foot", relaxation=0.0), "relaxation"),
         (lambda: rt.contacts.ImplicitContact("foot", ground=rt.terrain.Steps([0.5], [0.0, 0.1])), "plane"),
         (lambda: rt.contacts.ImplicitContact("foot", friction=-1.0), "friction"),
     ],
 )
-def test_bad_input_is_refused(make: object, said: str) -> None:
-    with pytest.raises(rt.InputError, match=said):
+def test_bad_input_is_refused(make: object, expected: str) -> None:
+    with pytest.raises(rt.InputError, match=expected):
         make()
 
 

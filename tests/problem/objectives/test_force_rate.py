@@ -59,15 +59,15 @@ def test_planned_motions_are_those_of_the_robot_all_the_same(effort: rt.Solution
 
 
 @pytest.mark.parametrize(
-    ("objective", "said"),
+    ("objective", "expected"),
     [
         (rt.objectives.ForceRate({"hand": 1.0}), "hand"),
         (rt.objectives.ForceRate(most=0.0), "most="),
         (rt.objectives.ForceRate(most=np.nan), "most="),
     ],
 )
-def test_bad_input_is_refused(objective: object, said: str) -> None:
-    with pytest.raises(rt.InputError, match=said):
+def test_bad_input_is_refused(objective: object, expected: str) -> None:
+    with pytest.raises(rt.InputError, match=expected):
         squat(objective)
 
 

@@ -53,7 +53,7 @@ def test_smoothness_of_a_frame_is_the_integral_of_its_squared_acceleration(robot
 
 
 @pytest.mark.parametrize(
-    ("objective", "said"),
+    ("objective", "expected"),
     [
         (rt.objectives.CentroidalMomentum(angular=0.0), "one of them positive"),
         (rt.objectives.CentroidalMomentum(angular=[1.0, 2.0]), "3 weights"),
@@ -61,8 +61,8 @@ def test_smoothness_of_a_frame_is_the_integral_of_its_squared_acceleration(robot
         (rt.objectives.FrameSmoothness(()), "names no frame"),
     ],
 )
-def test_bad_input_is_refused(robot: rt.Robot, objective: object, said: str) -> None:
-    with pytest.raises(rt.InputError, match=said):
+def test_bad_input_is_refused(robot: rt.Robot, objective: object, expected: str) -> None:
+    with pytest.raises(rt.InputError, match=expected):
         move(robot, objective)
 
 

@@ -203,8 +203,8 @@ def test_free_duration_keeps_defects_linear() -> None:
 def test_rates_of_torques_keep_defects_linear_at_a_free_duration() -> None:
     reduction = reduced("smooth arm", "HermiteSimpson")
     assert reduction.stretched is not None
-    # States (q, v, tau, a, r) and the duration; a and r in the middle and at the next knot are controls, and what is
-    # left as equations are the torque balances.
+    # States (q, v, tau, a, r) and the duration; a and r in the middle and at the next knot are controls. The torque
+    # balances remain as equations.
     assert reduction.program.nx[1:-1].tolist() == [31, 31]
     assert reduction.program.nu[1:-1].tolist() == [24, 24]
     assert reduction.program.equalities[1:-1].tolist() == [12, 12]

@@ -21,8 +21,8 @@ def test_a_hop_of_found_contacts_is_followed():
     )
     mesh, stages = rt.Mesh(40, rt.schemes.RadauIIA(1)), rt.planning.tightening(hop, [1.0, 0.1, 1e-2, 1e-3])
     # There are many local optima, and few of these hops succeed in MuJoCo. On this mesh and with this barrier, three
-    # guesses that differ by 1e-10 led to hops that land within 5 mm; with the default barrier two of five, within 7 mm.
-    # On 30 and 60 intervals neither barrier is reliable.
+    # guesses that differ by 1e-10 led to hops that land within 5 mm. With the default barrier two of five did, within 7
+    # mm. On 30 and 60 intervals neither barrier is reliable.
     solution = rt.plan(hop, mesh=mesh, solver=rt.Ipopt(initial_barrier=0.1), continuation=stages)
     alone, held = (rt.witness.second_opinion(solution, feedback=f) for f in (rt.witness.NoFeedback(), None))
     assert alone.deviation["q.root_x"].final > 0.05
