@@ -34,5 +34,6 @@ together = rt.Phase(
 designed = rt.plan(together, mesh=rt.Mesh(60), guess=bent)
 print(f"effort: {as_built.objective:.3f} as built, {designed.objective:.3f} N^2 m^2 s as designed")
 print({name: round(value, 3) for name, value in designed.phases[0].parameters.items()})
-rt.validate(designed).check()
-print("wrote", rt.replay(designed, "08_design.html"))
+report = rt.validate(designed)
+report.check()
+print("wrote", rt.replay(designed, "08_design.html", report=report))

@@ -35,4 +35,4 @@ for name, descent, length in (("downhill", 0.0525, rt.between(0.3, 0.8)), ("leve
     print(f"after the strike: stance, swing leg at {angles} rad, {rates} rad/s; a step takes {solution.duration:.6f} s")
     print(report := rt.validate(solution))
     report.check(drift=1e-3)
-    print("wrote", rt.replay(solution, f"10_{name}.html", periods=6))
+    print("wrote", rt.replay(solution, f"10_{name}.html", periods=6, report=report))

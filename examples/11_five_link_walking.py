@@ -25,5 +25,5 @@ for name, clearance in (("five_link", 0.0), ("five_link", 0.1), ("five_link_tabl
     (impulse,) = solution.impulses
     print("impulse of the strike:", ", ".join(f"{k} {v:.2f} N s" for k, v in impulse.items()))
     print("greatest torques [N m]:", np.abs(solution.at(np.linspace(0, 0.7, 500)).tau).max(axis=0).round(2))
-    print("wrote", rt.replay(solution, f"11_{name}_{clearance}.html", periods=6))
+    print("wrote", rt.replay(solution, f"11_{name}_{clearance}.html", periods=6, report=report))
 print(report)

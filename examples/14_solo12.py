@@ -34,4 +34,4 @@ for name, problem, mesh, periods in (("trot", trot, meshes[0], 4), ("jump", jump
     report.check(drift=1e-2, contact=1e-4)
     print(opinion := rt.witness.second_opinion(solution, periods=periods))
     assert opinion.completed and opinion.upright
-    print("wrote", rt.replay(solution, f"14_solo12_{name}.html", periods=periods))
+    print("wrote", rt.replay(solution, f"14_solo12_{name}.html", periods=periods, report=report))

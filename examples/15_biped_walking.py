@@ -36,4 +36,4 @@ for robot, on, pace, calm, mesh in (
     report.check(contact=1e-4)
     print(opinion := rt.witness.second_opinion(solution, periods=6))
     assert opinion.completed and opinion.upright
-    print("wrote", rt.replay(solution, f"15_{robot.name}_walking.html", periods=6))
+    print("wrote", rt.replay(solution, f"15_{robot.name}_walking.html", periods=6, report=report))

@@ -36,4 +36,4 @@ print(f"off the line by {1e6 * off:.1f} um at most, tilted by {1e6 * tilt:.1f} u
 report = rt.validate(solution)
 print(report)
 report.check(drift=1e-3, limits=1e-3)
-print("wrote", rt.replay(solution, "18_tool_on_a_line.html", traces=["tool0"]))
+print("wrote", rt.replay(solution, "18_tool_on_a_line.html", traces=["tool0"], report=report))

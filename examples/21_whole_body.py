@@ -29,4 +29,4 @@ for name, motion in (("stand_up", stand_up), ("stride", stride)):
     print(solution)
     print(report := rt.validate(solution))
     report.check()
-    print("wrote", rt.replay(solution, f"21_{name}.html"))
+    print("wrote", rt.replay(solution, f"21_{name}.html", report=report))

@@ -26,4 +26,4 @@ print(f"{solution.duration:.3f} s; {alone.duration:.3f} s where they may pass th
 report = rt.validate(solution)
 print(report)
 report.check()
-print("wrote", rt.replay(solution, "22_two_arms.html", traces=["left_tool0", "right_tool0"]))
+print("wrote", rt.replay(solution, "22_two_arms.html", traces=["left_tool0", "right_tool0"], report=report))

@@ -25,4 +25,4 @@ print(*(f"{phase.phase.name}: {phase.duration:.2f} s" for phase in solution.phas
 report = rt.validate(solution)
 print(report)
 report.check()
-print("wrote", rt.replay(solution, "23_pick_and_place.html", traces=["tool0"]))
+print("wrote", rt.replay(solution, "23_pick_and_place.html", traces=["tool0"], report=report))

@@ -33,4 +33,4 @@ def tilt(q):
 planned = max(map(tilt, solution.at(np.linspace(0, solution.duration, 2001)).q))
 carried = max(map(tilt, rt.witness.second_opinion(solution).simulation.q))
 print(f"{solution.duration:.2f} s, tilted by {planned:.2f} degrees at most as planned, {carried:.2f} in MuJoCo")
-print("wrote", rt.replay(solution, "25_glass_of_water.html", traces=["tool0"]))
+print("wrote", rt.replay(solution, "25_glass_of_water.html", traces=["tool0"], report=report))

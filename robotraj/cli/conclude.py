@@ -30,8 +30,8 @@ class Files:
     plot: Path | None = None
     replay: Mapping[str, Any] = field(default_factory=dict)
 
-    def write(self, solution: Solution) -> list[Path]:
-        """Write the files and list their absolute paths."""
+    def write(self, solution: Solution, report: Report | None = None) -> list[Path]:
+        """Write the files and list their absolute paths; the page shows the report."""
         written = []
         if self.save is not None:
             written.append(solution.save(self.save))
@@ -40,7 +40,7 @@ class Files:
                 solution.plot().savefig(file, format=self.plot.suffix[1:])
             written.append(self.plot)
         if self.html is not None:
-            written.append(replay(solution, self.html, **self.replay))
+            written.append(replay(solution, self.html, report=report, **self.replay))
         return written
 
 
@@ -53,11 +53,11 @@ def conclude(
     """
     report = validate(solution, **(validation or {}))
     if as_json:
-        say_json(described(solution, report, files.write(solution)))
+        say_json(described(solution, report, files.write(solution, report)))
     else:
         say(f"{solution}\n")
         say(report)
-        for path in files.write(solution):
+        for path in files.write(solution, report):
             say(f"wrote {path}")
     if not report.passed:
         raise typer.Exit(ExitCode.NOT_PROVED)

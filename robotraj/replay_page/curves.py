@@ -85,21 +85,22 @@ def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
 def system_panels(system: System) -> list[Panel]:
     """Return the charts of the states, controls and algebraic variables of an ``rt.System``."""
 
-    def panel(title: str, symbol: str, group: Sequence[Variable]) -> Panel:
+    def panel(title: str, head: str, symbol: str, group: Sequence[Variable]) -> Panel:
         names = [variable.name for variable in group]
 
         def read(sample: Sample | CycleSample) -> Array:
             values = getattr(sample, symbol)
             return np.column_stack([np.asarray(values[name], dtype=float).ravel() for name in names])
 
-        return Panel(title, symbol, tuple(Series(v.name, v.unit, v.name) for v in group), read)
+        return Panel(title, head, tuple(Series(v.name, v.unit, v.name) for v in group), read)
 
     groups = (
-        ("States", "x", system.states),
-        ("Controls", "u", system.controls),
-        ("Algebraic variables", "z", system.algebraic),
+        # The columns of the legend carry words, since x and u are also names of variables.
+        ("States", "state", "x", system.states),
+        ("Controls", "control", "u", system.controls),
+        ("Algebraic variables", "algebraic", "z", system.algebraic),
     )
-    return [panel(title, symbol, group) for title, symbol, group in groups if len(group)]
+    return [panel(title, head, symbol, group) for title, head, symbol, group in groups if len(group)]
 
 
 class ChartData(TypedDict):

@@ -11,13 +11,18 @@ from robotraj.replay_page.contacts import held
 from robotraj.replay_page.curves import curves
 from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.groups import groups_of
-from robotraj.replay_page.verdict import proof_data, verdict
+from robotraj.replay_page.verdict import Validation, proof_data, verdict
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 
 def run_data(
-    robot: Robot | None, cycles: GaitCycles, scene: dict[str, object] | None, label: str, number: int
+    robot: Robot | None,
+    cycles: GaitCycles,
+    scene: dict[str, object] | None,
+    label: str,
+    number: int,
+    report: Validation | None,
 ) -> dict[str, object]:
     """Describe a solution, ready for JSON.
 
@@ -33,6 +38,8 @@ def run_data(
         Its name on the page.
     number : int
         Its place among the solutions of the page, which decides its tint.
+    report : Report or None
+        Its validation.
 
     Returns
     -------
@@ -55,11 +62,11 @@ def run_data(
     return {
         "label": label,
         "tint": css(number),
-        "status": asdict(verdict(cycles.solution)),
+        "status": asdict(verdict(cycles.solution, report)),
         "start": phases[0]["start"],
         "end": phases[-1]["end"],
         "phases": phases,
-        "proof": proof_data(cycles.solution),
+        "proof": proof_data(cycles.solution, report),
         "charts": charts,
         "groups": groups_of(robot, cycles, list(dict.fromkeys(labels))),
         "held": held(cycles) if robot is not None else [],

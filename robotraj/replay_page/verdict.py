@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from robotraj.solution.violation import Violation
 
 Colour = Literal["good", "unproved", "bad"]
-"""Green for a proved plan, amber for a motion that was not proved, red for no motion."""
+"""Green for a proved or validated plan, amber for a motion that was not proved, red for no motion."""
 
 Data = dict[str, object]
 """Values that JSON can hold."""
@@ -23,8 +24,24 @@ Data = dict[str, object]
 LISTED = 40
 """Largest number of violated rows on the page."""
 
+TERMINAL_COLOUR = re.compile(r"\x1b\[\d*m")
+
 UNPROVED = ("NOT_PROVED", "TOLERANCE_NOT_REACHED")
 """Names of statuses of a plan that satisfies the rows of its mesh, but not the goals between mesh points."""
+
+
+class Validation(Protocol):
+    """What the page needs of a ``witness.Report``, whose text is ``str(report)``."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether every figure lies within its tolerance."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Duration of the validated plan [s]."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -35,7 +52,7 @@ class Verdict(OneLine):
     ----------
     colour : Colour
     text : str
-        ``"proved"``, ``"solved; nothing was proved"``, ``"infeasible"`` ...
+        ``"proved"``, ``"validated by simulation"``, ``"solved; nothing was proved"``, ``"infeasible"`` ...
     """
 
     colour: Colour
@@ -62,8 +79,25 @@ class Figure(OneLine):
     colour: Colour
 
 
-def verdict(solution: Solution) -> Verdict:
-    """Return the verdict; it is green only if the proof of the plan holds."""
+def verdict(solution: Solution, report: Validation | None = None) -> Verdict:
+    """Return the verdict; it is green only if the proof of the plan holds or its validation passed.
+
+    A validation says nothing of the objective: a plan whose proof was tried and does not hold stays amber.
+    """
+    planned = _planned(solution)
+    if report is None or planned.colour == "bad":
+        return planned
+    if not report.passed:
+        return Verdict("bad", "validation failed")
+    if planned.colour == "good":
+        return Verdict("good", "proved and validated")
+    if solution.success and solution.proof is None:
+        return Verdict("good", "validated by simulation")
+    return Verdict("unproved", f"{planned.text}; validated")
+
+
+def _planned(solution: Solution) -> Verdict:
+    """Return the verdict of the planner alone."""
     if solution.status.name in UNPROVED:
         return Verdict("unproved", solution.status.value)
     if not solution.success:
@@ -98,14 +132,14 @@ def figures(solution: Solution) -> list[Figure]:
     return found
 
 
-def proof_data(solution: Solution) -> Data:
+def proof_data(solution: Solution, report: Validation | None = None) -> Data:
     """Return the page's data on the proof.
 
     Returns
     -------
     dict
         ``figures``, ``violations`` (text, time, phase, variable), ``meshes``, ``stages``, ``times`` [s], ``problem``,
-        ``settings``, ``message`` and ``conflicts``.
+        ``settings``, ``message``, ``conflicts`` and ``report``, the text of the validation.
     """
     return {
         "figures": [asdict(figure) for figure in figures(solution)],
@@ -121,6 +155,7 @@ def proof_data(solution: Solution) -> Data:
         "conflicts": [str(conflict) for conflict in solution.conflicts],
         "problem": str(solution.problem),
         "settings": "" if solution.settings is None else str(solution.settings),
+        "report": "" if report is None else TERMINAL_COLOUR.sub("", str(report)),
     }
 
 

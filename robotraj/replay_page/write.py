@@ -17,7 +17,7 @@ from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
 from robotraj.replay_page.page import Heading, page
 from robotraj.replay_page.run import run_data
-from robotraj.replay_page.verdict import verdict
+from robotraj.replay_page.verdict import Validation, Verdict, verdict
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles, gait_cycles
 from robotraj.solution.solution import Solution
@@ -30,6 +30,9 @@ SAME_PLACE = 1e-6
 The solver's tolerance allows such a difference.
 """
 
+SAME_DURATION = 1e-9
+"""Largest relative difference of the durations of a plan and of its report."""
+
 
 def replay(
     solution: Solution | Sequence[Solution],
@@ -41,6 +44,7 @@ def replay(
     periods: int = 1,
     title: str | None = None,
     labels: Sequence[str] | None = None,
+    report: Validation | Sequence[Validation | None] | None = None,
 ) -> Path:
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
 
@@ -81,6 +85,9 @@ def replay(
         Heading of the page; the robot's or system's name by default.
     labels : sequence of str, optional
         One name for each solution; their numbers and objectives by default.
+    report : Report or sequence of Report, optional
+        What ``rt.validate`` returned for the solution, or for each. The page shows its text and its verdict: a plan on
+        a given mesh, of which nothing was proved, is validated if its report passed.
 
     Returns
     -------
@@ -91,8 +98,9 @@ def replay(
     ------
     InputError
         A suffix other than ``.html``, a missing directory, or a speed or fps out of range. No solution or more than
-        four, or labels of another number. Phases that move different robots, ``traces`` for a system, or several
-        periods of a plan that is not periodic. An unknown frame raises UnknownName.
+        four, or labels or reports of another number. A report of a plan of another duration. Phases that move
+        different robots, ``traces`` for a system, or several periods of a plan that is not periodic. An unknown frame
+        raises UnknownName.
     """
     solutions = _checked(solution, labels)
     target = html_path(path)
@@ -100,7 +108,8 @@ def replay(
         raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
     if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
         raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
-    text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels)
+    reports = _reports(solutions, report)
+    text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports)
     with whole_file(target) as file:
         file.write_text(text, encoding="utf-8")
     return target
@@ -114,8 +123,10 @@ def page_of(
     periods: int = 1,
     title: str | None = None,
     labels: Sequence[str] | None = None,
+    reports: Sequence[Validation | None] | None = None,
 ) -> str:
     """Return the text of the page; parameters and errors are those of ``replay``."""
+    reports = reports or [None] * len(solutions)
     robots = [_one_robot(solution) for solution in solutions]
     names = [traces] if isinstance(traces, str) else traces
     if names and None in robots:
@@ -128,11 +139,13 @@ def page_of(
         from robotraj.replay_page.scene.scene import scenes_of
 
         scenes, commands = scenes_of(robots, cycles, fps, names)
+    labels = labels or [_label(own, k) for k, own in enumerate(cycles)]
     runs = [
-        run_data(robot, own, scene, labels[k] if labels else _label(own, k), k)
+        run_data(robot, own, scene, labels[k], k, reports[k])
         for k, (robot, own, scene) in enumerate(zip(robots, cycles, scenes, strict=True))
     ]
-    return page(_heading(cycles, title), {"speed": speed, "palette": palette(), "runs": runs}, commands)
+    heading = _heading(cycles, verdict(solutions[0], reports[0]), labels, title)
+    return page(heading, {"speed": speed, "palette": palette(), "runs": runs}, commands)
 
 
 def _checked(solution: Solution | Sequence[Solution], labels: Sequence[str] | None) -> list[Solution]:
@@ -145,6 +158,30 @@ def _checked(solution: Solution | Sequence[Solution], labels: Sequence[str] | No
     if labels is not None and (isinstance(labels, str) or len(labels) != len(solutions)):
         raise InputError(f"replay: labels= has one name for each of the {len(solutions)} solutions; got {labels!r}.")
     return solutions
+
+
+def _reports(
+    solutions: Sequence[Solution], report: Validation | Sequence[Validation | None] | None
+) -> list[Validation | None]:
+    """Return one report or None for each solution."""
+    if report is None:
+        return [None] * len(solutions)
+    reports: list[Any] = list(report) if isinstance(report, list | tuple) else [report]
+    if len(reports) != len(solutions):
+        raise InputError(
+            f"replay: report= has one report for each of the {len(solutions)} solutions; got {len(reports)}."
+        )
+    for solution, each in zip(solutions, reports, strict=True):
+        if each is None:
+            continue
+        if not hasattr(each, "passed"):
+            raise InputError(f"replay: report= takes what rt.validate returned; got {each!r}.")
+        if not np.isclose(each.duration, solution.duration, rtol=SAME_DURATION):
+            raise InputError(
+                f"replay: the report is of a plan of {each.duration:.6g} s, but the solution takes "
+                f"{solution.duration:.6g} s; validate this solution."
+            )
+    return reports
 
 
 def _is_number(value: object) -> bool:
@@ -205,15 +242,17 @@ def _label(cycles: GaitCycles, number: int) -> str:
     return f"{number + 1}: objective {cycles.solution.objective:.4g}"
 
 
-def _heading(cycles: Sequence[GaitCycles], title: str | None) -> Heading:
-    """Name the first solution, with its verdict, or the number of those that are compared."""
+def _heading(cycles: Sequence[GaitCycles], judged: Verdict, labels: Sequence[str], title: str | None) -> Heading:
+    """Name the first solution, with its verdict, or the number of those that are compared.
+
+    The verdict is that of the solution in focus, which is the first one until the page changes it.
+    """
     solution = cycles[0].solution
     first = solution.phases[0].phase
     names = list(dict.fromkeys(_name(own.solution.phases[0].phase) for own in cycles))
     if len(cycles) > 1:
-        judged = [verdict(own.solution) for own in cycles]
-        worst = max(judged, key=lambda one: ("good", "unproved", "bad").index(one.colour))
-        return Heading(title or " and ".join(names), f"{len(cycles)} solutions", worst.text, worst.colour, ())
+        text = f"{labels[0]}: {judged.text}"
+        return Heading(title or " and ".join(names), f"{len(cycles)} solutions", text, judged.colour, ())
     phases = [result.phase.name for result in solution.phases]
     shown = " → ".join(phases[:6]) + (f" → … ({len(phases)} phases)" if len(phases) > 6 else "")
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
@@ -222,5 +261,4 @@ def _heading(cycles: Sequence[GaitCycles], title: str | None) -> Heading:
     facts.append(("Iterations", str(solution.iterations)))
     # The first limit that must give is the largest one.
     facts += [("Must be relaxed", str(conflict)) for conflict in solution.conflicts[:1]]
-    judged_one = verdict(solution)
-    return Heading(title or _name(first), shown, judged_one.text, judged_one.colour, tuple(facts))
+    return Heading(title or _name(first), shown, judged.text, judged.colour, tuple(facts))

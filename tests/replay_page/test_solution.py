@@ -34,7 +34,7 @@ def swing_up():
 def test_a_planned_swing_up_shows_its_motion_limits_and_ground(swing_up, tmp_path):
     path = replay(swing_up, tmp_path / "cartpole.html")
     text, data = path.read_text(), data_of(path)
-    assert '<dd class="status unproved">solved; nothing was proved</dd>' in text
+    assert '<dd id="status" class="status unproved">solved; nothing was proved</dd>' in text
     assert "<h1>cartpole</h1>" in text
     knots = [round(0.2 * k, 6) for k in range(11)]
     assert data["phases"] == [{"name": "swing up", "start": 0.0, "end": 2.0, "knots": knots}]
@@ -45,6 +45,33 @@ def test_a_planned_swing_up_shows_its_motion_limits_and_ground(swing_up, tmp_pat
     assert [s["label"] for s in force["series"]] == ["slider"]
     end = [column[-1] for column in position["pieces"][0]["y"]]
     np.testing.assert_allclose(end, [1.0, np.pi], atol=1e-5)
+
+
+def test_the_report_of_a_plan_on_a_given_mesh_is_its_verdict_and_stands_on_the_page(tmp_path):
+    phase = rt.Phase(rt.load("two_link_arm"), 4.0, rt.State(q=0, v=0), rt.State(q=[0.3, 0.1], v=0), rt.Effort())
+    solution = rt.plan(phase, mesh=rt.Mesh(20))
+    report = rt.validate(solution)
+    assert report.passed
+    path = replay(solution, tmp_path / "arm.html", report=report)
+    assert '<dd id="status" class="status good">validated by simulation</dd>' in path.read_text()
+    assert data_of(path)["proof"]["report"].startswith("Validation of") and "PASSED" in data_of(path)["proof"]["report"]
+    both = replay([solution, solution], tmp_path / "both.html", labels=["one", "other"], report=[None, report])
+    assert '<dd id="status" class="status unproved">one: solved; nothing was proved</dd>' in both.read_text()
+    strict = rt.validate(solution, local=1e-15)
+    assert (
+        '<dd id="status" class="status bad">validation failed</dd>' in replay(solution, path, report=strict).read_text()
+    )
+
+
+def test_a_report_belongs_to_its_solution(swing_up, tmp_path):
+    phase = rt.Phase(rt.load("two_link_arm"), 4.0, rt.State(q=0, v=0), rt.State(q=[1, 0.5], v=0), rt.Effort())
+    report = rt.validate(rt.plan(phase, mesh=rt.Mesh(20)))
+    with pytest.raises(rt.InputError, match="a plan of 4 s, but the solution takes 2 s"):
+        replay(swing_up, tmp_path / "arm.html", report=report)
+    with pytest.raises(rt.InputError, match="one report for each of the 1 solutions; got 2"):
+        replay(swing_up, tmp_path / "arm.html", report=[report, report])
+    with pytest.raises(rt.InputError, match="what rt.validate returned; got True"):
+        replay(swing_up, tmp_path / "arm.html", report=True)
 
 
 def test_a_failed_plan_is_shown_as_one(tmp_path):
@@ -58,7 +85,7 @@ def test_a_failed_plan_is_shown_as_one(tmp_path):
     solution = rt.plan(phase, mesh=rt.Mesh(10, rt.HermiteSimpson()), solver=rt.Ipopt(max_iterations=1), check=False)
     assert not solution.success
     text = replay(solution, tmp_path / "cartpole.html").read_text()
-    assert f'<dd class="status bad">{solution.status.value}</dd>' in text
+    assert f'<dd id="status" class="status bad">{solution.status.value}</dd>' in text
 
 
 def test_a_planned_system_has_curves_with_its_bounds(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -38,6 +39,26 @@ def test_only_a_proof_that_holds_is_green(
     solution: rt.Solution, proof: Proof | None, status: str, colour: str, text: str
 ) -> None:
     judged = verdict(replace(solution, proof=proof, status=rt.solvers.Status[status]))
+    assert (judged.colour, judged.text) == (colour, text)
+
+
+@pytest.mark.parametrize(
+    ("proof", "status", "passed", "colour", "text"),
+    [
+        (None, "SOLVED", True, "good", "validated by simulation"),
+        (None, "SOLVED", False, "bad", "validation failed"),
+        (HOLDS, "SOLVED", True, "good", "proved and validated"),
+        (HOLDS, "SOLVED", False, "bad", "validation failed"),
+        (replace(HOLDS, unsettled=0.1), "SOLVED", True, "unproved", "motion proved, objective not settled; validated"),
+        (replace(HOLDS, error=np.inf), "NOT_PROVED", True, "unproved", "not proved; validated"),
+        (None, "INFEASIBLE", True, "bad", "infeasible"),
+    ],
+)
+def test_a_report_changes_the_verdict(
+    solution: rt.Solution, proof: Proof | None, status: str, passed: bool, colour: str, text: str
+) -> None:
+    report = SimpleNamespace(passed=passed, duration=4.0)
+    judged = verdict(replace(solution, proof=proof, status=rt.solvers.Status[status]), report)
     assert (judged.colour, judged.text) == (colour, text)
 
 

@@ -92,7 +92,7 @@ def test_the_heading_names_the_problem_and_the_method(ur5, wave_plan, tmp_path):
     text = path.read_text()
     assert "<h1>Pick &amp; place &lt;1&gt;</h1>" in text
     assert "wave 1 → wave 2" in text
-    assert '<dd class="status bad">iteration &lt;limit&gt;</dd>' in text
+    assert '<dd id="status" class="status bad">iteration &lt;limit&gt;</dd>' in text
     assert "<dd>2.5 s</dd>" in text
     assert "<dd>12.3457</dd>" in text
 

@@ -105,7 +105,7 @@ def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
         problem,
         cast("PlanOptions", reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS)),
         reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
-        reader.arguments(replay, _table(data, "replay"), ("replay",), without=("solution", "path")),
+        reader.arguments(replay, _table(data, "replay"), ("replay",), without=("solution", "path", "report")),
         _output(_table(data, "output"), source.parent),
     )
 

@@ -120,7 +120,7 @@ def _tables() -> list[SchemaEntry]:
         ("[phases.limits]", Limits.with_, ()),
         ("[plan]", plan, OF_CALLERS),
         ("[validate]", validate, ("solution",)),
-        ("[replay]", replay, ("solution", "path")),
+        ("[replay]", replay, ("solution", "path", "report")),
     ]
     found = [_entry(name, maker, without) for name, maker, without in tables]
     found = [replace(entry, parameters=(*entry.parameters, *_ADDED.get(entry.name, ()))) for entry in found]

@@ -1,5 +1,6 @@
 """Several solutions on one page, the layers of the view, and the joint that is picked in it."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,11 @@ def test_solutions_stand_side_by_side_and_the_focus_chooses_values_and_panels(
     ur5: Any, browser: Any, wave_plan: Any, tmp_path: Any
 ) -> None:
     plans = [wave_plan(ur5, 2.0), wave_plan(ur5, 2.0, seed=1)]
-    page = browser.open(replay(plans, tmp_path / "two.html", labels=["one", "other"]), moment="#t=1")
+    reports = [SimpleNamespace(passed=True, duration=2.0), None]
+    path = replay(plans, tmp_path / "two.html", labels=["one", "other"], report=reports)
+    page = browser.open(path, moment="#t=1")
+    verdict = page.locator("header .status")
+    assert verdict.inner_text() == "one: validated by simulation" and "good" in str(verdict.get_attribute("class"))
     here = page.evaluate("() => robotraj.poses(2).elbow_joint.position")
     page.locator("#layers button", has_text="side by side").click()
     there = page.evaluate("() => robotraj.poses(2).elbow_joint.position")
@@ -52,6 +57,8 @@ def test_solutions_stand_side_by_side_and_the_focus_chooses_values_and_panels(
     assert float(page.evaluate(shown)) == pytest.approx(plans[0].phases[0].at(1.0).q[0][0], abs=1e-3)
     page.keyboard.press("2")
     assert float(page.evaluate(shown)) == pytest.approx(plans[1].phases[0].at(1.0).q[0][0], abs=1e-3)
+    assert verdict.inner_text() == "other: solved; nothing was proved"
+    assert "unproved" in str(verdict.get_attribute("class"))
     assert page.locator("#solutions button").nth(1).get_attribute("aria-pressed") == "true"
     dashes = page.evaluate("() => [0, 1].map((run) => String(robotraj.selection.look('elbow_joint', run).dash))")
     assert len(set(dashes)) == 2

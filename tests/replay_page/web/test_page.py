@@ -148,6 +148,7 @@ def test_a_system_shows_its_curves_without_a_view(block_plan, browser, tmp_path)
     assert not page.locator("#view").is_visible()
     assert page.evaluate("() => robotraj.poses()") == {}
     rows = [text.split() for text in page.locator("#legend tbody tr").all_inner_texts()]
+    assert page.locator("#legend thead th").all_inner_texts() == ["curve", "state", "control [N]"]
     assert rows == [["x", "0.875", "m"], ["v", "0.500", "m/s"], ["u", "−1.000"]]
     browser.check(path)
 
@@ -256,13 +257,15 @@ def test_the_proof_is_shown_and_a_click_on_a_violated_row_moves_to_its_time(brow
     first = Conflict("reach", "effort limit, elbow", 0.0, 1.0, 3.5, "N m", 2.5, True)
     conflicts = (first, replace(first, name="velocity limit, elbow"))
     failed = replace(rt.plan(phase, mesh=rt.Mesh(6)), violation_list=(row,), conflicts=conflicts)
-    path = replay(failed, tmp_path / "page.html")
+    report = rt.validate(failed)
+    path = replay(failed, tmp_path / "page.html", report=report)
     page = browser.open(path)
     # The conflicting rows are visible without opening the proof.
     assert page.locator("header dd").last.inner_text() == str(first)
     page.keyboard.press("p")
     assert page.locator("#panel-proof .figure.bad").all_inner_texts() == ["1"]
     assert page.locator("#panel-proof p.bad").first.inner_text() == f"Must be relaxed: {first}"
+    assert page.locator("#panel-proof pre").inner_text().startswith("Validation of 'reach'")
     page.locator("#panel-proof li button").first.click()
     assert page.evaluate("() => robotraj.time()") == pytest.approx(0.4)
     browser.check(path)

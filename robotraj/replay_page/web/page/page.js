@@ -82,6 +82,10 @@ async function start() {
   const fillPanels = () => {
     const run = runs[selection.run];
     proof.fill(run.proof, run.status);
+    if (runs.length > 1) {
+      byId("status").textContent = `${run.label}: ${run.status.text}`;
+      byId("status").className = `status ${run.status.colour}`;
+    }
     meshes.fill(run.proof);
     problem.replaceChildren(Object.assign(element("pre", run.proof.problem), { tabIndex: 0 }));
     settings.replaceChildren(settingsTable(run.proof.settings));

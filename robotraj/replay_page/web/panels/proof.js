@@ -12,13 +12,14 @@ class ProofPanel {
     Object.assign(this, { host, seek });
   }
 
-  fill({ figures, violations, conflicts, message }, status) {
+  fill({ figures, violations, conflicts, message, report }, status) {
     this.host.replaceChildren(element("h2", "Proof"), this.verdict(status), this.figures(figures));
     this.host.append(element("h2", "Violated rows"));
     if (!violations.length) this.host.append(element("p", "None."));
     else this.host.append(this.violations(violations));
     for (const conflict of conflicts) this.host.append(element("p", `Must be relaxed: ${conflict}`, "bad"));
     if (message) this.host.append(element("p", `Solver: ${message}`));
+    if (report) this.host.append(element("h2", "Validation"), Object.assign(element("pre", report), { tabIndex: 0 }));
   }
 
   verdict({ text, colour }) {
