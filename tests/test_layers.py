@@ -37,6 +37,7 @@ FLOOR = {room: floor for floor, rooms in enumerate(ROOMS) for room in rooms}
 
 CLOSED = {
     "symbolic": {"native", "robot"},
+    "robot": {"native"},
     "replay_page": {"transcription", "solvers"},
     "witness": {"transcription", "solvers"},
 }

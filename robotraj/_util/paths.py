@@ -1,4 +1,4 @@
-"""Paths of output files, which are checked before a long computation starts."""
+"""Paths of output files, which are checked before a long computation starts, and of caches."""
 
 from __future__ import annotations
 
@@ -39,6 +39,14 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str
     if not os.access(target if target.exists() else target.parent, os.W_OK):
         raise InputError(f"{what} is {str(path)!r}, which cannot be written; choose another place or its permissions.")
     return target
+
+
+def cache_folder(name: str) -> Path:
+    """Return a folder of the user's cache: ``$XDG_CACHE_HOME/robotraj/NAME``, or ``~/.cache/robotraj/NAME``."""
+    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    # The XDG specification requires that relative paths are ignored.
+    base = given if given.is_absolute() else Path.home() / ".cache"
+    return base / "robotraj" / name
 
 
 @contextmanager

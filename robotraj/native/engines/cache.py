@@ -22,14 +22,6 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 
 
-def default_folder() -> Path:
-    """``$XDG_CACHE_HOME/robotraj/engines``, or ``~/.cache/robotraj/engines``."""
-    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    # The XDG specification requires that relative paths are ignored.
-    base = given if given.is_absolute() else Path.home() / ".cache"
-    return base / "robotraj" / "engines"
-
-
 @dataclass(frozen=True)
 class Cache:
     """Libraries by key, shared by processes.

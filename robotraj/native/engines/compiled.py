@@ -16,13 +16,14 @@ import casadi as ca
 
 from robotraj._util.checks import is_number, is_whole
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.paths import cache_folder
 from robotraj._util.time_left import time_left
 from robotraj._util.values import dataclass
 from robotraj.native.engines import background, source
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 from robotraj.native.engines.blocks import StageFunctions, casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
-from robotraj.native.engines.cache import Cache, default_folder
+from robotraj.native.engines.cache import Cache
 from robotraj.native.engines.compiler import CompilationStopped, Compiler, find_compiler, points_at_once
 from robotraj.native.engines.source import write_source
 
@@ -126,7 +127,7 @@ class Compiled(Engine):
 
     def open_cache(self) -> Cache:
         """Return the cache after the checks of its folder."""
-        return Cache(default_folder() if self.cache is None else Path(self.cache).expanduser().absolute())
+        return Cache(cache_folder("engines") if self.cache is None else Path(self.cache).expanduser().absolute())
 
     @property
     def processes(self) -> int:

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import whole_file
-from robotraj.native.engines.cache import default_folder
+from robotraj._util.paths import cache_folder, whole_file
 from robotraj.robot.collision.enclosing_spheres import Fit, enclose
 
 Array = npt.NDArray[np.float64]
@@ -38,8 +37,8 @@ def fitted(triangles: Array) -> Fit:
 
 
 def folder() -> Path:
-    """Return the cache folder, a sibling of the engines' one."""
-    return default_folder().parent / "spheres"
+    """Return the folder of the cache."""
+    return cache_folder("spheres")
 
 
 def _read(path: Path) -> Fit | None:

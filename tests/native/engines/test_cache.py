@@ -18,7 +18,7 @@ import pytest
 import robotraj as rt
 from robotraj.native.engines import compiler
 from robotraj.native.engines.base import Mapped
-from robotraj.native.engines.cache import Cache, default_folder
+from robotraj.native.engines.cache import Cache
 from robotraj.native.engines.compiler import CompilationFailed
 
 CODE = """
@@ -169,14 +169,6 @@ def test_a_cleared_cache_is_empty(engine: rt.engines.Compiled) -> None:
     assert size > 0 and cache.clear() == size
     assert list(cache.folder.iterdir()) == [] and cache.size() == 0
     use(engine)
-
-
-def test_where_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert default_folder() == tmp_path / "robotraj" / "engines"
-    for ignored in ("", "relative"):
-        monkeypatch.setenv("XDG_CACHE_HOME", ignored)
-        assert default_folder() == Path.home() / ".cache" / "robotraj" / "engines"
 
 
 def test_other_compilers_flags_and_processors_have_other_libraries(
