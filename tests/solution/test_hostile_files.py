@@ -206,6 +206,18 @@ def test_cut_files_are_refused(saved: Path, tmp_path: Path) -> None:
         assert attempt(path) is None
 
 
+def test_the_bytes_of_a_damaged_name_are_not_repeated(saved: Path, tmp_path: Path) -> None:
+    """The header of an entry claims a name of 60 kB; the message once held as many bytes of the file."""
+    with zipfile.ZipFile(saved) as archive:
+        place = archive.infolist()[3].header_offset
+    data, path = bytearray(saved.read_bytes()), tmp_path / "named.npz"
+    data[place + 26 : place + 28] = (60_000).to_bytes(2, "little")
+    path.write_bytes(data)
+    with pytest.raises(rt.InputError, match="named.npz.*is damaged") as caught:
+        rt.load_solution(path)
+    assert len(str(caught.value)) < 1000
+
+
 def test_every_missing_entry_is_refused(saved: Path, tmp_path: Path) -> None:
     with np.load(saved) as archive:
         names = list(archive.files)

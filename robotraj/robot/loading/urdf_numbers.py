@@ -127,7 +127,10 @@ def _link_findings(links: Iterable[Element]) -> Iterator[str]:
     entries = np.array([[float(inertia.get(key, "0")) for key in INERTIA] for _, inertia, _ in heavy])
     moments = principal_moments(entries[:, FULL].reshape(-1, 3, 3))
     for (link, _, mass), own in zip(heavy, moments, strict=True):
-        fault = triangle_fault(own, float(mass.get("value", "0")))
+        kilograms = float(mass.get("value", "0"))
+        fault = triangle_fault(own, kilograms)
+        if not kilograms and own.any():
+            fault = f"the principal moments of inertia {', '.join(f'{each:.4g}' for each in own)} kg m^2 but no mass"
         if fault:
             yield f"Link {link.get('name')!r} has {fault}. No rigid body has such an inertia: correct the URDF."
 

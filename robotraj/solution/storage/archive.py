@@ -147,7 +147,7 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
 def unreadable(source: str | os.PathLike[str], about: Mapping[str, Json], fault: str) -> InputError:
     """Return the error for a file that is damaged, or that another robotraj wrote with other classes."""
     # A name in the file may be as long as the file.
-    fault = fault[:MESSAGE]
+    fault = fault[:MESSAGE].rstrip(".")
     if about.get("classes") == layout():
         return InputError(f"{os.fspath(source)!r} is damaged: {fault}. Save the solution again.")
     return InputError(f"{os.fspath(source)!r}: {fault}. {_writer(about)} Load it with that robotraj, or plan again.")

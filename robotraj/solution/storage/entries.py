@@ -24,6 +24,10 @@ KINDS = "biufU"
 """Kinds of numbers, and text, that an entry may hold."""
 
 
+LONGEST = 200
+"""Characters that are kept of another library's message, which may contain the bytes of a damaged file."""
+
+
 class Unreadable(InputError):
     """An entry that is damaged or too large; the message names it."""
 
@@ -51,7 +55,7 @@ def read_entries(source: Path) -> dict[str, NDArray[np.generic]]:
     except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, NotImplementedError, RuntimeError) as error:
         if isinstance(error, Unreadable):
             raise
-        raise Unreadable(f"it is no whole archive: {error}") from error
+        raise Unreadable(f"it is no whole archive: {str(error)[:LONGEST]}") from error
 
 
 def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[np.generic]:
@@ -73,7 +77,7 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[np.generi
         NotImplementedError,
         RuntimeError,
     ) as error:
-        raise Unreadable(f"its entry {info.filename[:80]!r} is damaged: {error}") from error
+        raise Unreadable(f"its entry {info.filename[:80]!r} is damaged: {str(error)[:LONGEST]}") from error
 
 
 def _array(data: bytes) -> NDArray[np.generic]:

@@ -66,6 +66,7 @@ def test_all_faults_are_in_one_message(urdf):
 
 WARNED = {
     "triangle inequality": ('iyy="0.3"', 'iyy="0.9"', "Link 'upper' has the principal moments.*sum of the others"),
+    "inertia without mass": ('<mass value="2"/>', '<mass value="0"/>', "Link 'upper' has .* but no mass"),
     "long axis": ('<axis xyz="0 1 0"', '<axis xyz="0 3 0"', "Joint 'elbow' has an axis of length 3"),
     "tiny axis": ('<axis xyz="0 1 0"', '<axis xyz="0 1e-5 0"', "Joint 'elbow' has an axis of length 1e-05"),
     "huge effort": ('effort="4"', 'effort="1e9"', r"Joint 'elbow' has the implausible effort limit 1e\+09"),
