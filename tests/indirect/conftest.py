@@ -17,7 +17,22 @@ class Known:
     """A phase for a start state, and its exact costates (m, 2) at times (m,)."""
 
     phase: Callable[..., rt.Phase]
-    costates: Callable[[Any], Any]
+    costates: Callable[..., Any]
+
+    def assert_three_arcs(self, solution: rt.Solution, top: float) -> None:
+        """Three phases end at the junctions of Bryson-Denham's problem to 1e-6 s, and both costates are exact.
+
+        At the junctions, where the costate of x jumps, every phase gives the limit from its side.
+        """
+        assert solution.objective == pytest.approx(4 / (9 * top), rel=1e-9)
+        size = np.abs(self.costates(np.array([0.0]), top)[0])
+        sides = [(0.0, 3 * top - 1e-9), (3 * top + 1e-9, 1 - 3 * top - 1e-9), (1 - 3 * top + 1e-9, 1.0)]
+        for part, side in zip(rt.indirect.costates(solution).phases, sides, strict=True):
+            first, last = part.solution.t0, part.solution.t0 + part.solution.duration
+            assert (first, last) == pytest.approx(side, abs=1e-6)
+            t = np.linspace(first, last, 401)
+            exact = self.costates(np.clip(t, *side), top)
+            assert part.duals.costate(t) / size == pytest.approx(exact / size, abs=1e-4)
 
 
 def half_square(point: Any) -> Any:

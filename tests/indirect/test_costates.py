@@ -131,21 +131,10 @@ def in_three_arcs(phase: rt.Phase, top: float) -> rt.Problem:
     ids=str,
 )
 def test_bryson_denhams_costates_without_knowing_the_junctions(bryson_denham: Any, mesh: rt.Mesh, top: float) -> None:
-    """The plan finds the junctions to 1e-6 s, and both costates in the whole second.
-
-    At the junctions, where the costate of x jumps, every phase gives the limit from its side.
-    """
+    """The plan finds the junctions to 1e-6 s, and both costates in the whole second."""
     problem = in_three_arcs(bryson_denham.phase(top=top), top)
     solution = rt.plan(problem, mesh, solver=rt.Ipopt(tolerance=1e-12))
-    assert solution.objective == pytest.approx(4 / (9 * top), rel=1e-9)
-    size = np.abs(bryson_denham.costates(np.array([0.0]), top)[0])
-    sides = [(0.0, 3 * top - 1e-9), (3 * top + 1e-9, 1 - 3 * top - 1e-9), (1 - 3 * top + 1e-9, 1.0)]
-    for part, side in zip(rt.indirect.costates(solution).phases, sides, strict=True):
-        first, last = part.solution.t0, part.solution.t0 + part.solution.duration
-        assert (first, last) == pytest.approx(side, abs=1e-6)
-        t = np.linspace(first, last, 401)
-        exact = bryson_denham.costates(np.clip(t, *side), top)
-        assert part.duals.costate(t) / size == pytest.approx(exact / size, abs=1e-4)
+    bryson_denham.assert_three_arcs(solution, top)
 
 
 def test_refinement_alone_finds_bryson_denhams_costates_but_for_the_intervals_of_the_jumps(bryson_denham: Any) -> None:

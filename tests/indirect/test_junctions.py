@@ -41,15 +41,7 @@ def test_bryson_denhams_costates_from_a_plan_without_its_arcs(
     top, direct = bounce
     problem, guess = rt.indirect.cut_at_junctions(direct)
     solution = rt.plan(problem, mesh, guess, TIGHT)
-    assert solution.objective == pytest.approx(4 / (9 * top), rel=1e-9)
-    size = np.abs(bryson_denham.costates(np.array([0.0]), top)[0])
-    sides = [(0.0, 3 * top - 1e-9), (3 * top + 1e-9, 1 - 3 * top - 1e-9), (1 - 3 * top + 1e-9, 1.0)]
-    for part, side in zip(rt.indirect.costates(solution).phases, sides, strict=True):
-        first, last = part.solution.t0, part.solution.t0 + part.solution.duration
-        assert (first, last) == pytest.approx(side, abs=1e-6)
-        t = np.linspace(first, last, 401)
-        exact = bryson_denham.costates(np.clip(t, *side), top)
-        assert part.duals.costate(t) / size == pytest.approx(exact / size, abs=1e-4)
+    bryson_denham.assert_three_arcs(solution, top)
 
 
 def hurry(**more: Any) -> rt.Phase:

@@ -10,6 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.replay_page.write import replay
+from tests.robots import cartpole
 
 
 def data_of(path) -> dict:
@@ -19,14 +20,8 @@ def data_of(path) -> dict:
 
 @pytest.fixture(scope="module")
 def swing_up():
-    phase = rt.Phase(
-        rt.load("cartpole"),
-        duration=2.0,
-        start=rt.State(q=[0, 0], v=0),
-        end=rt.State(q=[1, np.pi], v=0),
-        objective=rt.Effort(),
-        constraints=[rt.GroundClearance("tip", 0.0, ground=rt.terrain.Flat(-1.0))],
-        name="swing up",
+    phase = cartpole.swing_up(
+        constraints=[rt.GroundClearance("tip", 0.0, ground=rt.terrain.Flat(-1.0))], name="swing up"
     )
     return rt.plan(phase, mesh=rt.Mesh(10, rt.HermiteSimpson()))
 
@@ -75,13 +70,7 @@ def test_a_report_belongs_to_its_solution(swing_up, tmp_path):
 
 
 def test_a_failed_plan_is_shown_as_one(tmp_path):
-    phase = rt.Phase(
-        rt.load("cartpole"),
-        duration=2.0,
-        start=rt.State(q=[0, 0], v=0),
-        end=rt.State(q=[1, np.pi], v=0),
-        objective=rt.Effort(),
-    )
+    phase = cartpole.swing_up()
     solution = rt.plan(phase, mesh=rt.Mesh(10, rt.HermiteSimpson()), solver=rt.Ipopt(max_iterations=1), check=False)
     assert not solution.success
     text = replay(solution, tmp_path / "cartpole.html").read_text()

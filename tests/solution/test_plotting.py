@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import robotraj as rt
+from tests.robots.cartpole import swing_up
 
 
 def plan(phase: rt.Phase, *mesh: Any, **options: Any) -> rt.Solution:
@@ -40,14 +41,7 @@ def block(**changes: Any) -> rt.Phase:
 
 @pytest.fixture(scope="module")
 def cartpole() -> rt.Solution:
-    phase = rt.Phase(
-        rt.load("cartpole"),
-        duration=2.0,
-        start=rt.State(q=[0, 0], v=0),
-        end=rt.State(q=[1, np.pi], v=0),
-        objective=rt.Effort(),
-        name="swing-up",
-    )
+    phase = swing_up()
     return plan(phase, 10)
 
 

@@ -11,21 +11,14 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.robots.cartpole import swing_up
 
 
 @pytest.fixture(
     scope="module", params=[rt.dynamics.InverseDynamics(), rt.dynamics.ForwardDynamics()], ids=["inverse", "forward"]
 )
 def cartpole(request: pytest.FixtureRequest) -> rt.Solution:
-    phase = rt.Phase(
-        rt.load("cartpole"),
-        duration=2.0,
-        start=rt.State(q=[0, 0], v=0),
-        end=rt.State(q=[1, np.pi], v=0),
-        objective=rt.Effort(),
-        dynamics=request.param,
-        name="swing-up",
-    )
+    phase = swing_up(dynamics=request.param)
     return rt.plan(phase, rt.Mesh(20))
 
 

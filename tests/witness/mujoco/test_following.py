@@ -4,6 +4,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
+from tests.robots.cartpole import swing_up
 
 pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
 
@@ -99,14 +100,8 @@ def test_ur5_drifts_little_without_feedback():
 
 
 def test_cart_pole_swings_up_with_feedback_on_a_mesh_too_coarse_without():
-    swing_up = rt.Phase(
-        rt.load("cartpole"),
-        duration=2.0,
-        start=rt.State(q=[0, 0], v=0),
-        end=rt.State(q=[1, np.pi], v=0),
-        objective=rt.Effort(),
-    )
-    solution = rt.plan(swing_up, mesh=rt.Mesh(20, rt.HermiteSimpson()))
+    phase = swing_up()
+    solution = rt.plan(phase, mesh=rt.Mesh(20, rt.HermiteSimpson()))
     alone, held = (rt.witness.second_opinion(solution, feedback=f) for f in (WITHOUT, None))
     assert alone.deviation["q.pole"].final > 0.1
     assert held.completed and held.deviation.largest("q.") < 5e-3
