@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.transcription.collocation.symbols import phase_scalars, point_symbols
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.transcribe import transcribe
 
@@ -40,6 +42,39 @@ def test_each_integral_has_its_own_row(scheme: Any) -> None:
     for k in range(3):
         np.testing.assert_allclose(values[rows(nlp, f"power {k}")], 2.0 ** (k + 1) / (k + 1))
     assert nlp.objective(w) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("weight", [0.5, 1.0, 2.0, 3.0])
+def test_terms_of_the_objective_are_weighted_and_added(weight: float) -> None:
+    """The integrals of t and t^2 over 2 s, and the duration."""
+    terms = [rt.Lagrange(lambda p, k=k: p.t**k + 0.0 * p.u["u"]) for k in (1, 2)]
+    cost = weight * terms[0] + 2.0 * terms[1] + weight * rt.Duration()
+    nlp = transcribe(rt.Problem([driven(objective=cost)]), rt.Mesh(3))
+    assert nlp.objective(somewhere(nlp)) == pytest.approx(2.0 * weight + 2.0 * 8 / 3 + 2.0 * weight)
+
+
+def test_corrections_move_the_state_of_their_own_point_only() -> None:
+    """Of every node above 0, as many as invariants: x_j = x_0 + h sum a_jk f_k + C(x_j) c_j."""
+    hopper = rt.load("hopper", root="planar")
+    contact = [rt.PointContact("foot")]
+    phase = rt.Phase(hopper, 0.5, contacts=contact, parameters={"foot.x": 0.0})
+    nlp = transcribe(rt.Problem([phase]), rt.Mesh(2))
+    w, (layout,) = somewhere(nlp), nlp.layouts
+    s, c = point_symbols(phase, phase_scalars(layout)), ca.SX.sym("c", len(phase.dae.invariants))
+    point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
+    moved = ca.Function("moved", [s.x, c], [phase.dae.correction(point, c)], {"allow_free": True})
+    assert not moved.has_free()
+    defects = np.isin([nlp.rows.entries[m].name for m in nlp.rows.meaning], ["defect"])
+    jacobian = nlp.jacobian(w).toarray()
+    for interval in layout.intervals:
+        nodes = interval.scheme.nodes
+        for j in np.flatnonzero(nodes > 0.0):
+            fraction = interval.start + interval.length * nodes[j]
+            at = defects & np.isclose(nlp.rows.fraction, fraction)
+            for i, column in enumerate(interval.corrections[j - 1]):
+                wanted = np.zeros(len(nlp.rows))
+                wanted[at] = -np.array(moved(w[interval.states[j]], np.eye(c.numel())[i])).ravel()
+                np.testing.assert_allclose(jacobian[defects, column], wanted[defects], atol=1e-9)
 
 
 def test_constraints_at_the_ends_read_the_time_and_state_of_their_end() -> None:

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.row import Row
+from robotraj.transcription.collocation.index_reduction import carried_equalities, rate_row
 from robotraj.transcription.transcribe import transcribe
-from tests.transcription.collocation.test_index_reduction import ALONE, diagonal, moved, places
+from tests.transcription.collocation.test_index_reduction import ALONE, diagonal, effort, moved, places, plane
 
 
 @pytest.mark.parametrize("value", [0.5, -2.0])
@@ -42,3 +44,49 @@ def test_intervals_of_several_schemes_hold_the_equality_to_the_end(schemes: list
         solution = rt.plan(moved(diagonal(), end=end), mesh, solver=ALONE, progress=False)
         assert solution.objective == pytest.approx(60.0, rel=1e-8)
         assert not solution.violations()
+
+
+@pytest.mark.parametrize(
+    ("unit", "order", "name", "wanted"),
+    [
+        ("m", 1, "rate of gap", "m/s"),
+        ("m", 2, "rate 2 of gap", "m/s^2"),
+        ("", 1, "rate of gap", "1/s"),
+        ("rad", 3, "rate 3 of gap", "rad/s^3"),
+    ],
+)
+def test_rates_have_the_unit_and_the_joint_of_their_row(unit: str, order: int, name: str, wanted: str) -> None:
+    row = rate_row(Row("gap", unit, 0.3, 0.3, "elbow"), order)
+    assert (row.name, row.unit, row.joint, row.lower, row.upper) == (name, wanted, "elbow", 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("second", "runs_on"),
+    [
+        (diagonal(), True),
+        (diagonal(lambda p: p.x["x"] - p.x["y"] + 0.0), True),
+        (diagonal(value=0.5), False),
+        (diagonal(lambda p: 2 * p.x["x"] - p.x["y"]), False),
+        (diagonal(lambda p: p.x["x"] - p.p["slope"] * p.x["y"]), False),
+    ],
+    ids=["same", "written otherwise", "another value", "another line", "of a parameter"],
+)
+def test_an_equality_is_carried_over_a_knot_where_both_phases_hold_the_same(second: Any, runs_on: bool) -> None:
+    free = rt.State()
+    slope = {"slope": 1.0} if not runs_on else {}
+    parts = [
+        rt.Phase(plane(), 0.5, free, free, effort(), constraints=[diagonal()]),
+        rt.Phase(plane(), 0.5, free, free, effort(), constraints=[second], parameters=slope),
+    ]
+    problem = rt.Problem(parts, [rt.Continuity(0, 1)])
+    assert carried_equalities(parts, 1, problem.bound_links) == (frozenset({0}) if runs_on else frozenset())
+    assert carried_equalities(parts, 0, problem.bound_links) == frozenset()
+    nlp = transcribe(problem, rt.Mesh(2))
+    entries = [nlp.rows.entries[m] for m in nlp.rows.meaning]
+    at_start = {
+        str(entry)
+        for entry, fraction in zip(entries, nlp.rows.fraction, strict=True)
+        if entry.phase == 1 and fraction == 0.0
+    }
+    # The second rate determines the control at the start in both cases.
+    assert ("rate of diagonal" in at_start) is not runs_on

@@ -130,3 +130,17 @@ def test_only_path_rows_that_hold_on_the_whole_interval_are_exceeded_although_ad
     added = [AddedRow(0, 1, number, tau) for number in (path, bound) for tau in (0.3, *SPREAD.tolist())]
     assert exceeded_although_added(nlp, found, added) == [found[0]]
     assert exceeded_although_added(nlp, found, added[: len(SPREAD)]) == []
+
+
+def test_states_at_added_rows_of_a_contact_are_on_the_corrected_polynomial() -> None:
+    """The corrections of the contact's position are part of the polynomial that extraction evaluates."""
+    hopper = rt.load("hopper", root="planar")
+    high = rt.PathConstraint(lambda point: point.q[1] ** 2, upper=5.0, name="tip")
+    phase = rt.Phase(hopper, 0.5, contacts=[rt.PointContact("foot")], constraints=[high])
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(3))
+    w = nlp.guess + 0.1 * np.random.default_rng(3).normal(size=len(nlp.guess))
+    more = with_added_rows(nlp, [AddedRow(0, 1, tip_row(nlp), 0.3)], w)
+    x = extract(nlp, w)[0].x
+    there = x(x.breaks[1:2] + 0.3 * (x.breaks[2] - x.breaks[1]))[0]
+    assert more.guess[len(nlp.variables) :] == pytest.approx(there)
+    assert more.values(more.guess)[len(nlp.rows) :] == pytest.approx([*np.zeros(len(there)), there[1] ** 2], abs=1e-9)

@@ -212,6 +212,19 @@ def test_a_violation_names_its_control_and_time() -> None:
     assert (found.time, found.amount) == (pytest.approx(2.5), pytest.approx(0.2))
 
 
+def test_positions_are_covered_where_asked_and_without_contacts() -> None:
+    """Corrections of contacts are no part of the polynomial whose coefficients are bounded."""
+    hopper = rt.load("hopper", root="planar")
+    flight, stance = (rt.Phase(hopper, 0.5, contacts=each) for each in ([], [rt.PointContact("foot")]))
+    names = {state.name for state in flight.body.states}
+    for positions in (True, False):
+        bounds = rt.interval_limits.BernsteinBounds(positions=positions)
+        assert {name for name in bounds.covers(flight) if name.startswith("q.")} == (
+            {name for name in names if name.startswith("q.")} if positions else set()
+        )
+        assert not names & bounds.covers(stance)
+
+
 def test_bounds_that_fix_a_control_or_leave_it_free_are_no_rows() -> None:
     fixed = rt.transcription.transcribe(
         drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), interval_limits=HULL

@@ -49,6 +49,19 @@ def test_the_peak_of_a_parabola_is_found_between_the_places() -> None:
     assert found.amount == pytest.approx(0.050625, abs=1e-12)
 
 
+@pytest.mark.parametrize("tilt", [-0.3, -0.1, -0.03, 0.03, 0.1, 0.3])
+def test_peaks_on_either_side_of_a_place_are_found(tilt: float) -> None:
+    """x = 4 tau (1 - tau) + c tau peaks at 1/2 + c / 8 with (4 + c)^2 / 16; -x is below a lower bound alike."""
+    peak = (4 + tilt) ** 2 / 16
+    values = [0, 1 + tilt / 2, tilt]
+    for sign, bounds in ((1, rt.between(-9, peak - 0.01)), (-1, rt.between(0.01 - peak, 9))):
+        motion = parabolas([[sign * value for value in values], [0, 0, 0]], FLAT)
+        (found,) = state_violations(block(states={"x": bounds}), 0, motion, 1e-3)
+        assert found.tau == pytest.approx(0.5 + tilt / 8, abs=1e-9)
+        assert found.amount == pytest.approx(0.01, abs=1e-12)
+        assert found.upper is (sign > 0)
+
+
 def test_a_bound_and_the_same_path_row_have_the_same_violations() -> None:
     motion = parabolas([[0, -0.5, 0.1], [0, -1.05, 0.1]], FLAT)
     same = rt.PathConstraint(lambda point: point.x["x"], lower=-1)
