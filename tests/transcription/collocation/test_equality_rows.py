@@ -46,6 +46,35 @@ def test_intervals_of_several_schemes_hold_the_equality_to_the_end(schemes: list
         assert not solution.violations()
 
 
+RADAU, SIMPSON, GAUSS, TRAPEZOID = (
+    rt.schemes.RadauIIA(3),
+    rt.HermiteSimpson(),
+    rt.schemes.GaussLegendre(3),
+    rt.schemes.Trapezoidal(),
+)
+
+
+@pytest.mark.parametrize(
+    ("schemes", "held", "rates"),
+    [
+        # A fixed end determines both rows at the last Gauss point, 0.955.
+        ((RADAU, SIMPSON, GAUSS), [0.047, 0.3, 0.6, 0.645], [0.3, 0.6]),
+        ((GAUSS, RADAU, SIMPSON), [0.034, 0.266, 0.347, 0.6, 1.0], [0.266, 0.6]),
+        ((SIMPSON, GAUSS, RADAU), [0.0, 0.3, 0.334, 0.566, 0.662, 1.0], [0.3, 0.566]),
+        # One control of the last interval cannot serve the row before the end and the one at the end.
+        ((SIMPSON, SIMPSON, TRAPEZOID), [0.0, 0.3, 1.0], [0.3, 0.6]),
+        ((TRAPEZOID, TRAPEZOID, SIMPSON), [0.0, 0.3, 0.6, 1.0], []),
+    ],
+    ids=["Gauss last", "Simpson last", "Radau last", "trapezoid last", "trapezoids first"],
+)
+def test_the_last_scheme_decides_which_rows_the_end_determines(
+    schemes: tuple[Any, ...], held: list[float], rates: list[float]
+) -> None:
+    nlp = transcribe(rt.Problem([moved(diagonal())]), rt.Mesh([0, 0.3, 0.6, 1], schemes))
+    np.testing.assert_allclose(places(nlp, "diagonal"), held, atol=1e-3)
+    np.testing.assert_allclose(places(nlp, "rate of diagonal"), rates, atol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("unit", "order", "name", "wanted"),
     [
