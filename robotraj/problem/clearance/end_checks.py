@@ -95,10 +95,10 @@ def _check(phase: str, pairs: ClearancePairs, distances: Array, end: str, time: 
         apart = float(distances[worst])
         is_overlap = f"overlap by {-apart:.4g} m" if apart < 0.0 else f"are {apart:.4g} m apart"
         when = "" if time is None else f", t = {time:.4g} s,"
+        beside = "the obstacle" if worst < pairs.against else "name the pair in srdf= if it may touch"
         raise InputError(
             f"Phase {phase!r}: at the {end}{when} {pairs.label(worst)} {is_overlap}, below the margin of "
-            f"{pairs.margin:g} m, by the spheres around the robot's shapes. Move the {end} or the obstacle, or "
-            "name the pair in srdf= if it may touch."
+            f"{pairs.margin:g} m, by the spheres around the robot's shapes. Move the {end} or {beside}."
         )
 
 
