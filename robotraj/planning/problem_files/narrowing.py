@@ -36,7 +36,8 @@ def narrowed(make: Callable[[Any], T], data: Any, place: Place) -> T:
         raise
     except (InputError, TypeError, ValueError) as error:
         message = str(error)
-        unknown = _quoted(data, message) if isinstance(error, UnknownName) else ()
+        # The near names that follow exist, and stand in the data elsewhere.
+        unknown = _quoted(data, message.partition(" Did you mean")[0]) if isinstance(error, UnknownName) else ()
         cause = unknown or _removable(make, data) or _mentioned(data, message) or _quoted(data, message)
         raise Misplaced((*place, *cause), message) from error
 
