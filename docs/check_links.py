@@ -39,9 +39,13 @@ def page(path: Path) -> Page:
 
 
 def faults(site: Path) -> list[str]:
-    """Return one line for each link without a target and each file that is loaded from elsewhere."""
-    found = []
-    for path in sorted(site.rglob("*.html")):
+    """Return one line for each link without a target and each file that is loaded from elsewhere.
+
+    A folder without pages is a fault, since nothing was built there.
+    """
+    pages = sorted(site.rglob("*.html"))
+    found = [] if pages else [f"{site} has no page"]
+    for path in pages:
         if "replays" in path.relative_to(site).parts[:1]:
             continue  # replays are pages of their own, with tests of their own
         for tag, link in page(path).links:

@@ -54,6 +54,7 @@ def test_broken_links_missing_anchors_and_files_from_elsewhere_are_found(tmp_pat
     )
     faults = check_links.faults(tmp_path)
     assert len(faults) == 3
+    assert check_links.faults(tmp_path / "nothing") == [f"{tmp_path / 'nothing'} has no page"]
     assert "does not exist" in faults[0] and "no such anchor" in faults[1] and "loads https" in faults[2]
 
 
