@@ -147,7 +147,7 @@ def cases(names: list[str]) -> list[Tile]:
         seconds = processor() - began
         solution = result.solution
         solution.plot().savefig(FOLDER / f"{file}.png", dpi=100)
-        rt.replay(solution, FOLDER / f"{file}.html", title=case.name)
+        rt.replay(solution, FOLDER / f"{file}.html", title=case.name, report=rt.validate(solution))
         robot = solution.problem.phases[0].robot is not None
         tiles.append(
             {
