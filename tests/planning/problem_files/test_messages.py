@@ -90,7 +90,10 @@ def test_a_fault_is_reported_with_line_and_key(
 
 
 def test_an_unknown_joint_is_found_at_its_own_end_beside_near_names_of_the_other(tmp_path: Path) -> None:
-    start, end = "shoulder_pan_joint = 0.0, shoulder_lift_joint = 0.0", "shoulder_pan_joint = 1, shoulder_lift_jiont = 1"
+    start, end = (
+        "shoulder_pan_joint = 0.0, shoulder_lift_joint = 0.0",
+        "shoulder_pan_joint = 1, shoulder_lift_jiont = 1",
+    )
     text = UR5.replace("[-1.1, -1.8, 1.6, -1.2, -1.57, 0]", f"{{ {start} }}")
     text = text.replace("[1.1, -0.8, 0.6, -0.6, -0.6, 1.2]", f"{{ {end} }}")
     assert start in text and end in text
