@@ -87,6 +87,11 @@ class RigidBody(OneLine):
         return None
 
     @property
+    def position_count(self) -> int:
+        """How many states are positions; they come first."""
+        return self.robot.nq
+
+    @property
     def _has_quaternion(self) -> bool:
         return self.robot.root == "floating"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TypeAlias
+from typing import NoReturn, TypeAlias
 
 import casadi as ca
 
@@ -167,6 +167,26 @@ class SystemDynamics(OneLine):
     def correction(self, point: Point, c: ca.SX) -> ca.SX:
         """Nothing to correct."""
         return ca.SX.zeros(len(self.states))
+
+
+@dataclass(frozen=True)
+class MissingEquations:
+    """Placeholder for the equations of a System from a file, which stores no Python functions; a call raises an error.
+
+    Attributes
+    ----------
+    system : str
+        Name of the system.
+    """
+
+    system: str
+
+    def __call__(self, point: Point) -> NoReturn:
+        """Raise InputError."""
+        raise InputError(
+            f"The equations of system {self.system!r} are Python functions, which a file does not hold; "
+            "load it with rt.load_solution(path, problem=...) to have them."
+        )
 
 
 def _column(function: Expression, point: Point, length: int, what: str, per: str) -> ca.SX:

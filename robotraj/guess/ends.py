@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.least_time import fastest_line
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.robot.chart import coordinate_difference
@@ -51,14 +52,16 @@ def ends_of(
     ----------
     phase : Phase
     entered : ndarray, optional
-        First entries of the state at which a link starts the phase.
+        First entries of the state at which a link starts the phase; a path determines its own ends.
     positions : (ndarray, ndarray), optional
         Positions (nq,) of the robot at both ends, which replace those of the bounds; NaN where they are unknown.
     """
     rest = np.zeros(len(phase.dae.states))
+    if isinstance(phase.body, PathBody):
+        entered = positions = None
     if entered is not None:
         rest[: len(entered)] = entered
-    if phase.robot is not None:
+    if phase.robot is not None and not isinstance(phase.body, PathBody):
         rest[: phase.robot.nq] = phase.robot.neutral
     first, last = middle_of(phase.start_bounds, np.nan), middle_of(phase.end_bounds, np.nan)
     for state, known in zip((first, last), positions or (), strict=False):

@@ -22,7 +22,6 @@ from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.plan_limits import LimitReached, PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import solve, solve_on_coarse_mesh
-from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -148,7 +147,8 @@ def plan(
     tolerance        otherwise                                    None
     goals            no mesh                                      Goals()
                      otherwise                                    None
-    mesh             goals, a motor at every joint, dry friction  Mesh of 16 intervals, RadauIIA()
+    mesh             goals, a path                                MeshesOnPaths()
+                     goals, a motor at every joint, dry friction  Mesh of 16 intervals, RadauIIA()
                      goals, a motor at every joint                Mesh of 16 intervals, HermiteSimpson()
                      goals, contacts                              ProportionalMeshes()
                      goals                                        Mesh of 20 intervals, HermiteSimpson()
@@ -167,7 +167,8 @@ def plan(
                      tolerance, solver by stages                  BernsteinBounds(controls=True, states=False)
                      robots, solver by stages                     BernsteinBounds()
                      otherwise                                    ConstraintGeneration()
-    refinement       goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=400, slope=0.3)
+    refinement       goals, a path                                Equidistribute(most=8.0)
+                     goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=400, slope=0.3)
                      goals, a motor at every joint                Equidistribute(second=3.0)
                      goals                                        Equidistribute()
                      tolerance                                    SplitOrRaise()
@@ -207,8 +208,7 @@ def plan(
     if any(each.avoids_collisions for each in first.constraints):
         from robotraj.problem.clearance.end_checks import check_moving_obstacles
 
-        ends = {Where.START: first.start_bounds, Where.END: first.end_bounds}
-        check_moving_obstacles(first.name, first.constraints, first.robot, ends, first.duration_bounds)
+        check_moving_obstacles(first.name, first.constraints, first.robot, first.joint_ends, first.duration_bounds)
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine
@@ -129,6 +130,14 @@ def _is_wide_system(phase: Phase) -> bool:
     return bool(phase.parameter_names) or 2 * len(body.controls) < len(body.states)
 
 
+def _follows_path(case: Case) -> bool:
+    """Whether a phase is on a path, and robots on no path have a motor at every joint."""
+    phases = case.problem.phases
+    on_path = [isinstance(phase.body, PathBody) for phase in phases]
+    others = (is_exact(phase, (HermiteSimpson(),)) for phase, path in zip(phases, on_path, strict=True) if not path)
+    return any(on_path) and all(others)
+
+
 def _floats(phase: Phase) -> bool:
     return phase.robot is not None and phase.robot.root == "floating"
 
@@ -145,6 +154,7 @@ EXACT = Condition(
     "a motor at every joint",
     lambda case: all(is_exact(phase, (HermiteSimpson(),)) for phase in case.problem.phases),
 )
+ON_PATH = Condition("a path", _follows_path)
 STICKING = Condition("dry friction", lambda case: needs_softening(case.problem))
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)

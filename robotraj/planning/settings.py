@@ -17,7 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
-from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, ProportionalMeshes, graded
+from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, MeshesOnPaths, ProportionalMeshes, graded
 from robotraj.planning.setting_conditions import Case, Condition
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
@@ -72,6 +72,7 @@ RULES: tuple[Rule, ...] = (
     _rule("tolerance", when.ALWAYS, None, "none given"),
     _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
     _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
+    _rule("mesh", when.PROVED, when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
     _rule(
         "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
     ),
@@ -128,6 +129,7 @@ RULES: tuple[Rule, ...] = (
         ConstraintGeneration(),
         "rows are imposed only where a solution violates them, so the optimum stays",
     ),
+    _rule("refinement", when.PROVED, when.ON_PATH, Equidistribute(most=8.0), "knots are added where s'' bends"),
     _rule(
         "refinement",
         when.PROVED,
@@ -186,7 +188,9 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
         if name not in values:
             case = Case(problem, values)
             rule = next(rule for rule in RULES if rule.setting == name and rule.holds(case))
-            choice = rule.choice.of(problem) if isinstance(rule.choice, ProportionalMeshes) else rule.choice
+            choice = (
+                rule.choice.of(problem) if isinstance(rule.choice, ProportionalMeshes | MeshesOnPaths) else rule.choice
+            )
             values[name], reasons[name] = choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:
         raise InputError(

@@ -9,7 +9,7 @@ transcription treat this DAE as any other:
     Accelerations       further states A = a of a robot, its jerks j the controls:   A' = j
     Jerks               further algebraic variables j = da/dt, where joints have no motor
     RunningIntegral     a further state W from W = 0:   Wdot = l(x, z, u, p, t)
-    PathParameter       further states s, s' and the control s'' of a motion on a path q(s)
+    PathRates           on a path q(s), a further state s'' and the control s''':   ds''/dt = s'''
 
 Points of a wrapped phase keep their attributes, such as ``point.u`` and ``point.tau``. Added variables are in
 ``point.extra``.
@@ -27,6 +27,8 @@ import casadi as ca
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
+from robotraj.dynamics.path_body import ACCELERATION as PATH_ACCELERATION
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Variable
@@ -124,6 +126,19 @@ def body_of(dynamics: Dynamics) -> Dynamics:
     while isinstance(dynamics, Augmented):
         dynamics = dynamics.inner
     return dynamics
+
+
+def free_of(body: Dynamics) -> Dynamics:
+    """Return the dynamics of a robot without its path, whose controls are the torques."""
+    return body.free if isinstance(body, PathBody) else body
+
+
+def inputs_of(dynamics: Dynamics, point: AnyPoint) -> ca.SX:
+    """Return the column of a point's algebraic variables and controls, without those that were added."""
+    body = body_of(dynamics)
+    if isinstance(body, PathBody):
+        return ca.vertcat(point.extra[PATH_ACCELERATION])
+    return ca.vertcat(ca.SX(0, 1), *(point.z[v.name] for v in body.algebraic), *point.u.values())
 
 
 def with_fixed(dynamics: Dynamics, bounds: Bounds, which: str) -> Bounds:

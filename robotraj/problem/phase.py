@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields, replace
+from functools import reduce
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
@@ -14,13 +15,13 @@ from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
-from robotraj.problem.augmentation import with_fixed
+from robotraj.problem.augmentation import free_of, with_fixed
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
 from robotraj.problem.constraints.joint_limits import OwnLimits, own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
-from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows
+from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows, ends_on_path
 from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.least_durations import check_durations
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
@@ -114,7 +115,7 @@ class Phase(OneLine):
             self.bound_design.check(self.parameter_names, self.parameter_bounds.lower)
         try:
             for _, term in self.objective.terms if self.objective else ():
-                term.check(self.body, self.parameter_names)
+                term.check(free_of(self.body), self.parameter_names)
             self._check()
         except FailedExpression as error:
             raise FailedExpression(f"Phase {self.name!r}: {error}") from error.__cause__
@@ -129,15 +130,16 @@ class Phase(OneLine):
         check_rows(self.rows, self._ends, self.constraints)
         if self.robot is None:
             return
+        ends = self.joint_ends
         if any(each.avoids_collisions for each in self.constraints):
             from robotraj.problem.clearance.end_checks import check_ends
 
-            check_ends(self.name, self.constraints, self.robot, self._ends)
+            check_ends(self.name, self.constraints, self.robot, ends)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body)
-            check_contacts(self.rows, self.robot, self.bound_contacts, known, self._ends)
+            check_contacts(self.rows, self.robot, self.bound_contacts, known, ends)
         if isinstance(self.limits, Limits):
-            check_durations(self.name, self.robot, self.limits, longest, self._ends)
+            check_durations(self.name, self.robot, self.limits, longest, ends)
 
     @property
     def robot(self) -> Robot | None:
@@ -169,13 +171,7 @@ class Phase(OneLine):
 
     @cached_property
     def bound_contacts(self) -> tuple[BoundContact, ...]:
-        """The contacts bound to the robot.
-
-        Raises
-        ------
-        InputError
-            The phase moves a System, an entry is no contact, or two contacts have one name.
-        """
+        """The contacts bound to the robot."""
         return bind_contacts(self.name, self.contacts, self.robot)
 
     @cached_property
@@ -184,16 +180,14 @@ class Phase(OneLine):
         if isinstance(self.subject, System):
             _ = self.bound_contacts
             return SystemDynamics(self.subject)
-        return self.dynamics.of(self.subject, self.bound_design, self.bound_contacts)
+        body: Dynamics = self.dynamics.of(self.subject, self.bound_design, self.bound_contacts)
+        return reduce(lambda known, each: each.reduce(known), self.constraints, body)
 
     @cached_property
     def dae(self) -> Dynamics:
         """The phase's dynamics as a semi-explicit DAE, variables of the objective and the constraints included."""
-        dae = self.body
         terms = [term for _, term in self.objective.terms] if self.objective is not None else []
-        for each in (*terms, *self.constraints):
-            dae = each.augment(dae)
-        return dae
+        return reduce(lambda known, each: each.augment(known), (*terms, *self.constraints), self.body)
 
     @cached_property
     def parameter_names(self) -> tuple[str, ...]:
@@ -224,6 +218,11 @@ class Phase(OneLine):
     @property
     def _ends(self) -> Ends:
         return {Where.START: self.start_bounds, Where.END: self.end_bounds}
+
+    @property
+    def joint_ends(self) -> Ends:
+        """Bounds on the state of a robot at both ends, (q, v) first; on a path those that it determines."""
+        return ends_on_path(self.body) or self._ends
 
     @cached_property
     def bound_constraints(self) -> tuple[BoundConstraint, ...]:

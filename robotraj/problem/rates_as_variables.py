@@ -11,6 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
+from robotraj.dynamics.path_body import PathBody, PathPoint
 from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
@@ -24,13 +25,17 @@ ACCELERATION = "acceleration."
 
 def with_control_rates(dynamics: Dynamics) -> Dynamics:
     """Make the controls states, unless they are states already."""
-    rates = [f"rate.{c.name}" for c in body_of(dynamics).controls]
-    return dynamics if has(dynamics, rates) else ControlRates(dynamics)
+    body = body_of(dynamics)
+    if has(dynamics, [f"rate.{c.name}" for c in body.controls]):
+        return dynamics
+    return PathRates(dynamics) if isinstance(body, PathBody) else ControlRates(dynamics)
 
 
 def with_jerks(dynamics: Dynamics) -> Dynamics:
     """Add the jerks of a robot, unless they exist already; where joints have no motor, its torques become states."""
     robot = _robot(dynamics)
+    if isinstance(body_of(dynamics), PathBody):
+        return with_control_rates(dynamics)
     if has(dynamics, [f"jerk.{joint}" for joint in robot.velocity_names]):
         return dynamics
     if robot.root == "fixed" and robot.nq == robot.nv == robot.nu and not body_of(dynamics).invariants:
@@ -83,6 +88,22 @@ class ControlRates(Augmented):
     def rates(self, point: AnyPoint) -> ca.SX:
         """Inner rates, then r."""
         return ca.vertcat(self.inner.rates(point), *(point.extra[v.name] for v in self.controls[: len(self._moved)]))
+
+
+@dataclass(frozen=True)
+class PathRates(ControlRates):
+    """On a path s'' becomes a state and s''' the control, of which jerks and rates of torques are functions."""
+
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
+        """Put the jerks and the rates of the torques into ``point.extra``."""
+        point, body = super().point(t, x, z, u, p, names), body_of(self.inner)
+        if u is not None:
+            assert isinstance(body, PathBody) and isinstance(point, PathPoint)
+            jerks, rates = body.jerk(point, u[0]), body.torque_rate(point, u[0])
+            moved = body.robot.velocity_names
+            point.extra |= {f"{kind}.{joint}": jerks[i] for i, joint in enumerate(moved) for kind in ("jerk", "rate.a")}
+            point.extra |= {f"rate.tau.{joint}": rates[i] for i, joint in enumerate(body.robot.actuated)}
+        return point
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Variable
+from robotraj.problem.augmentation import inputs_of
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.phase_row import Kind, PhaseRow
 
@@ -100,8 +101,7 @@ class RowTable(OneLine):
         if all(row.kind is Kind.BOUND for row in self.throughout):
             return tuple(row for row in self.throughout if row.number in bounds)
         # With forward dynamics a robot's accelerations are expressions, and it has no algebraic variables.
-        z = (self.point.z[variable.name] for variable in self.body.algebraic)
-        inner = ca.vertcat(ca.SX(0, 1), *z, *self.point.u.values())
+        inner = inputs_of(self.body, self.point)
 
         def reads_state(row: PhaseRow) -> bool:
             if row.kind is Kind.BOUND:
@@ -202,22 +202,24 @@ class RowTable(OneLine):
         -------
         ndarray (m, rows)
         """
-        m = len(t)
-        out = np.empty((m, len(rows)))
-        groups = (x, z, u)
-        others = []
+        out, others = self.bounded_columns(rows, x, z, u)
+        if others:
+            function = self.function([rows[i] for i in others])
+            columns = (np.reshape(each, (len(t), -1)).T for each in (t, x, z, u))
+            found = function(*columns, np.tile(np.reshape(p, (-1, 1)), (1, len(t))))
+            out[:, others] = np.array(found).reshape(len(others), len(t)).T
+        return out
+
+    def bounded_columns(self, rows: Sequence[PhaseRow], x: Array, z: Array, u: Array) -> tuple[Array, list[int]]:
+        """Return values (m, rows) with those of single variables filled in, and the numbers of the other rows."""
+        out, others, groups = np.empty((len(x), len(rows))), [], (x, z, u)
         for i, row in enumerate(rows):
             if row.kind is Kind.BOUND:
                 group, column = self._places[self.variable_of(row).name]
                 out[:, i] = groups[group][:, column]
             else:
                 others.append(i)
-        if others:
-            function = self.function([rows[i] for i in others]).map(m)
-            columns = (np.reshape(each, (m, -1)).T for each in (t, *groups))
-            found = function(*columns, np.tile(np.reshape(p, (-1, 1)), (1, m)))
-            out[:, others] = np.array(found).reshape(len(others), m).T
-        return out
+        return out, others
 
     @cached_property
     def _places(self) -> dict[str, tuple[int, int]]:

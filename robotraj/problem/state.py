@@ -8,6 +8,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.augmentation import body_of
 from robotraj.problem.constraints.bounds import Bounds, BoundsLike, as_bounds
@@ -57,6 +58,10 @@ class State(OneLine):
         return Bounds(np.append(given.lower, -added), np.append(given.upper, added))
 
     def _bounds(self, dynamics: Dynamics, which: str) -> Bounds:
+        if isinstance(dynamics, PathBody):
+            if not (self.values is None and self.q is None and self.v is None):
+                raise InputError(f"FollowPath determines the {which} of the phase; leave {which}= out.")
+            return Bounds(*dynamics.ends(which == "end"))
         if isinstance(dynamics, RigidBody):
             if self.values is not None:
                 raise InputError(

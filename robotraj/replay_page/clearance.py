@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import spots_of
@@ -39,7 +40,7 @@ def clearance_scene(cycles: GaitCycles) -> list[dict[str, object]]:
 def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, object]]:
     """Return one curve for each point, at the highest of its required heights."""
     planned, phase = cycle_phase.planned, cycle_phase.phase
-    body, names = phase.body, phase.parameter_names
+    body, names = free_of(phase.body), phase.parameter_names
     held = phase.rows.of(constraint)
     spots = spots_of(constraint.frames, cycle_phase.robot)
     point = symbols_of(body, names)

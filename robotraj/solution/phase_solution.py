@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,10 +11,12 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
-from robotraj.dynamics.variable import Named
+from robotraj.dynamics.path_body import PathBody
+from robotraj.dynamics.variable import Named, Variable
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
@@ -21,12 +24,16 @@ from robotraj.solution.sample import Sample, Times
 from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.point_values import joints_on_path
 from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
+
+JOINT_SITES = 7
+"""Number of places of an interval through which positions and velocities on a path are interpolated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +96,19 @@ class PhaseSolution(OneLine):
         return inputs_of(self.phase, self.trajectory, self.mesh.schemes)
 
     @cached_property
+    def joint_states(self) -> PiecewisePolynomial:
+        """Positions and velocities of a robot, (nq + nv,) first; on a path, polynomials through the true values."""
+        x = self.trajectory.x
+        if not isinstance(self.phase.body, PathBody):
+            return x
+        sites = lobatto_sites(JOINT_SITES)
+        times = x.breaks[:-1, None] + np.diff(x.breaks)[:, None] * sites
+        sample = self.at(times.ravel(), np.repeat(np.arange(len(times)), len(sites)))
+        assert sample.q is not None and sample.v is not None
+        values = np.hstack([sample.q, sample.v]).reshape(*times.shape, -1)
+        return PiecewisePolynomial(x.breaks, [sites] * len(times), list(values))
+
+    @cached_property
     def _rates(self) -> PiecewisePolynomial:
         return self.trajectory.x.derivative()
 
@@ -125,11 +145,11 @@ class PhaseSolution(OneLine):
         x = self.trajectory.x(times, interval)
         z, u = self.inputs.at(times, interval)
         controls, algebraics = dae.controls, dae.algebraic
+        body = self.phase.body
         if isinstance(dae, Augmented):
             # Controls or forces that the objective made states are those of the states.
             columns = zip((*dae.states, *algebraics, *controls), (*x.T, *z.T, *u.T), strict=True)
             known = {v.name: column for v, column in columns}
-            body = self.phase.body
             controls = (*body.controls, *(c for c in controls if c not in body.controls))
             algebraics = (*body.algebraic, *(v for v in algebraics if v not in body.algebraic))
             u, z = (
@@ -141,14 +161,30 @@ class PhaseSolution(OneLine):
         named_controls = Named("control", [v.name for v in controls], u.T)
         known_times = times if times.ndim else float(times)
         robot = self.phase.robot
+        sample = Sample(known_times, states, algebraic, named_controls)
+        if isinstance(body, PathBody):
+            return self._on_path(body, sample, x, self.inputs.at(times, interval))
         if robot is None:
-            return Sample(known_times, states, algebraic, named_controls)
+            return sample
         end = robot.nq + robot.nv
         accelerations = self._rates(times, interval)[..., robot.nq : end]
         # Polynomials of a quaternion have length 1 at collocation points, and nearly 1 in between.
         q = normalised(robot.model, x[..., : robot.nq])
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
-        return Sample(known_times, states, algebraic, named_controls, q, v, accelerations, tau, self._forces(algebraic))
+        return replace(sample, q=q, v=v, a=accelerations, tau=tau, forces=self._forces(algebraic))
+
+    def _on_path(self, body: PathBody, sample: Sample, x: Array, inputs: tuple[Array, Array]) -> Sample:
+        """Add the motion of the joints on a path; their variables come before those of the path."""
+        shape, times = np.shape(sample.t), np.atleast_1d(sample.t)
+        x, z, u = (np.reshape(each, (len(times), -1)) for each in (x, *inputs))
+        p = np.array(list(self.parameters.values()), dtype=float)
+        found = joints_on_path(self.phase.rows).at(times, x, z, u, p)
+        q, v, a, tau = (each.reshape(*shape, -1) for each in np.split(found, 4, axis=1))
+        states = _joined(body.free.states, np.concatenate([q, v], axis=-1), sample.x)
+        algebraic = _joined(body.free.algebraic, a, sample.z)
+        return replace(
+            sample, x=states, z=algebraic, u=_joined(body.free.controls, tau, sample.u), q=q, v=v, a=a, tau=tau
+        )
 
     def _forces(self, algebraic: Named) -> Named:
         """Return contact forces in world axes, (3,) or (6,) each, or (m, 3) or (m, 6) for m times."""
@@ -167,3 +203,9 @@ class PhaseSolution(OneLine):
             joints = self.phase.robot.velocity_names
             values |= {f"a.{joint}": sample.a[:, i] for i, joint in enumerate(joints) if f"a.{joint}" not in values}
         return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]
+
+
+def _joined(variables: Sequence[Variable], values: Array, known: Named) -> Named:
+    """Return variables with their values, (n,) or (m, n), before known ones."""
+    every = {v.name: values[..., i] for i, v in enumerate(variables)} | dict(known)
+    return Named(known.kind, list(every), list(every.values()))

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import separate_contact_terms
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.torque_symbols import separate_torques
 from robotraj.robot.tangent import normalised
@@ -171,6 +172,8 @@ def is_driven(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     control sites are the nodes of the scheme.
     """
     body, dae = phase.body, phase.dae
+    if isinstance(body, PathBody):
+        return False
     if is_exact(phase, schemes):
         return True
     if not isinstance(body, InverseRigidBody) or not body.controls or not all(c.holds for c in body.contacts):

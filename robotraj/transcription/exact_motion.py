@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals, lobatto_sites
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 
@@ -33,19 +34,22 @@ ROUNDING = 1e-12
 def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     """Whether the plan of a phase is a motion whose torques follow from inverse dynamics at any time.
 
-    The robot has a fixed root, a motor at every joint, no contacts, and torques that are not states. The control is the
-    scheme's own polynomial. The scheme integrates polynomials of its state's degree exactly, unlike the trapezoidal
-    rule.
+    The robot has a fixed root, a motor at every joint, no contacts, and controls that are not states. The control is
+    the scheme's own polynomial. The scheme integrates polynomials of its state's degree exactly, unlike the trapezoidal
+    rule. On a path (``dynamics.path_body``) s is the integral of s', and all joints follow from it.
     """
     body = phase.body
-    if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
-        return False
-    robot = body.robot
-    if robot.root != "fixed" or not robot.nq == robot.nv == robot.nu:
-        return False
-    if {f"tau.{joint}" for joint in robot.actuated} & {state.name for state in phase.dae.states}:
-        return False  # The objective made the torques states, which are planned as continuous functions.
-    return all(_integrates_its_state(scheme) for scheme in dict.fromkeys(schemes))
+    if not isinstance(body, PathBody):
+        if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
+            return False
+        robot = body.robot
+        if robot.root != "fixed" or not robot.nq == robot.nv == robot.nu:
+            return False
+    lifted = bool({control.name for control in body.controls} & {state.name for state in phase.dae.states})
+    if isinstance(body, PathBody):
+        return all(_integrates_path(scheme, lifted) for scheme in dict.fromkeys(schemes))
+    # Where the objective made torques states, these are planned as continuous functions.
+    return not lifted and all(_integrates_its_state(scheme) for scheme in dict.fromkeys(schemes))
 
 
 def with_integrated_speeds(values: Array, lengths: Array, joints: int) -> tuple[Array, Array]:
@@ -72,8 +76,19 @@ def with_integrated_speeds(values: Array, lengths: Array, joints: int) -> tuple[
     return finer, raised
 
 
+def _integrates_path(scheme: Scheme, lifted: bool) -> bool:
+    """Whether s'' is interpolated by the scheme without error, and s' integrated so; ``lifted`` if s'' is a state."""
+    if not isinstance(scheme, Collocation):
+        return False
+    degree = len(scheme.control_sites) - 1 + lifted
+    return degree < len(scheme.nodes) and _is_exact_for(scheme, degree + 1)
+
+
 def _integrates_its_state(scheme: Scheme) -> bool:
     if not isinstance(scheme, Collocation) or not np.array_equal(scheme.control_sites, scheme.nodes):
         return False
-    degree = len(scheme.nodes)
+    return _is_exact_for(scheme, len(scheme.nodes))
+
+
+def _is_exact_for(scheme: Collocation, degree: int) -> bool:
     return bool(abs(scheme.weights @ scheme.nodes**degree - 1.0 / (degree + 1)) < ROUNDING)

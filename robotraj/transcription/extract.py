@@ -11,6 +11,7 @@ from robotraj._util.polynomials import basis, integrals, lobatto_sites
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
+from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.onestep import OneStep
@@ -78,6 +79,7 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
     rates, corrections = outputs[:, :nx], outputs[:, outputs.shape[1] - held - nx : outputs.shape[1] - held]
     breaks = layout.breaks(w)
     exact = is_exact(phase, layout.mesh.schemes)
+    positions = phase.body.position_count if isinstance(phase.body, RigidBody) else 0
     x_sites: list[Array] = []
     z_sites: list[Array] = []
     u_sites: list[Array] = []
@@ -94,7 +96,7 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
             values += correction_basis(nodes, sites) @ corrections[run.places[:, nodes > 0.0]]
         if exact:
             lengths = breaks[run.which + 1] - breaks[run.which]
-            sites, values = with_integrated_speeds(values, lengths, len(phase.body.states) // 2)
+            sites, values = with_integrated_speeds(values, lengths, positions)
         x_sites += [sites] * count
         x_values += list(values)
         z_sites += [nodes] * count

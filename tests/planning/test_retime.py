@@ -1,11 +1,15 @@
 """Least time along given paths: closed forms, the path is kept, limits hold, plans are plans like any other."""
 
+import casadi as ca
 import numpy as np
+import pinocchio as pin
 import pytest
 from scipy import interpolate
 
 import robotraj as rt
 from robotraj.planning import as_path
+from robotraj.problem.objectives.reference_motion import symbolic_states
+from robotraj.solvers.status import Status
 
 WAY = np.array(
     [
@@ -94,3 +98,74 @@ def test_paths_that_are_none_are_refused(arm, path, words):
 def test_a_robot_is_needed():
     with pytest.raises(rt.InputError, match="robot="):
         rt.retime(WAY)
+
+
+def test_a_path_determines_the_ends_of_its_phase(arm):
+    follow = rt.constraints.FollowPath(as_path(WAY))
+    with pytest.raises(rt.InputError, match="determines the start"):
+        rt.Phase(arm, (0.1, 9.0), rt.State(q=WAY[0], v=0), constraints=[follow])
+    with pytest.raises(rt.InputError, match="several FollowPath"):
+        rt.Phase(arm, (0.1, 9.0), constraints=[follow, follow])
+
+
+def test_speeds_of_the_path_at_its_ends(arm):
+    moving = rt.retime(WAY, arm, start_speed=0.4, end_speed=None)
+    slope = as_path(WAY).derivative()
+    assert np.allclose(moving.at(0.0).v, 0.4 * slope(0.0), atol=1e-6)
+    assert moving.at(moving.duration).x["path.speed"] > 0.5
+
+
+def test_objectives_read_torques_and_their_rates_on_a_path(arm, retimed):
+    """Terms of a robot without a path have the same values along the motion."""
+    gentle = rt.retime(WAY, arm, objective=rt.Duration() + 1e-5 * rt.Effort() + 1e-7 * rt.objectives.TorqueRate())
+    t = np.linspace(0.0, gentle.duration, 20001)
+    tau = gentle.at(t).tau
+    effort = np.trapezoid((tau**2).sum(axis=1), t)
+    rate = np.trapezoid((np.gradient(tau, t, axis=0) ** 2).sum(axis=1), t)
+    assert gentle.objective == pytest.approx(gentle.duration + 1e-5 * effort + 1e-7 * rate, rel=1e-3)
+    assert gentle.duration > retimed.duration
+
+
+def test_distances_on_a_path_are_proved_but_not_changed(arm, retimed):
+    data, middle = arm.model.createData(), as_path(WAY)(0.5)
+    pin.framesForwardKinematics(arm.model, data, middle)
+    tool = data.oMf[arm.frame("tool0")].translation
+    near, far = (
+        rt.CollisionFree([rt.obstacles.Sphere(0.05, position=tool + offset)]) for offset in (np.zeros(3), [2.0, 0, 0])
+    )
+    assert rt.retime(WAY, arm, constraints=[far]).duration == pytest.approx(retimed.duration, rel=1e-6)
+    hit = rt.retime(WAY, arm, constraints=[near], check=False)
+    assert hit.status is Status.NOT_PROVED and "sphere" in str(hit)
+
+
+def test_limits_that_cannot_hold_the_arm_on_the_path_are_named(arm):
+    weak = arm.limits.with_(effort=0.1 * arm.limits.effort)
+    with pytest.raises(rt.NoSolutionFound, match="shoulder_lift_joint"):
+        rt.retime(WAY, arm, limits=weak)
+
+
+def test_a_motion_on_a_path_is_a_reference_and_a_path_of_another(arm, retimed):
+    assert as_path(retimed) is retimed.problem.phases[0].constraints[0].path
+    t = ca.SX.sym("t")
+    names = [f"q.{joint}" for joint in arm.position_names]
+    known = symbolic_states(retimed, names, t)
+    reference = ca.Function("reference", [t], [ca.vertcat(*(known[name] for name in names))])
+    for at in np.linspace(0.0, retimed.duration, 50):
+        assert np.allclose(np.array(reference(at)).ravel(), retimed.at(at).q, atol=1e-7)
+
+
+def test_a_path_is_left_without_a_stop(arm, retimed):
+    """Positions and velocities are continuous into a phase that is on no path."""
+    free = arm.limits.with_(position=np.inf)
+    path, back = (
+        rt.Phase(arm, (0.05, 20.0), objective=rt.Duration(), limits=free, name=name, **more)
+        for name, more in (
+            ("path", {"constraints": [rt.constraints.FollowPath(as_path(WAY), end_speed=None)]}),
+            ("back", {"end": rt.State(q=WAY[0], v=0)}),
+        )
+    )
+    solution = rt.plan(rt.Problem([path, back], links=[rt.Continuity(0, 1)]))
+    left = solution.phases[0].duration
+    before, after = (part.at(left) for part in solution.phases)
+    assert np.allclose(before.q, after.q, atol=1e-7) and np.allclose(before.v, after.v, atol=1e-6)
+    assert left < retimed.duration and rt.validate(solution).passed

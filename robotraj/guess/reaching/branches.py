@@ -90,7 +90,7 @@ def _at(node: Node, time: float) -> OpenEnd | Array | None:
     lower, upper = np.full(robot.nq, -np.inf), np.full(robot.nq, np.inf)
     parts = []
     for phase, where in node:
-        bounds = phase.start_bounds if where is Where.START else phase.end_bounds
+        bounds = phase.joint_ends[where]
         limits = phase.rows.limits()
         throughout = np.array([limits.get(f"q.{name}", (-np.inf, np.inf)) for name in robot.position_names])
         lower = np.maximum(lower, np.maximum(bounds.lower[: robot.nq], throughout[:, 0]))

@@ -23,7 +23,7 @@ def warn_of_self_collision(problem: Problem) -> None:
         kept = any(isinstance(each, CollisionFree) and each.self_collision for each in phase.constraints)
         if robot is None or robot.root != "fixed" or kept:
             continue
-        for end, bounds in (("start", phase.start_bounds), ("end", phase.end_bounds)):
+        for end, bounds in phase.joint_ends.items():
             q = bounds.lower[: robot.nq]
             if not np.array_equal(q, bounds.upper[: robot.nq]):
                 continue
@@ -34,6 +34,6 @@ def warn_of_self_collision(problem: Problem) -> None:
                 return
             if touching:
                 warn(
-                    f"Phase {phase.name!r}: at the {end} {', '.join(touching)} touch; add rt.CollisionFree() to keep "
-                    f"links apart, or choose another {end}."
+                    f"Phase {phase.name!r}: at the {end.value} {', '.join(touching)} touch; add rt.CollisionFree() to "
+                    f"keep links apart, or choose another {end.value}."
                 )

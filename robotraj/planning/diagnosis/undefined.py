@@ -97,7 +97,9 @@ def _at_the_ends(part: PhaseSolution, order: int) -> str:
     t0, t1, p = ca.SX.sym("t0"), ca.SX.sym("t1"), ca.SX.sym("p", len(names))
     start, end = dae.point(t0, x0, None, None, p, names), dae.point(t1, x1, None, None, p, names)
     first, last = part.at(part.t0), part.at(part.t0 + part.duration)
-    here = [np.array(list(first.x.values())), np.array(list(last.x.values())), np.array([part.t0])]
+    here = [np.array([sample.x[state.name] for state in dae.states]) for sample in (first, last)] + [
+        np.array([part.t0])
+    ]
     here += [np.array([part.t0 + part.duration]), np.array([part.parameters[name] for name in names])]
     if not all(np.all(np.isfinite(values)) for values in here):
         return ""

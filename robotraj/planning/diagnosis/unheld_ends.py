@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.constraints.base import Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -45,11 +45,8 @@ def unheld_ends(problem: Problem) -> tuple[Conflict, ...]:
     found = [
         conflict
         for phase in problem.phases
-        for end, bounds, time in (
-            ("start", phase.start_bounds, 0.0),
-            ("end", phase.end_bounds, phase.duration_bounds[1]),
-        )
-        for conflict in _unheld(phase, end, bounds, time)
+        for end, bounds in phase.joint_ends.items()
+        for conflict in _unheld(phase, end.value, bounds, phase.duration_bounds[1] if end is Where.END else 0.0)
     ]
     return tuple(sorted(found, key=lambda conflict: -conflict.relative))
 

@@ -19,6 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.planning.diagnosis.end_rows import (
     CONSTRAINT_WEIGHT,
@@ -72,8 +73,11 @@ def unreached_ends(problem: Problem, agreed: bool = False) -> tuple[Conflict, ..
     Returns
     -------
     tuple of Conflict
-        Empty where such configurations were found, or where the ends are fixed and no other row depends on them.
+        Empty where such configurations were found, or where the ends are fixed and no other row depends on them, and
+        where a path gives the configurations.
     """
+    if any(isinstance(phase.body, PathBody) for phase in problem.phases):
+        return ()
     ends = ends_of_phases(problem.phases)
     rows = [row for each in ends for row in rows_at_ends(each)]
     links = list(rows_of_links(problem, ends))

@@ -19,6 +19,7 @@ from robotraj.replay_page.page import live_page
 from robotraj.replay_page.verdict import verdict
 from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import normalised
+from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Iteration, Origin, Progress
 from robotraj.transcription.extract import PhaseTrajectory, extract
@@ -106,9 +107,10 @@ class LivePlan:
         if self._robot is not None:
             # A phase has at least three samples, and in all there are about SAMPLES.
             parts = []
-            for part in trajectories:
+            for phase, layout, part in zip(self._problem.phases, nlp.layouts, trajectories, strict=True):
                 count = max(3, round(SAMPLES * part.duration / max(end - start, 1e-12)))
-                states = part.x(np.linspace(part.t0, part.t0 + part.duration, count))[:, : self._robot.nq]
+                curve = PhaseSolution(phase, layout.mesh, part).joint_states
+                states = curve(np.linspace(part.t0, part.t0 + part.duration, count))[:, : self._robot.nq]
                 parts.append(normalised(self._robot.model, states))
             q = np.concatenate(parts)
         if not self._opened:

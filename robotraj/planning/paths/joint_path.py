@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.splines import through
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.dynamics.path_body import PathBody
 from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
@@ -80,11 +81,14 @@ def _through(points: Array, parameters: ArrayLike | None) -> PiecewisePolynomial
 
 
 def _of_solution(solution: Solution) -> PiecewisePolynomial:
+    alone = solution.phases[0].phase.body if len(solution.phases) == 1 else None
+    if isinstance(alone, PathBody):
+        return alone.curve
     breaks, sites, values = [np.array([solution.phases[0].t0])], list[Array](), list[Array]()
     for part in solution.phases:
         if part.phase.robot is None:
             raise InputError(f"Phase {part.phase.name!r} of the solution moves a System, which has no path of joints.")
-        curve = part.trajectory.x
+        curve = part.joint_states
         breaks.append(curve.breaks[1:])
         sites += list(curve.sites)
         values += [each[:, : part.phase.robot.nq] for each in curve.values]

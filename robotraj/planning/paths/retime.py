@@ -54,8 +54,9 @@ def retime(
 ) -> Solution:
     """Plan the motion of least time along a path q(s) of the joints.
 
-    The path parameter s, its speed and its acceleration are variables of the phase, beside those of the robot
-    (``rt.constraints.FollowPath``). The result is a plan of the robot like any other, proved by default.
+    The path parameter s and its speed are the states of the phase, and its acceleration, or with limits of jerk or
+    torque rate the derivative of that, is the control (``rt.constraints.FollowPath``). The joints are functions of
+    these and stay on the path at every time. The result is a plan of the robot like any other, proved by default.
 
     Parameters
     ----------
@@ -73,7 +74,8 @@ def retime(
     start_speed, end_speed : float, optional
         ds/dt at both ends: 0 is at rest, None leaves it free.
     constraints : sequence of Constraint
-        Further constraints, such as the speed of the tool.
+        Further constraints, such as the speed of the tool. ``rt.CollisionFree`` is proved along the path, which no
+        timing can change.
     design : mapping, optional
         Payloads and other quantities of the robot, as of ``rt.Phase``.
     objective : Objective, optional

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import default_guess
 from robotraj.problem.phase import Phase
@@ -41,7 +42,8 @@ class Clearing:
     """The rows on distances of one NLP, from solve to solve.
 
     A row keeps two shapes on both sides of a plane. A known motion fixes the planes: the guess, then each solution that
-    penetrates no shape by more than ``DEEP``. The planes preserve the homotopy class of the guess.
+    penetrates no shape by more than ``DEEP``. The planes preserve the homotopy class of the guess. On a given path
+    (``FollowPath``) distances are proved only, since no row can change it.
 
     Parameters
     ----------
@@ -53,10 +55,13 @@ class Clearing:
 
     def __init__(self, nlp: Nlp, guess: InitialGuess | None) -> None:
         self._every: list[Clearances] = []
+        self._on_paths: list[Clearances] = []
         if any(each.avoids_collisions for phase in nlp.problem.phases for each in phase.constraints):
             from robotraj.transcription.clearance.clearance_rows import clearances
 
-            self._every = clearances(nlp)
+            every, phases = clearances(nlp), nlp.problem.phases
+            self._on_paths = [own for own in every if isinstance(phases[own.phase].body, PathBody)]
+            self._every = [own for own in every if own not in self._on_paths]
         self._motions: list[Motion] = []
         if self._every:
             start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
@@ -64,6 +69,7 @@ class Clearing:
         self._kept: list[dict[tuple[int, int], Raised]] = [{} for _ in self._every]
         self._round = 0
         self._found: list[tuple[Clearances, Shortfalls]] = []
+        self._found_on_paths: list[tuple[Clearances, Shortfalls]] = []
         self._objectives: list[float] = []
         self._count = 0
 
@@ -73,7 +79,7 @@ class Clearing:
         return len(self._every) < 2
 
     def __bool__(self) -> bool:
-        """Whether a phase has a ``CollisionFree``."""
+        """Whether a phase has a ``CollisionFree`` and is on no given path."""
         return bool(self._every)
 
     def rows(self, nlp: Nlp) -> Nlp:
@@ -106,13 +112,16 @@ class Clearing:
         bound : bool
             Whether rows on distances are active, so that other planes may reduce the objective.
         """
-        if not self._every:
+        if not self._every and not self._on_paths:
             return
         self._objectives.append(solution.objective if bound else -np.inf)
         from robotraj.transcription.clearance.clearance_rows import Raised
         from robotraj.transcription.clearance.proof import shortfalls
 
-        self._found = [(own, shortfalls(own.pairs, solution.phases[own.phase].trajectory.x)) for own in self._every]
+        self._found, self._found_on_paths = (
+            [(own, shortfalls(own.pairs, solution.phases[own.phase].joint_states)) for own in group]
+            for group in (self._every, self._on_paths)
+        )
         for i, (own, found) in enumerate(self._found):
             for interval, pair, distance in zip(found.intervals, found.pairs, found.distances, strict=True):
                 place = int(interval), int(pair)
@@ -136,7 +145,7 @@ class Clearing:
 
     def violations(self, solution: Solution) -> Iterator[Violation]:
         """Yield the pairs whose distance is not proved, each with its worst time."""
-        for own, found in self._found:
+        for own, found in (*self._found, *self._found_on_paths):
             worst: dict[int, int] = {}
             for k, pair in enumerate(found.pairs.tolist()):
                 if pair not in worst or found.distances[k] < found.distances[worst[pair]]:
@@ -156,7 +165,7 @@ def _guessed(guess: InitialGuess, phases: Sequence[Phase], own: Clearances) -> M
 
 
 def _solved(solution: Solution, own: Clearances) -> Motion:
-    x, nq = solution.phases[own.phase].trajectory.x, own.pairs.robot.nq
+    x, nq = solution.phases[own.phase].joint_states, own.pairs.robot.nq
     first, last = float(x.breaks[0]), float(x.breaks[-1])
 
     def motion(s: Array) -> tuple[Array, Array]:

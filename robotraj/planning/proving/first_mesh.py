@@ -7,8 +7,10 @@ from dataclasses import field
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.path_body import PathBody
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.collocation import Scheme
+from robotraj.transcription.schemes.control import LinearControl
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
@@ -17,6 +19,8 @@ COARSE = 16
 """Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
 SYSTEM = 20
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
+PATH = 48
+"""Intervals of the first mesh of a motion on a path, which has two states and one control."""
 STEP = 4
 """Intervals of the longest phase of a motion with contacts, by Lobatto IIIA with four points."""
 FEWEST = 2
@@ -31,6 +35,10 @@ STICKING = RadauIIA(3)
 A joint may start and stop inside every interval, and Simpson's rule has only its middle inside. The sum that is
 minimised is then lower than the integral by percents. With one more point, and none shared, the two agree.
 """
+
+
+LINES = HermiteSimpson(control=LinearControl())
+"""Scheme of motions on a path: rows are imposed at three points of an interval, on which s'' is a line."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +65,16 @@ class ProportionalMeshes:
         lengths = np.where(known, lengths, np.max(lengths[known], initial=1e-3))
         counts = np.clip(np.ceil(self.most * lengths / lengths.max() - 1e-9), self.least, self.most)
         return tuple(Mesh(int(count), self.scheme) for count in counts)
+
+
+@dataclass(frozen=True)
+class MeshesOnPaths:
+    """Meshes of phases of which some are on a path: those on a path have ``PATH`` intervals with ``LINES``."""
+
+    def of(self, problem: Problem) -> tuple[Mesh, ...]:
+        """Return the mesh of each phase."""
+        on_path = (isinstance(phase.body, PathBody) for phase in problem.phases)
+        return tuple(graded(PATH, LINES) if path else graded(COARSE) for path in on_path)
 
 
 def graded(count: int, scheme: Scheme | None = None) -> Mesh:

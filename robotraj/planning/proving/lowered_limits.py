@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from functools import partial
 
 from robotraj._util.lazy_values import LazySequence
+from robotraj.dynamics.path_body import PathBody
 from robotraj.planning.nlp_violations import between_points
+from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
@@ -21,6 +23,8 @@ from robotraj.transcription.interval_limits.margins import LimitedInterval
 
 MORE = 1.1
 """Ratio of a margin to the excess; above 1, since the motion changes with the margin."""
+ROOM = 1e-6
+"""Further margin of a path row, relative to its bound, so that an excess of this size needs no further solve."""
 
 
 class LoweredLimits:
@@ -47,7 +51,7 @@ class LoweredLimits:
         of_rows : sequence of IntervalViolation
             Excess over path rows that is lowered too.
         """
-        self._of_rows = of_rows
+        self._of_rows = [each for each in of_rows if not _is_lowered_path(solution.phases[each.phase])]
         self._of_states = LazySequence(partial(_states, solution.phases))
         self._of_controls = LazySequence(partial(_controls, solution.phases))
 
@@ -64,7 +68,8 @@ class LoweredLimits:
         """Lower the limits that were exceeded by a little more than the excess."""
         for violation in self.found:
             place = LimitedInterval(violation.phase, violation.interval, violation.row.number)
-            self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount + EXACT
+            room = max(EXACT, ROOM * violation.row.greatest_bound) if violation.row.kind is Kind.PATH else EXACT
+            self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount + room
 
 
 def _controls(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
@@ -85,7 +90,10 @@ def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
         if not part.exact:
             continue
         given = _given_ends_beyond(part)
-        own = {bound.number for bound, _ in part.phase.rows.bounds_of(part.phase.body.states)}
+        rows = part.phase.rows
+        own = {bound.number for bound, _ in rows.bounds_of(part.phase.body.states)}
+        if _is_lowered_path(part):
+            own |= {row.number for row in rows.of_state}
         found += [
             violation
             for violation in state_violations(part.phase, i, part.trajectory, 0.0)
@@ -93,6 +101,11 @@ def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
             and violation.amount > given.get((violation.row.number, violation.interval), 0.0)
         ]
     return found
+
+
+def _is_lowered_path(part: PhaseSolution) -> bool:
+    """Whether rows of the state are lowered, too: on a path they leave the control no choice."""
+    return part.exact and isinstance(part.phase.body, PathBody)
 
 
 def _given_ends_beyond(part: PhaseSolution) -> dict[tuple[int, int], float]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.path_body import PathBody
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
@@ -17,6 +18,7 @@ from robotraj.transcription.interval_limits.interval_violations import variable_
 from robotraj.transcription.refinement.assess import errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
@@ -120,7 +122,7 @@ def measured(
     goals : Goals
     bending : bool
         Whether controls bend sharply in a few intervals, as torques do where joints stick and slide. The next mesh then
-        has its intervals where their highest degree contributes to the objective.
+        has its intervals where their highest degree contributes to the objective. Motions on a path always bend so.
     expected : float
         Relative decrease of the objective to expect on finer meshes, if there is no coarser mesh to compare with.
 
@@ -133,11 +135,9 @@ def measured(
     left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.inputs) for p in parts]
     true = solution.objective - float(sum(errors.sum() for errors in left))
     size = max(abs(true), SMALL)
-    bends = tuple(
-        unresolved(p.phase, p.trajectory, p.mesh.schemes, p.inputs) if bending else np.zeros(p.mesh.count)
-        for p in parts
-    )
-    coarse = float(sum(each.sum() for each in bends)) / size
+    bends = tuple(_bends(part, bending) for part in parts)
+    bending = bending or all(isinstance(part.phase.body, PathBody) for part in parts)
+    coarse = float(sum(each.sum() for each in bends)) / size if bending else 0.0
     terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
     order = ORDER if any(isinstance(term, Integral) for term in terms) else ORDER_OF_ENDS
     unsettled = expected
@@ -159,6 +159,15 @@ def measured(
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
     return Measured(proof, true, count, before, needs, broken, coarse, order).with_violations(solution)
+
+
+def _bends(part: PhaseSolution, bending: bool) -> Array:
+    """Return the contribution to the objective of controls that the mesh does not resolve, (K,)."""
+    if isinstance(part.phase.body, PathBody):
+        return path_bends(part.phase, part.trajectory)
+    if not bending:
+        return np.zeros(part.mesh.count)
+    return unresolved(part.phase, part.trajectory, part.mesh.schemes, part.inputs)
 
 
 def _beyond_limits(part: PhaseSolution, index: int) -> Array:

@@ -89,6 +89,10 @@ class Constraint(OneLine, ABC):
             A name does not exist, or the bounds are invalid.
         """
 
+    def reduce(self, dynamics: Dynamics) -> Dynamics:
+        """Return the equations of motion in fewer variables, where the constraint determines the others."""
+        return dynamics
+
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add the variables that the rows need to the dynamics of the phase; most constraints need none.
 

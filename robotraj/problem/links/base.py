@@ -15,6 +15,7 @@ from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
+from robotraj.problem.augmentation import free_of
 from robotraj.problem.scalars import Scalar
 
 if TYPE_CHECKING:
@@ -128,8 +129,8 @@ def check_order(phases: Sequence[Phase], first: int, second: int, what: str) -> 
 
 
 def state_names(phase: Phase) -> list[str]:
-    """Names of the states of a phase."""
-    return [state.name for state in phase.body.states]
+    """Names of the states of a phase; on a path, of the positions and velocities of its joints."""
+    return [state.name for state in free_of(phase.body).states]
 
 
 def same_states(before: Phase, after: Phase, what: str) -> list[str]:

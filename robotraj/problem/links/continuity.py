@@ -12,6 +12,7 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
+from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import ends_of
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
@@ -69,12 +70,12 @@ class Jump(Link):
 def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str, Interval], what: str) -> BoundLink:
     before, after = phase_at(phases, first, what), phase_at(phases, second, what)
     check_order(phases, first, second, what)
-    names = same_states(before, after, what)
+    names, units = same_states(before, after, what), [state.unit for state in free_of(before.body).states]
     bounds = as_bounds({name: 0.0 for name in names} | dict(jumps), names, f"jumps of {what}", "state")
     kept = [i for i, (low, high) in enumerate(zip(*bounds, strict=True)) if not (low == -float("inf") and high == -low)]
     kind = {i: "jump" if names[i] in jumps else "continuity" for i in kept}
     rows = (TIME,) + tuple(
-        Row(kind[i], before.body.states[i].unit, float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
+        Row(kind[i], units[i], float(bounds.lower[i]), float(bounds.upper[i]), names[i]) for i in kept
     )
 
     def expression(ends: Sequence[Ends], _: Mapping[str, Scalar]) -> list[Scalar]:
@@ -82,7 +83,8 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
         return [start.t - end.t, *(start.x[names[i]] - end.x[names[i]] for i in kept)]
 
     pair = normal(phases, first), normal(phases, second)
-    carries = () if jumps else (Carry(*pair, STATE),)
+    on_path = any(free_of(phase.body) is not phase.body for phase in (before, after))
+    carries = () if jumps or on_path else (Carry(*pair, STATE),)
     return BoundLink(what, pair, rows, expression, carries=carries)
 
 

@@ -10,17 +10,10 @@ import numpy as np
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.dynamics.path_body import PathBody
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-
-class ReferenceTrajectory(Protocol):
-    """The polynomials of a phase."""
-
-    @property
-    def x(self) -> PiecewisePolynomial:
-        """The states."""
 
 
 class ReferencePhase(Protocol):
@@ -31,8 +24,8 @@ class ReferencePhase(Protocol):
         """The phase that was planned."""
 
     @property
-    def trajectory(self) -> ReferenceTrajectory:
-        """Its polynomials."""
+    def joint_states(self) -> PiecewisePolynomial:
+        """The polynomials of its states; on a path, those of positions and velocities."""
 
 
 class ReferenceSolution(Protocol):
@@ -64,12 +57,13 @@ def symbolic_states(solution: ReferenceSolution, names: Sequence[str], t: ca.SX)
     """
     tables, breaks = [], []
     for part in solution.phases:
-        known = [v.name for v in part.phase.dae.states]
+        body = part.phase.body
+        known = [v.name for v in (body.free.states if isinstance(body, PathBody) else part.phase.dae.states)]
         for name in names:
             if name not in known:
                 raise unknown_name("state", name, known, "The reference solution has these.")
         columns = [known.index(name) for name in names]
-        curve = part.trajectory.x
+        curve = part.joint_states
         for start, end, sites, values in zip(curve.breaks, curve.breaks[1:], curve.sites, curve.values, strict=False):
             powers = np.linalg.solve(np.vander(sites, increasing=True), values[:, columns])
             tables.append((start, end - start, powers))

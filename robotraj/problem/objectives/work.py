@@ -14,7 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
-from robotraj.problem.augmentation import Slacks, body_of, has
+from robotraj.problem.augmentation import Slacks, body_of, free_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
@@ -97,7 +97,7 @@ class MechanicalWork(Integral):
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add a slack per power, for the exact form."""
-        body = body_of(dynamics)
+        body = free_of(body_of(dynamics))
         pairs = self._weighed([c.name for c in body.controls])
         joints = {c.name: c.joint for c in body.controls}
         slacks = tuple(
@@ -111,7 +111,7 @@ class MechanicalWork(Integral):
             return ()
         return tuple(
             _define(control, speed)
-            for _, (control, speed) in self._weighed([c.name for c in body_of(dynamics).controls])
+            for _, (control, speed) in self._weighed([c.name for c in free_of(body_of(dynamics)).controls])
         )
 
     def _weighed(self, controls: Sequence[str]) -> list[tuple[float, tuple[str, str]]]:

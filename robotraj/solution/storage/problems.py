@@ -11,8 +11,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.placeholder_dynamics import MissingEquations
-from robotraj.dynamics.system import System
+from robotraj.dynamics.system import MissingEquations, System
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.objectives.base import Objective, Sum
 from robotraj.problem.phase import Phase

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.dynamics.path_body import PathBody
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
@@ -55,7 +56,8 @@ def exceeded_although_added(
 ) -> list[IntervalViolation]:
     """Return the violated path inequalities that are imposed at Chebyshev points of their interval already.
 
-    Where joints oscillate, further places on the interval only move the peak between them.
+    Where joints oscillate, further places on the interval only move the peak between them. On a path, inequalities are
+    not imposed at further points at all.
     """
     counts = Counter((each.phase, each.interval, each.row) for each in added)
     return [
@@ -64,7 +66,10 @@ def exceeded_although_added(
         if violation.row.kind is Kind.PATH
         and not violation.row.is_equality
         and not isinstance(nlp.layouts[violation.phase].scheme, OneStep)
-        and counts[violation.phase, violation.interval, violation.row.number] > len(SPREAD)
+        and (
+            isinstance(nlp.problem.phases[violation.phase].body, PathBody)
+            or counts[violation.phase, violation.interval, violation.row.number] > len(SPREAD)
+        )
     ]
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.driven_motion import DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
@@ -59,6 +60,8 @@ ROUNDING = 1e-9
 """Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
 """Largest relative excess that is not reported for torques of exact motions and for path rows."""
+RATE_SHARE = 1e-5
+"""The same for jerks and rates of torques on a path, which are lines or nearly so between the knots."""
 
 
 @dataclass(frozen=True)
@@ -144,12 +147,17 @@ def variable_violations(
         found += _violations(index, rows, Rates(Controls(inputs), columns), ONE_SIDED, allowed)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
-    return found + _violations(index, rows, reader, INNER_PLACES, EXACT_SHARE * np.array([row.size for row in rows]))
+    allowed = np.array([row.size * (RATE_SHARE if _limits_rate(phase, row) else EXACT_SHARE) for row in rows])
+    return found + _violations(index, rows, reader, INNER_PLACES, allowed)
 
 
 def _is_given(phase: Phase, row: PhaseRow) -> bool:
     """Whether a row is a constraint of the user; rows of contacts are measured against the weight."""
     return phase.rows.constraints[row.constraint].source is not None
+
+
+def _limits_rate(phase: Phase, row: PhaseRow) -> bool:
+    return isinstance(phase.rows.constraints[row.constraint].source, RateLimit)
 
 
 def input_violations(

@@ -22,6 +22,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.problem.augmentation import inputs_of
 from robotraj.problem.constraints.base import symbols_of
 
 if TYPE_CHECKING:
@@ -130,6 +131,5 @@ def _driven(phase: Phase) -> frozenset[str]:
         # The rates are velocities, which are states, and accelerations, which are unknowns.
         return frozenset(state.name for state in dae.states[dae.robot.nq :])
     point = symbols_of(dae, phase.parameter_names)
-    inner = ca.vertcat(*(point.z[v.name] for v in phase.body.algebraic), *point.u.values())
-    reads = ca.which_depends(dae.rates(point), inner, 1, True)
+    reads = ca.which_depends(dae.rates(point), inputs_of(dae, point), 1, True)
     return frozenset(state.name for state, read in zip(dae.states, reads, strict=True) if read)

@@ -16,6 +16,7 @@ from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.driven_motion import DrivenInputs, Inputs
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.point_values import sampled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -159,4 +160,4 @@ class Expressions:
         dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))
         z = np.zeros((len(times), len(dae.algebraic))) if z is None else z
         u = np.zeros((len(times), len(dae.controls))) if u is None else u
-        return self.table.sample(self.rows, times, x, z, u, parameters)
+        return sampled(self.table, self.rows, times, x, z, u, parameters)

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.point import Point
+from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import BoundConstraint
+from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import robot_sample, system_of
@@ -71,17 +73,23 @@ def added_variables(
     Rates of torques and accelerations that have bounds are central differences of the planned values.
     """
     phase = planned.phase
-    if phase.robot is None or (phase.dae is phase.body and not phase.rows.rates):
+    bounded = [
+        f"{bound.source.prefix}.{row.joint}"
+        for bound in phase.bound_constraints
+        if isinstance(bound.source, RateLimit)
+        for row in bound.rows
+    ]
+    free = free_of(phase.body)
+    if phase.robot is None or (phase.dae is free and not bounded):
         return {}
     sample = planned.at(times, interval=interval)
-    own = {v.name for kind in (phase.body.states, phase.body.algebraic, phase.body.controls) for v in kind}
+    own = {v.name for kind in (free.states, free.algebraic, free.controls) for v in kind}
     found = {
         name: np.asarray(values)
         for named in (sample.x, sample.z, sample.u)
         for name, values in named.items()
         if name not in own
     }
-    bounded = [phase.rows.variable_of(row).name for row in phase.rows.rates]
     if bounded:
         knots = np.asarray(planned.knots, dtype=float)
         at = np.broadcast_to(interval, np.shape(times))

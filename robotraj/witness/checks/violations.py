@@ -124,7 +124,7 @@ def _at_end(planned: PhaseSolutionLike, bound: Sequence[BoundConstraint], side: 
     entries = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is where]
     see(entries, times, [point])
     watches = all_watches(entries)
-    state = phase.start_bounds if where is Where.START else phase.end_bounds
+    state = phase.joint_ends[where]
     if state is not None:
         units = [v.unit for v in system_of(planned).states] if phase.robot is None else _state_units(phase.robot)
         # States that the objective adds are the last of the bounds; they are not part of the motion.

@@ -9,9 +9,12 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.row import Row
+from robotraj.problem.augmentation import body_of
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
+from robotraj.problem.rates_as_variables import with_control_rates
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -25,7 +28,7 @@ class RateLimit(Constraint):
 
     The quantity is a polynomial on every interval of the mesh, and the Bernstein coefficients of its derivative are
     bounded. It must be continuous at the knots. The scheme therefore needs points at both ends of an interval, as
-    ``rt.HermiteSimpson()`` has.
+    ``rt.HermiteSimpson()`` has. On a path (``FollowPath``) they are path rows of s, s', s'' and s''' instead.
 
     Parameters
     ----------
@@ -49,16 +52,17 @@ class RateLimit(Constraint):
         """
         robot = robot_of(dynamics, type(self).__name__)
         known = {v.name for v in (*dynamics.algebraic, *dynamics.controls)}
-        if f"{self.prefix}.{robot.actuated[0]}" not in known:
+        on_path = isinstance(dynamics, PathBody)
+        if not on_path and f"{self.prefix}.{robot.actuated[0]}" not in known:
             raise InputError(
                 f"{type(self).__name__} bounds rates of unknowns, and forward dynamics have no accelerations among "
                 "them; use rt.dynamics.InverseDynamics()."
             )
         joints = list(robot.actuated if self.prefix == "tau" else robot.velocity_names)
-        unit_of = dict(zip(robot.velocity_names, robot.units, strict=True))
+        units = {j: self.units[unit == "m"] for j, unit in zip(robot.velocity_names, robot.units, strict=True)}
         lower, upper = as_bounds(self.bounds, joints, self.quantity)
         rows = tuple(
-            Row(self.quantity, self.units[unit_of[j] == "m"], float(low), float(high), j, f"{self.prefix}.{j}")
+            Row(self.quantity, units[j], float(low), float(high), j, None if on_path else f"{self.prefix}.{j}")
             for j, low, high in zip(joints, lower, upper, strict=True)
             if np.isfinite(low) or np.isfinite(high)
         )
@@ -66,7 +70,11 @@ class RateLimit(Constraint):
         def expression(point: RobotPoint) -> list[Scalar]:
             return [point.extra[f"rate.{self.prefix}.{row.joint}"] for row in rows]
 
-        return BoundConstraint(self.quantity, rows, expression, Where.RATE)
+        return BoundConstraint(self.quantity, rows, expression, Where.THROUGHOUT if on_path else Where.RATE)
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """On a path, make its acceleration a state; elsewhere the rates are those of polynomials."""
+        return with_control_rates(dynamics) if isinstance(body_of(dynamics), PathBody) else dynamics
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,38 @@
+"""The time that a motion on a path loses because its control is a line between knots.
+
+Where the limits allow s'' to bend or to jump inside an interval of length h, a line between knots differs from it by
+about
+
+    d = h (|m_k - m_{k-1}| + |m_{k+1} - m_k|) / 16
+
+with m the slopes of the line on the interval and on its neighbours. The speed s' then misses about h d, the path
+h^2 d, and the motion takes h^2 d / (2 s') longer. In least time of a panda on splines the sum over all intervals agreed
+with the true loss within a factor of 2, from 48 intervals to 400.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics.path_body import SPEED
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.transcription.extract import PhaseTrajectory
+
+Array = NDArray[np.float64]
+
+
+def path_bends(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+    """Return the time lost on every interval [s], (K,)."""
+    lengths, count = np.diff(trajectory.x.breaks), len(trajectory.x.values)
+    ends = trajectory.u.inside(np.array([0.0, 1.0]))[:, :, 0]
+    slopes = (ends[:, 1] - ends[:, 0]) / lengths
+    bends = np.zeros(count + 1)
+    bends[1:-1] = np.abs(np.diff(slopes))
+    speed = [state.name for state in phase.dae.states].index(SPEED)
+    fastest = np.abs(trajectory.x.inside(np.array([0.0, 1.0]))[:, :, speed]).max(axis=1)
+    return lengths**3 * (bends[1:] + bends[:-1]) / (32.0 * np.maximum(fastest, np.finfo(float).tiny))
