@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robotraj._util.errors import ValidationFailed
-from robotraj._util.printing import OneLine
+from robotraj._util.printing import OneLine, table
 from robotraj._util.values import dataclass
 
 
@@ -75,23 +75,13 @@ class ConditionsReport(OneLine):
             )
 
     def __str__(self) -> str:
-        head = ("phase", "condition", "of", "off by", "t [s]", "", "found")
-        rows = [
-            (
-                c.phase,
-                c.name,
-                c.label,
-                f"{c.residual:.1e}",
-                f"{c.time:.4g}",
-                "holds" if c.residual <= self.tolerance else "OFF",
-                c.note,
-            )
-            for c in self.conditions
-        ]
-        widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
-        lines = [
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-            for row in [head, *rows]
-        ]
+        several = len({c.phase for c in self.conditions}) > 1
+        rows = [("phase", "condition", "of", "off by", "t [s]", "found")]
+        for c in self.conditions:
+            holds = c.residual <= self.tolerance
+            found = ", ".join(text for text in ("" if holds else "OFF", c.note) if text) or "holds"
+            rows.append((c.phase, c.name, c.label, f"{c.residual:.1e}", f"{c.time:.4g}", found))
+        shown = rows if several else [row[1:] for row in rows]
         verdict = "all hold" if self.passed else f"{len(self.failed)} of {len(self.conditions)} do not hold"
-        return "\n".join([f"necessary conditions, to {self.tolerance:g} of their terms: {verdict}", *lines])
+        last = f"necessary conditions, to {self.tolerance:g} of their terms: {verdict}"
+        return "\n".join([*table(shown), last])

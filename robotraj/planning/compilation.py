@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.native.engines.compiled import Compiled
 from robotraj.problem.phase import Phase
@@ -16,7 +17,7 @@ from robotraj.transcription.transcribe import transcribe
 
 
 @dataclass(frozen=True)
-class Compilation:
+class Compilation(OneLine):
     """Result of compiling a problem.
 
     Attributes
@@ -38,10 +39,10 @@ class Compilation:
 
     def __str__(self) -> str:
         if not self.functions:
-            return (
-                "nothing to compile: every point function is too small to gain from it, or belongs to a shooting scheme"
-            )
-        return f"{self.new} of {self.functions} point functions compiled in {self.seconds:.1f} s into {self.folder}"
+            text = "nothing to compile: every point function is too small, or belongs to a shooting scheme"
+        else:
+            text = f"{self.new} of {self.functions} point functions compiled in {self.seconds:.1f} s into {self.folder}"
+        return "\n".join(wrapped(text))
 
 
 def precompile(

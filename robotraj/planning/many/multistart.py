@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess, default_guess, other_guess
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(OneLine):
     """A local optimum and the starts that reached it.
 
     Attributes
@@ -53,7 +54,7 @@ class Optimum:
 
 
 @dataclass(frozen=True, eq=False)
-class Multistart:
+class Multistart(OneLine):
     """The result of a multistart.
 
     Attributes
@@ -109,7 +110,7 @@ class Multistart:
             for i, o in enumerate(self.optima, 1)
         ]
         lines += [f"failed, {status.value}: {number}" for status, number in self.failures.items()]
-        lines.append(
+        lines += wrapped(
             f"one optimum: objectives within {self.objective_tolerance:g} (relative) and states within "
             f"{self.trajectory_tolerance:g} of their range"
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field
+from textwrap import shorten
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.polynomials import lobatto_sites
-from robotraj._util.printing import OneLine, as_call
+from robotraj._util.printing import WIDTH, OneLine, as_call
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
@@ -71,7 +72,7 @@ class Mesh(OneLine):
 
     def __str__(self) -> str:
         kinds = ", ".join(dict.fromkeys(map(as_call, self.given)))
-        return f"{type(self).__name__} of {self.count} intervals, {kinds}"
+        return shorten(f"{type(self).__name__} of {self.count} intervals, {kinds}", WIDTH, placeholder=" ...")
 
     @classmethod
     def chebyshev(cls, count: int, scheme: Scheme | Sequence[Scheme] | None = None) -> Mesh:
