@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts
 from robotraj.dynamics.rigid_body import ForwardRigidBody, InverseRigidBody
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RigidBodyForm:
+class RigidBodyForm(OneLine):
     """Base class of the forms.
 
     Attributes

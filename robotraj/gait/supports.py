@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
@@ -16,7 +17,7 @@ from robotraj.problem.objectives.base import Objective
 
 
 @dataclass(frozen=True)
-class Support:
+class Support(OneLine):
     """One phase of a gait: its standing feet and its duration.
 
     Attributes
@@ -34,7 +35,7 @@ class Support:
 
 
 @dataclass(frozen=True)
-class GaitTerms:
+class GaitTerms(OneLine):
     """Options that all phases of a gait share.
 
     Attributes

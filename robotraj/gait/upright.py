@@ -7,6 +7,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
@@ -18,7 +19,7 @@ from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
-class Upright:
+class Upright(OneLine):
     """Bounds on height and attitude of the root in every phase of a gait.
 
     Without them a torque-optimal gait may lean back or turn a somersault. It may also stretch its legs, where the

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact
 from robotraj.guess.base import InitialGuess
@@ -35,7 +36,7 @@ SAME = Same.SAME
 
 
 @dataclass(frozen=True)
-class ContinuationStep:
+class ContinuationStep(OneLine):
     """Changes of one continuation step; the rest is as in the problem.
 
     Parameters

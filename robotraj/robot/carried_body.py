@@ -10,12 +10,13 @@ import pinocchio as pin
 
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
 from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
-class CarriedBody:
+class CarriedBody(OneLine):
     """A body fixed to a frame of a robot, for ``rt.robot.carrying`` and ``rt.constraints.PayloadScenarios``.
 
     Parameters

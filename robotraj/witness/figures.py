@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
@@ -15,7 +16,7 @@ from robotraj.witness.simulation.drift import Drift
 
 
 @dataclass(frozen=True)
-class Tolerances:
+class Tolerances(OneLine):
     """Thresholds of ``Report.passed``; a figure whose threshold is None is reported but not judged.
 
     Attributes
@@ -54,7 +55,7 @@ class Tolerances:
 
 
 @dataclass(frozen=True, repr=False)
-class Figures:
+class Figures(OneLine):
     """All figures of a validation.
 
     Attributes

@@ -6,12 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array
 
 
 @dataclass(frozen=True)
-class Peak:
+class Peak(OneLine):
     """The largest magnitude of one quantity.
 
     Attributes

@@ -19,11 +19,12 @@ from pathlib import Path
 from typing import IO
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
 
 @dataclass(frozen=True)
-class Cache:
+class Cache(OneLine):
     """Libraries by key, shared by processes.
 
     Parameters

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Assessment:
+class Assessment(OneLine):
     """Estimates of a phase on its mesh.
 
     Attributes

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.contacts.stance import Stance, forces_in
@@ -19,7 +20,7 @@ QUADRATURE_POINTS = 16
 
 
 @dataclass(frozen=True)
-class Energy:
+class Energy(OneLine):
     """The energy balance along the planned polynomials.
 
     Attributes

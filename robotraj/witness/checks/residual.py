@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import velocities
@@ -31,7 +32,7 @@ Peaks = tuple[dict[str, Peak], dict[str, Peak]]
 
 
 @dataclass(frozen=True)
-class Residual:
+class Residual(OneLine):
     """Residuals of the differential equations along the planned polynomials.
 
     Both are zero at the collocation points up to the solver's tolerance; between them they measure the

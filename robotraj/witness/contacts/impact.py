@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import of_impulses
 from robotraj.dynamics.design.binding import realised
@@ -28,7 +29,7 @@ LEAST_IMPULSE = 1e-4
 
 
 @dataclass(frozen=True)
-class Impact:
+class Impact(OneLine):
     """One impact of a plan.
 
     Attributes

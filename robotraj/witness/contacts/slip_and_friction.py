@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.design.binding import realised
@@ -33,7 +34,7 @@ MOST_SAMPLES = 9
 
 
 @dataclass(frozen=True)
-class Holding:
+class Holding(OneLine):
     """Slip, sink, turn and forces of one contact in one phase.
 
     Attributes

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.feedback.riccati import backwards
 from robotraj.witness.contacts.constrained import mass_and_bias
@@ -24,7 +25,7 @@ PIECE = 0.005
 """Longest time [s] for which gains are constant."""
 
 
-class Feedback(ABC):
+class Feedback(OneLine, ABC):
     """Feedback on the deviation e = (difference(q_plan, q), v - v_plan), 2 nv entries."""
 
     @abstractmethod

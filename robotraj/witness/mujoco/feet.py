@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
@@ -53,7 +54,7 @@ SAMPLES = 50
 
 
 @dataclass(frozen=True)
-class SoftGround:
+class SoftGround(OneLine):
     """Stiffness and friction of the ground in MuJoCo.
 
     Parameters

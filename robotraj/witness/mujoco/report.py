@@ -6,6 +6,7 @@ import html
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.witness.peak import Peak
 from robotraj.witness.protocols import Array
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class FootReport:
+class FootReport(OneLine):
     """The stances of one foot.
 
     Attributes
@@ -50,7 +51,7 @@ class FootReport:
 
 
 @dataclass(frozen=True, repr=False)
-class SecondOpinion:
+class SecondOpinion(OneLine):
     """The motion of a robot that followed a plan in MuJoCo.
 
     Attributes

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.witness.protocols import Array, Settle
 
@@ -14,7 +15,7 @@ RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
 
 
 @dataclass(frozen=True)
-class Landing:
+class Landing(OneLine):
     """Place at which a simulation set a contact down.
 
     Attributes

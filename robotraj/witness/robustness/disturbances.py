@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ PUSH_TIME = 0.02
 
 
 @dataclass(frozen=True)
-class Disturbances:
+class Disturbances(OneLine):
     """Standard deviations of independent normal disturbances; 0 switches one off.
 
     Parameters

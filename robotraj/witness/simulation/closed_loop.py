@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.plants.robot_plant import RobotPlant
@@ -19,7 +20,7 @@ from robotraj.witness.simulation.steps import march
 
 
 @dataclass(frozen=True)
-class ClosedLoop:
+class ClosedLoop(OneLine):
     """The simulated motion under the planned torques and ``solution.gains``.
 
     Attributes

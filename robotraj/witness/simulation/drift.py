@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.witness.plants.plant import Plant
 from robotraj.witness.protocols import Array
@@ -13,7 +14,7 @@ from robotraj.witness.simulation.spans import Motion
 
 
 @dataclass(frozen=True)
-class DriftRow:
+class DriftRow(OneLine):
     """The drift of one state.
 
     Attributes
@@ -50,7 +51,7 @@ class DriftRow:
 
 
 @dataclass(frozen=True)
-class Drift(Mapping[str, DriftRow]):
+class Drift(OneLine, Mapping[str, DriftRow]):
     """Drift by state name: ``drift["q.elbow"].largest``."""
 
     rows: tuple[DriftRow, ...]

@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.root import QUATERNION
@@ -28,7 +29,7 @@ Push = Callable[[float, int, Array], Array]
 
 
 @dataclass(frozen=True)
-class Simulation:
+class Simulation(OneLine):
     """A simulated motion of a robot.
 
     Attributes

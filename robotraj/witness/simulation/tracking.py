@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.tangent import difference
@@ -24,7 +25,7 @@ from robotraj.witness.simulation.simulate import split
 
 
 @dataclass(frozen=True)
-class TrackingResult:
+class TrackingResult(OneLine):
     """The motion of a robot under a plan and joint feedback.
 
     Attributes
