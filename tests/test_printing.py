@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.robots.cartpole import swing_up
 
 
 @pytest.fixture(scope="module")
@@ -73,12 +76,31 @@ def every(solution: rt.Solution) -> list[Any]:
     return [value for root in roots for value in values_in(root, seen) if not isinstance(value, rt.Robot)]
 
 
-def test_every_value_prints_on_one_line_and_in_80_columns(solution: rt.Solution, failed: rt.Solution) -> None:
-    values = every(solution) + every(failed)
-    assert len({type(value) for value in values}) > 40
+def assert_short(values: list[Any]) -> None:
     long = {line for line in map(repr, values) if "\n" in line or len(line) > 120 or re.search(r"0x[0-9a-f]{6}", line)}
     wide = {text for text in map(str, values) if max(map(len, text.splitlines() or [""])) > 80}
     assert not long and not wide
+
+
+def test_every_value_prints_on_one_line_and_in_80_columns(solution: rt.Solution, failed: rt.Solution) -> None:
+    values = every(solution) + every(failed)
+    assert len({type(value) for value in values}) > 40
+    assert_short(values)
+
+
+def test_results_print_on_one_line_and_in_80_columns() -> None:
+    phase, schemes = swing_up(), [rt.schemes.RadauIIA(points=n) for n in range(2, 12)]
+    plan = rt.plan(phase, rt.Mesh(20))
+    roots = [
+        rt.validate(plan),
+        rt.indirect.conditions(plan),
+        rt.multistart(phase, starts=2, mesh=rt.Mesh(20), executor=ThreadPoolExecutor(1)),
+        rt.planning.Compilation(functions=3, new=2, seconds=1.5, folder=Path("/a/cache/of/compiled/functions/engines")),
+        rt.planning.Compilation(functions=0, new=0, seconds=0.0, folder=Path("/")),
+        rt.Mesh(10, schemes),
+    ]
+    seen: set[int] = set()
+    assert_short([value for root in roots for value in values_in(root, seen) if not isinstance(value, rt.Robot)])
 
 
 def test_long_names_are_wrapped_inside_their_column() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import unknown_name
-from robotraj._util.printing import WIDTH, brief
+from robotraj._util.printing import WIDTH, OneLine, brief
 from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ Column: TypeAlias = "ca.SX | NDArray[np.float64]"
 
 
 @dataclass(frozen=True)
-class Variable:
+class Variable(OneLine):
     """One scalar state, algebraic variable, control or residual row.
 
     Attributes

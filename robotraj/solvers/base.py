@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Origin:
+class Origin(OneLine):
     """Data of a solve, kept for solves of similar problems.
 
     Attributes
@@ -37,7 +37,7 @@ class Origin:
 
 
 @dataclass(frozen=True)
-class Iteration:
+class Iteration(OneLine):
     """One iteration of a solver.
 
     Attributes
@@ -135,7 +135,7 @@ class LazyMultipliers(Multipliers):
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class Outcome(OneLine):
     """The result of a solve.
 
     Attributes

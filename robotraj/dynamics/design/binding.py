@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.model import DesignedModel
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class Design(OneLine):
     """A robot whose masses, lengths, payloads or damping are parameters.
 
     Parameters

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Mapped:
+class Mapped(OneLine):
     """A point function and the number of points it is evaluated at.
 
     Attributes
@@ -34,7 +34,7 @@ class Mapped:
 
 
 @dataclass(frozen=True, eq=False)
-class StageMapped:
+class StageMapped(OneLine):
     """A function of a stage and the number of points it is evaluated at; its graph is built on first access.
 
     Attributes
