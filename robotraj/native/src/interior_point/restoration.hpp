@@ -8,7 +8,7 @@ namespace robotraj::interior_point {
 
 /// Lowers the violation theta by the same iteration on `Feasibility`, from mu = max(mu, max |c|), to a point with
 ///
-///     theta <= kappa_resto theta_0,   kappa_resto = 0.5,
+///     theta <= kappa_resto theta_0,   kappa_resto = 0.02,
 ///
 /// that the filter of the line search accepts. Multipliers of the bounds then follow the slacks by one Newton step, and
 /// those of the rows start at zero. A solution of `Feasibility` that still violates rows shows that the problem is
