@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -82,6 +83,11 @@ def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
     assert f"wrote {here / 'both.html'}" in succeed("replay", "swing", "both.html", "--with", "swing.npz")
     assert "2 solutions" in (here / "both.html").read_text()
     assert (here / "slow.html").read_text() != (here / "swing.html").read_text()
+    succeed("replay", "swing.npz", "checked.html", "--validate")
+    verdicts = [
+        re.findall(r'id="status" class="status \w+">([^<]*)<', page.read_text()) for page in here.glob("*.html")
+    ]
+    assert ["validated by simulation"] in verdicts
     result = run("replay", "swing.npz", "--periods", "3")
     assert result.exit_code != 0
     assert "ends elsewhere" in " ".join(result.output.split())

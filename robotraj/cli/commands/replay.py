@@ -22,6 +22,9 @@ def replay_file(
         list[Path] | None,
         typer.Option("--with", metavar="FILE", help="A further saved solution to compare; up to three."),
     ] = None,
+    check: Annotated[
+        bool, typer.Option("--validate", help="Simulate first; the page shows report and verdict.")
+    ] = False,
 ) -> None:
     """Write a saved solution as one HTML file that opens anywhere, offline.
 
@@ -29,9 +32,11 @@ def replay_file(
     """
     from robotraj.replay_page.write import replay
     from robotraj.solution.storage.load import load_solution
+    from robotraj.witness.validation import validate
 
     files = [file, *(beside or ())]
     solutions = [load_solution(each) for each in files]
     labels = [each.stem for each in files] if beside else None
     target = out or file.with_suffix(".html")
-    say(f"wrote {replay(solutions, target, speed=speed, periods=periods, labels=labels)}")
+    reports = [validate(each) for each in solutions] if check else None
+    say(f"wrote {replay(solutions, target, speed=speed, periods=periods, labels=labels, report=reports)}")
