@@ -102,6 +102,7 @@ Combination::Combination(const Stacked& matrix, const std::int32_t* places, cons
   for (const Stacked::Piece& piece : matrix.pieces()) {
     const Rows rows{piece.rows, places, kept_base, adds, first};
     if (piece.repeats > 1) take(rows, piece.repeats, piece.shift);
+    else if (adds) divide_entries(rows);
     else divide(rows, 0, piece.rows.rows());
     first += piece.repeats * piece.rows.rows();
   }
@@ -134,6 +135,20 @@ void Combination::take(const Rows& matrix, std::size_t repeats, std::ptrdiff_t s
     rows.behind = static_cast<std::ptrdiff_t>(begin) * shift;
     add(rows, run);
   }
+}
+
+/// The same for rows with entries alone. The others would hide the repeats: they are equal to each other.
+void Combination::divide_entries(const Rows& all) {
+  const Csr& matrix = all.matrix;
+  std::vector<std::int32_t> starts{0}, places;
+  for (std::size_t row = 0; row < matrix.rows(); ++row) {
+    if (matrix.starts()[row] == matrix.starts()[row + 1]) continue;
+    starts.push_back(matrix.starts()[row + 1]);
+    places.push_back(static_cast<std::int32_t>(all.place(row)));
+  }
+  const Csr entries(matrix.columns(), std::move(starts), {matrix.indices(), matrix.indices() + matrix.entries()},
+                    {matrix.data(), matrix.data() + matrix.entries()});
+  divide({entries, places.data(), nullptr, false, 0}, 0, entries.rows());
 }
 
 /// Finds repeated blocks in rows [begin, end): one run, then those in the rows before and behind it.

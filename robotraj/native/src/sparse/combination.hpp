@@ -63,6 +63,7 @@ class Combination {
 
   struct Rows;
   void divide(const Rows& matrix, std::size_t begin, std::size_t end);
+  void divide_entries(const Rows& all);
   void take(const Rows& matrix, std::size_t repeats, std::ptrdiff_t shift);
   void add(const Rows& matrix, const Run& run);
   void number_reads(Run& run);
