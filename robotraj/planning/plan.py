@@ -147,7 +147,7 @@ def plan(
     tolerance        otherwise                                    None
     goals            no mesh                                      Goals()
                      otherwise                                    None
-    mesh             goals, a path                                MeshesOnPaths()
+    mesh             a path                                       MeshesOnPaths()
                      goals, a motor at every joint, dry friction  Mesh of 16 intervals, RadauIIA()
                      goals, a motor at every joint                Mesh of 16 intervals, HermiteSimpson()
                      goals, contacts                              ProportionalMeshes()
@@ -171,6 +171,7 @@ def plan(
                      goals, a motor at every joint, dry friction  Equidistribute(second=3.0, finest=400, slope=0.3)
                      goals, a motor at every joint                Equidistribute(second=3.0)
                      goals                                        Equidistribute()
+                     tolerance, a path                            SplitAndMerge()
                      tolerance                                    SplitOrRaise()
                      otherwise                                    None
     restarts         contacts                                     Restarts(count=0)

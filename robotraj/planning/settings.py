@@ -30,6 +30,7 @@ from robotraj.transcription.interval_limits.methods import BernsteinBounds, Cons
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.raise_order import SplitOrRaise
+from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
@@ -72,7 +73,7 @@ RULES: tuple[Rule, ...] = (
     _rule("tolerance", when.ALWAYS, None, "none given"),
     _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
     _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
-    _rule("mesh", when.PROVED, when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
+    _rule("mesh", when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
     _rule(
         "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
     ),
@@ -142,6 +143,7 @@ RULES: tuple[Rule, ...] = (
         "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
     ),
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
+    _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),

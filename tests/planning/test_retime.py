@@ -169,3 +169,11 @@ def test_a_path_is_left_without_a_stop(arm, retimed):
     before, after = (part.at(left) for part in solution.phases)
     assert np.allclose(before.q, after.q, atol=1e-7) and np.allclose(before.v, after.v, atol=1e-6)
     assert left < retimed.duration and rt.validate(solution).passed
+
+
+def test_a_proved_duration_is_within_its_claim_of_a_much_finer_one(arm, retimed):
+    """The time that lines between knots lose is estimated from their bends; ``tolerance=`` refines by it."""
+    fine = rt.retime(WAY, arm, tolerance=1e-5)
+    lost = retimed.duration / fine.duration - 1.0
+    assert 0.0 < lost < 2.0 * retimed.proof.unsettled < 2e-3
+    assert rt.validate(fine).passed

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
+from robotraj.dynamics.path_body import PathBody
 from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.refinement.integrals import integral_errors
+from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
@@ -27,9 +29,12 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     """Assess every interval of a phase; jumps of the control at moving knots are ignored."""
     moving = isinstance(mesh, MovingMesh)
     inputs = None if is_exact(phase, mesh.schemes) else inputs_of(phase, trajectory, mesh.schemes)
-    errors = interval_errors(phase, trajectory, inputs)
+    errors = np.maximum(interval_errors(phase, trajectory, inputs), integral_errors(phase, trajectory, mesh.schemes))
+    if isinstance(phase.body, PathBody):
+        # Relative to the duration, and to the share of an interval.
+        errors = np.maximum(errors, len(errors) * path_bends(phase, trajectory) / trajectory.duration)
     return Assessment(
-        np.maximum(errors, integral_errors(phase, trajectory, mesh.schemes)),
+        errors,
         _jumps(trajectory, moving),
         _decays(trajectory),
         broken_rows(phase, trajectory),
