@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import PathBody
+from robotraj.guess.base import InitialGuess
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
@@ -159,6 +160,18 @@ def measured(
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
     return Measured(proof, true, count, before, needs, broken, coarse, order).with_violations(solution)
+
+
+def proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Proof | None:
+    """Return the proof of a solution on these meshes; None for any other guess."""
+    if not isinstance(guess, Solution) or guess.proof is None or not guess.proof.holds:
+        return None
+    return guess.proof if tuple(part.mesh for part in guess.phases) == meshes else None
+
+
+def is_motion(solution: Solution) -> bool:
+    """Whether a solution is a motion within its limits."""
+    return solution.proof is not None and solution.proof.motion_holds
 
 
 def _bends(part: PhaseSolution, bending: bool) -> Array:

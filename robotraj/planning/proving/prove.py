@@ -8,6 +8,7 @@ exceeds limits of torques between the points, they are lowered there by the exce
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.plan_limits import PlanLimits
-from robotraj.planning.proving.measures import Measured, measured
+from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
 from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, softened
 from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
@@ -27,6 +28,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
+from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 8
@@ -42,10 +44,7 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.MEMORY_L
 SECOND = 1.5
 """Growth of the number of intervals from a first mesh that could not be solved to the second one."""
 STAGNATION = 0.7
-"""Ratio of the errors of two successive meshes above which the next one has ``DOUBLED`` times as many intervals.
-
-If the ratio stays above it, the plan is returned as it is.
-"""
+"""Ratio of errors of two meshes above which the next has ``DOUBLED`` times as many intervals; twice, the plan ends."""
 DOUBLED = 2.0
 
 
@@ -93,7 +92,7 @@ class _Refining:
         soft = self._with_soft_friction(guess, meshes)
         if soft is not None:
             guess, meshes = soft, self._finer_where_bent(soft)
-        self.neighbour = _proof_on(guess, meshes)
+        self.neighbour = proof_on(guess, meshes)
         last: Solution | None = None
         best_limited, stagnant = False, 0
         for number in range(MOST_MESHES):
@@ -114,35 +113,49 @@ class _Refining:
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break
-            if number >= ENOUGH - 1 and not self.sticking and self.best is not None and _is_motion(self.best):
+            if number >= ENOUGH - 1 and not self.sticking and self.best is not None and is_motion(self.best):
                 break
             stagnant = stagnant + 1 if self._stagnates() else 0
-            if stagnant > 1:
-                break
             least = DOUBLED if stagnant else 1.0 if not first else self._second if soft is None else SECOND
             finer = self._finer(meshes, least)
-            if finer == meshes:
+            if stagnant > 1 or finer == meshes:
                 break
             meshes = finer
         assert last is not None
-        if self.best is not None and not best_limited and not _is_motion(self.best):
+        if self.best is not None and is_motion(self.best):
+            self._move_knots_to_switches()
+        elif self.best is not None and not best_limited:
             self._limit_best_between()
         return self._concluded(self.best or last)
 
     def _limit_best_between(self) -> None:
-        """Solve on the mesh of the best motion with limits imposed between its points.
-
-        They were left to a finer mesh, which was not solved.
-        """
+        """Solve with limits between the points of the best motion, which were left to a mesh that was not solved."""
         assert self.best is not None and self.measures is not None
         before, self.limits_between = self.measures.before, True
-        try:
+        with suppress(KeyboardInterrupt):
             found = self._on(tuple(part.mesh for part in self.best.phases), self.best, first=False, nearby=True)
-        except KeyboardInterrupt:
+            if found.success:
+                self.steps.pop()
+                self.best = self._measured(found, before)
+
+    def _move_knots_to_switches(self) -> None:
+        """Solve again with knots where bounded rates jump; a motion that is not proved or no better is dropped."""
+        assert self.best is not None and self.measures is not None
+        kept, measures, self.limits_between = self.best, self.measures, True
+        meshes = tuple(with_knots_at(part.mesh, switches(part.phase, part.trajectory)) for part in kept.phases)
+        if meshes == tuple(part.mesh for part in kept.phases):
             return
-        if found.success:
-            self.steps.pop()
-            self.best = self._measured(found, before)
+        with suppress(KeyboardInterrupt):
+            found = self._on(meshes, kept, first=False, nearby=True)
+            if found.success and found.objective < kept.objective:
+                moved = self._measured(found, measures.before)
+                if moved.proof is not None and moved.proof.motion_holds:
+                    # What is left to gain is no more than before.
+                    left = min(moved.proof.unsettled, measures.proof.unsettled)
+                    self.best = replace(moved, proof=replace(moved.proof, unsettled=left))
+                    return
+                self.steps.pop()
+        self.measures = measures
 
     def _is_settled(self, solution: Solution) -> bool:
         """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
@@ -256,8 +269,7 @@ class _Refining:
             self.measures = self._measures(solution, before)
         self.unchecked = None
         proof, parts = self.measures.proof, solution.phases
-        points = sum(len(part.points) for part in parts)
-        intervals = sum(part.mesh.count for part in parts)
+        points, intervals = sum(len(part.points) for part in parts), sum(part.mesh.count for part in parts)
         step = MeshStep(intervals, points, proof.error, solution.objective, solution.iterations, solution.seconds)
         self.steps.append(step)
         return replace(solution, proof=proof)
@@ -273,7 +285,7 @@ class _Refining:
         A motion beyond its limits has ``Status.NOT_PROVED``. A motion whose objective has not settled counts as solved.
         """
         status = solution.status
-        if status is Status.SOLVED and not _is_motion(solution):
+        if status is Status.SOLVED and not is_motion(solution):
             status = Status.NOT_PROVED
         message = solution.message
         if self.restart and RESTARTED_FROM not in message:
@@ -286,15 +298,3 @@ class _Refining:
             times=self.times,
             iterations=self.iterations,
         )
-
-
-def _proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Proof | None:
-    """Return the proof of a solution on these meshes; None for any other guess."""
-    if not isinstance(guess, Solution) or guess.proof is None or not guess.proof.holds:
-        return None
-    return guess.proof if tuple(part.mesh for part in guess.phases) == meshes else None
-
-
-def _is_motion(solution: Solution) -> bool:
-    """Whether a solution is a motion within its limits."""
-    return solution.proof is not None and solution.proof.motion_holds
