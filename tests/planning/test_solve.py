@@ -104,7 +104,7 @@ def test_the_first_knot_of_radau_is_looked_at() -> None:
     assert rt.plan(phase, RADAU).at(0.0).x["x"] <= 0.1 + 5e-4
 
 
-def test_peaks_between_the_places_that_are_looked_at_are_found() -> None:
+def test_peaks_between_the_sampled_places_are_found() -> None:
     """A motion at the limits of all joints on 17 intervals, whose speeds fall off by twice their limits in some."""
     panda = rt.load("panda")
     start, end = [0.5, -0.5, 0.3, -1.2, 0.5, 1.0, -0.5], [-0.9, 0.6, -0.8, -0.6, -0.9, 1.4, 1.0]

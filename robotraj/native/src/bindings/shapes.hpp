@@ -29,7 +29,7 @@ inline std::vector<collision::Sphere> spheres_of(const Doubles& numbers) {
   return spheres;
 }
 
-/// Vertices are in the frames of the shapes; triangles have three each, seen from outside against the clock.
+/// Vertices are in the frames of the shapes; triangles have three each, counter-clockwise from outside.
 inline std::vector<collision::Shape> shapes_of(const Indices& kinds, const Doubles& numbers, const Indices& triangles,
                                                const Doubles& corners) {
   const double* at = checked(numbers, SHAPE_NUMBERS * kinds.size(), "the numbers of the obstacles");

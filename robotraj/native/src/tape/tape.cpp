@@ -25,7 +25,7 @@ bool elementary(casadi_int operation) {
   }
 }
 
-/// Numbers of constants' bits: 0.0 and -0.0 are two.
+/// Numbers of constants by their bits: 0.0 and -0.0 differ.
 class Constants {
  public:
   std::int32_t place(double value) {
@@ -56,7 +56,7 @@ Tape::Tape(const casadi::Function& function) {
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += work_;
   const auto constants_at = static_cast<std::int32_t>(begin.back());
 
-  // Arguments and constants are read where they stand; a place in the work vector may be another name of one of them.
+  // Arguments and constants are read in place: an entry of the work vector may be an alias of one of them.
   std::vector<std::int32_t> meant(work_);
   std::iota(meant.begin(), meant.end(), 0);
   Constants constants;
@@ -79,7 +79,7 @@ Tape::Tape(const casadi::Function& function) {
     }
     const std::int32_t first = meant[in[0]], second = in.size() > 1 ? meant[in[1]] : first;
     if (operation == casadi::OP_OUTPUT) {
-      // Where results begin is known when all constants are.
+      // The results begin after the constants, once all of these are known.
       results.emplace_back(static_cast<std::int32_t>(instructions_.size()), out[1]);
       instructions_.push_back({0, first, minus_zero, Step::add, 0});
       continue;
