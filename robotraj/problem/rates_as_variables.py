@@ -125,7 +125,7 @@ class Accelerations(Augmented):
     @cached_property
     def jerks(self) -> tuple[Variable, ...]:
         """``jerk.<joint>``."""
-        return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in _joints(self))
+        return _jerks(self)
 
     @property
     def states(self) -> tuple[Variable, ...]:
@@ -188,9 +188,7 @@ class Jerks(Augmented):
     @cached_property
     def jerks(self) -> tuple[Variable, ...]:
         """``jerk.<joint>``."""
-        robot = _robot(self.inner)
-        pairs = zip(robot.velocity_names, robot.units, strict=True)
-        return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in pairs)
+        return _jerks(self)
 
     @property
     def algebraic(self) -> tuple[Variable, ...]:
@@ -248,6 +246,10 @@ def _joints(dynamics: Dynamics) -> list[tuple[str, str]]:
     """Names and units of the velocities."""
     robot = _robot(dynamics)
     return list(zip(robot.velocity_names, robot.units, strict=True))
+
+
+def _jerks(dynamics: Dynamics) -> tuple[Variable, ...]:
+    return tuple(Variable(f"jerk.{joint}", f"{unit}/s^3", "jerk", joint) for joint, unit in _joints(dynamics))
 
 
 def _robot(dynamics: Dynamics) -> Robot:
