@@ -86,8 +86,8 @@ def summary(solution: Summarised) -> str:
     if converged and solution.control_interval_violations:
         worst = solution.control_interval_violations[0]
         lines.append(
-            f"between collocation points: {worst}; "
-            f"plan with interval_limits=rt.interval_limits.BernsteinBounds(controls=True)"
+            f"between collocation points: {worst}; plan without mesh= and tolerance=, which proves limits there, or "
+            "bound torques with interval_limits=rt.interval_limits.BernsteinBounds(controls=True)"
         )
     if not solution.success:
         lines += [f"must be relaxed: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]

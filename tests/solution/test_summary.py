@@ -31,3 +31,23 @@ def test_a_solution_prints_within_80_columns_and_its_repr_on_one_line() -> None:
     for solution in (lift(1e6), lift(0.1)):
         assert max(map(len, str(solution).splitlines())) <= 80
         assert "\n" not in repr(solution) and len(repr(solution)) < 200
+
+
+def test_a_power_exceeded_between_the_points_is_printed_and_the_default_plan_keeps_to_it() -> None:
+    """Rows of torques are imposed at collocation points with tolerance=; nothing but the report tells of the rest."""
+    robot = rt.load("two_link_arm")
+    limits = robot.limits.with_(effort=30.0, velocity=10.0)
+    power = rt.PathConstraint(lambda p: [p.tau[i] * p.v[i] for i in (0, 1)], [-6, -6], [6, 6], name="power", unit="W")
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1.0, 0.5], v=0)
+    phase = rt.Phase(robot, (0.3, 5.0), *ends, rt.Duration(), limits=limits, constraints=[power])
+
+    def largest(solution: rt.Solution) -> float:
+        sample = solution.at(np.linspace(0, solution.duration, 4001))
+        return float(np.abs(sample.tau * sample.v).max())
+
+    rough, proved = rt.plan(phase, tolerance=1e-3), rt.plan(phase)
+    assert largest(rough) > 6.5
+    text = " ".join(str(rough).split())
+    assert "power[" in text.split("between collocation points: ")[1] and "plan without mesh= and tolerance=" in text
+    assert largest(proved) < 6.0 * 1.002
+    assert "between collocation points" not in str(proved)
