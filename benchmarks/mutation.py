@@ -25,7 +25,7 @@ ROOMS = {
     "transcription/interval_limits": "tests/transcription/interval_limits",
     "transcription/refinement": "tests/transcription/refinement",
     "witness/simulation": "tests/witness/simulation",
-    "witness/checks": "tests/witness/checks tests/witness/simulation/test_systems.py tests/witness/test_clearance.py "
+    "witness/checks": "tests/witness/checks tests/witness/simulation/test_systems.py "
     "tests/witness/test_real_plans.py tests/witness/test_validation.py",
     "witness/robustness": "tests/witness/robustness",
 }

@@ -144,6 +144,15 @@ def test_tests_mirror_the_rooms() -> None:
             assert (PACKAGE / room / name).is_dir(), f"tests/{room}/{name} mirrors no folder"
 
 
+def test_tests_that_bear_the_name_of_a_file_mirror_its_place() -> None:
+    tests = Path(__file__).parent
+    for test in sorted(path for room in FLOOR for path in (tests / room).rglob("test_*.py")):
+        room, folder, name = PACKAGE / test.relative_to(tests).parts[0], test.parent, f"{test.stem[5:]}.py"
+        # The page is also tested in a browser, in a folder of its own.
+        places = [path.parent for path in room.rglob(name)] if folder.name != "web" else []
+        assert not places or PACKAGE / folder.relative_to(tests) in places, f"{test} mirrors {name} in {places}"
+
+
 def test_the_counting_of_imports_sees_functions_types_and_circles(tmp_path: Path) -> None:
     package = tmp_path / "thing"
     package.mkdir()
