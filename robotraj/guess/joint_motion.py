@@ -83,9 +83,9 @@ class Differentiable(Protocol):
 def quintic(fractions: Array, keys: Array, first: Array, last: Array) -> Differentiable:
     """Return the minimum-jerk curve through keys (m, n) at fractions (m,), with given slopes at its ends.
 
-    The curve that minimises the integral of the squared third derivative is the quintic spline with four
-    continuous derivatives; through two keys it is one quintic. Sources: Flash and Hogan, Journal of
-    Neuroscience 5 (1985); de Boor, A Practical Guide to Splines (2001), chapter XIII.
+    The curve that minimises the integral of the squared third derivative is the quintic spline with four continuous
+    derivatives. Through two keys it is one quintic. Sources: Flash and Hogan, Journal of Neuroscience 5 (1985); de
+    Boor, A Practical Guide to Splines (2001), chapter XIII.
     """
     # Importing SciPy's splines takes longer than computing most guesses.
     import scipy

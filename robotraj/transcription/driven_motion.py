@@ -7,8 +7,8 @@ are not prescribed. They are therefore those that the equations of motion requir
 
 Here f_p are the planned forces, polynomials. The index r denotes the joints without motors, such as the root, whose
 balance r_r the forces must satisfy. ^+ is the pseudoinverse, so that the forces change by the least amount. At
-collocation points both are the planned ones. Loads that forces cannot balance, such as a moment about the line through
-two point contacts, are an error of the motion, as a - dv/dt is.
+collocation points both are the planned ones. Forces cannot balance some loads, such as a moment about the line through
+two point contacts. These are an error of the motion, as a - dv/dt is.
 """
 
 from __future__ import annotations

@@ -4,10 +4,10 @@ A variable is scaled by its bounds if both are finite, else by the guess; all it
 of joints and contacts with the same quantity and unit, in all phases, share the scale of the guess. An acceleration
 that is nearly zero in the guess need not stay small, and scales of very different size double the iterations of legged
 problems. Variables that are zero in the guess keep SI units.
-Durations are scaled by the guess alone. Bounds such as 0 to 200 s do not measure a motion of 6 s, and in so large a
-unit the first steps reduce the duration to zero. A row is scaled by the largest gradient of its kind at the guess, in
-scaled variables. Defects of stiff dynamics are scaled by at most ``STIFF``: a defect is an error of the state, whose
-size the gradient does not measure. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
+Durations are scaled by the guess alone. Bounds such as 0 to 200 s do not measure a motion of 6 s. In so large a unit
+the first steps reduce the duration to zero. A row is scaled by the largest gradient of its kind at the guess, in scaled
+variables. Defects of stiff dynamics are scaled by at most ``STIFF``: a defect is an error of the state, whose size the
+gradient does not measure. Source: Betts, Practical Methods for Optimal Control (2010), section 1.16.5.
 """
 
 from __future__ import annotations

@@ -33,8 +33,8 @@ class Tolerances(OneLine):
     contact : float or None
         Largest slip [m], sink [m] and turn [rad] of a contact between collocation points.
     forces : float or None
-        Largest violation of limits on normal force, friction and centre of pressure between collocation points,
-        relative to the robot's weight; of impacts, relative to the impulse.
+        Largest violation of limits on normal force, friction and centre of pressure between collocation points. It is
+        relative to the robot's weight, or to the impulse of an impact.
     energy : float or None
         |imbalance| of the energy balance relative to ``Energy.scale``.
     residual : float or None

@@ -60,7 +60,7 @@ def mirror(
     tolerance : float
         Largest distance [m] of a partner from the image; symmetric robots have a fraction of a millimetre.
     imbalance : float
-        Largest violation of the equations of motion by a mirrored half of a gait, as the difference of accelerations
+        Largest violation of the equations of motion by a mirrored half of a gait. It is the difference of accelerations
         relative to g over the robot's size.
 
     Raises

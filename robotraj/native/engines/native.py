@@ -28,8 +28,8 @@ class Native(Engine):
     The cost grows with the number of pairs of joints on a common branch. The chain rule combines both. CasADi's virtual
     machine evaluates functions that are no scalar graph (shooting) or call other functions (interpolants).
 
-    The dynamics are a graph where a joint is neither revolute, prismatic nor a free-flyer at the root, and where the
-    model has unknown parameters (``rt.design.Design``).
+    The dynamics are a graph where a joint is neither revolute, prismatic nor a free-flyer at the root. They are one as
+    well where the model has unknown parameters (``rt.design.Design``).
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Clearance between the points of a ``GroundClearance``, where an edge of the ground may penetrate a sole.
 
 Over a plane it is enough to check the corners of a sole. Over other ground, points on all segments between two corners
-are checked, since the straight edge of a step enters a flat sole through its rim.
+are checked. The straight edge of a step enters a flat sole through its rim.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The MuJoCo model of a robot, built from its Pinocchio model: bodies, joints, inertias, friction and limits.
 
-The URDF is not read again: the Pinocchio model contains locked joints, mirrored frames, design parameters and rotor
+The URDF is not read again. The Pinocchio model contains locked joints, mirrored frames, design parameters and rotor
 inertias, and the contact simulation needs no meshes.
 """
 

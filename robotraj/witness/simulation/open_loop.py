@@ -41,8 +41,8 @@ class OpenLoop:
 def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[[], None]) -> OpenLoop:
     """Simulate a plan under its controls alone.
 
-    A phase with the same states as the phase before starts from the simulated state, so that a jump of the plan between
-    phases is drift. Jumps that a link permits are added. Where contacts begin to hold, a simulated impact stops them. A
+    A phase with the same states as the phase before starts from the simulated state. A jump of the plan between phases
+    is then drift. Jumps that a link permits are added. Where contacts begin to hold, a simulated impact stops them. A
     phase with other states, or after a displaced or mirrored end, starts from its planned state.
     """
     rows: list[tuple[DriftRow, ...]] = []
