@@ -137,7 +137,8 @@ def measured(
     true = solution.objective - float(sum(errors.sum() for errors in left))
     size = max(abs(true), SMALL)
     bends = tuple(_bends(part, bending) for part in parts)
-    bending = bending or all(isinstance(part.phase.body, PathBody) for part in parts)
+    on_paths = all(isinstance(part.phase.body, PathBody) for part in parts)
+    bending = bending or on_paths
     coarse = float(sum(each.sum() for each in bends)) / size if bending else 0.0
     terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
     order = ORDER if any(isinstance(term, Integral) for term in terms) else ORDER_OF_ENDS
@@ -147,6 +148,9 @@ def measured(
         gained = abs(coarser.objective - true) / size
         finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)
         unsettled = gained / (finer - 1.0)
+    if on_paths:
+        # The time that lines lose is estimated from this mesh alone, too.
+        unsettled = max(unsettled, coarse)
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh) for p in parts)
     # The error of the integral on an interval is scaled so that its goal is the same as that of the relative error.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
