@@ -6,6 +6,7 @@ problem on a coarse mesh.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
@@ -17,6 +18,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
+from robotraj.transcription.extract import PhaseTrajectory
 
 UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.ITERATION_LIMIT, Status.DIVERGED)
 """Statuses for which the relaxed problem is solved."""
@@ -63,20 +65,31 @@ def explained(solution: Solution, solve_coarse: Solve) -> Solution:
 
 
 def conflicts_of(
-    problem: Problem, solve_coarse: Solve, start: InitialGuess | Solution | None = None, agreed: bool = False
+    problem: Problem,
+    solve_coarse: Solve,
+    start: InitialGuess | Solution | None = None,
+    agreed: bool = False,
+    near: Sequence[PhaseTrajectory] = (),
 ) -> tuple[Conflict, ...]:
     """Return the first conflicts that are found: at the ends, of torques that hold them, of the relaxed problem.
 
     With ``agreed``, two searches must find the same conflicts at the ends; otherwise one search suffices.
+    The first search starts from the ends of ``near``, the iterate of a solver.
     """
-    return _searched(problem, solve_coarse, start, agreed)[0]
+    return _searched(problem, solve_coarse, start, agreed, near)[0]
 
 
 def _searched(
-    problem: Problem, solve_coarse: Solve, start: InitialGuess | Solution | None, agreed: bool = False
+    problem: Problem,
+    solve_coarse: Solve,
+    start: InitialGuess | Solution | None,
+    agreed: bool = False,
+    near: Sequence[PhaseTrajectory] = (),
 ) -> tuple[tuple[Conflict, ...], bool]:
     """Return the first conflicts, and whether a motion of the relaxed problem meets every row."""
-    found = unreached_ends(problem, agreed) or unheld_ends(problem)
+    if isinstance(start, Solution):
+        near = [part.trajectory for part in start.phases]
+    found = unreached_ends(problem, agreed, near) or unheld_ends(problem)
     if found:
         return found, False
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)

@@ -3,18 +3,19 @@
 Motions with contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. A
 callback of the solver therefore looks once for a conflict of limits, after many iterations or where iterations begin
 again. It stops the solve where a conflict excludes every motion. Two searches must agree that no configurations exist
-at the ends.
+at the ends; the first of them starts from the iterate.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from robotraj.planning.diagnosis.elastic import Solve
 from robotraj.planning.diagnosis.explain import are_certain, conflicts_of
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solvers.base import Iteration, Progress
+from robotraj.transcription.extract import PhaseTrajectory, extract
 
 ITERATIONS = 100
 """Number of iterations after which conflicts are looked for."""
@@ -42,7 +43,9 @@ class InfeasibilityCheck:
     """
 
     def __init__(self, problem: Problem, solve_coarse: Solve, show: Progress | None) -> None:
-        self._find: Callable[[], tuple[Conflict, ...]] | None = lambda: conflicts_of(problem, solve_coarse, agreed=True)
+        self._find: Callable[[Sequence[PhaseTrajectory]], tuple[Conflict, ...]] | None = lambda near: conflicts_of(
+            problem, solve_coarse, agreed=True, near=near
+        )
         self._show, self._last = show, -1
         self.conflicts: tuple[Conflict, ...] = ()
 
@@ -61,7 +64,8 @@ class InfeasibilityCheck:
         if self._find is None or not (again or iteration.number >= ITERATIONS):
             return
         find, self._find = self._find, None
-        found = find()
+        origin = None if iteration.read is None else iteration.read()
+        found = find(() if origin is None else extract(origin.nlp, origin.w))
         if are_certain(found):
             self.conflicts = found
             raise Excluded("Limits exclude every motion.")

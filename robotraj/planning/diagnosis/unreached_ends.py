@@ -14,6 +14,7 @@ Source: Gill, Murray and Saunders, SNOPT, SIAM Review 47 (2005), section 4.4 (el
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -37,6 +38,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.root import QUATERNION
 from robotraj.solution.conflict import Conflict
+from robotraj.transcription.extract import PhaseTrajectory
 
 Array = NDArray[np.float64]
 
@@ -61,7 +63,9 @@ NAMED = 3
 """Largest number of rows that are named as the other side of a conflict."""
 
 
-def unreached_ends(problem: Problem, agreed: bool = False) -> tuple[Conflict, ...]:
+def unreached_ends(
+    problem: Problem, agreed: bool = False, near: Sequence[PhaseTrajectory] = ()
+) -> tuple[Conflict, ...]:
     """Return the rows to relax for configurations at the ends of all phases to exist, largest slack first.
 
     Parameters
@@ -69,6 +73,8 @@ def unreached_ends(problem: Problem, agreed: bool = False) -> tuple[Conflict, ..
     problem : Problem
     agreed : bool
         Whether two starts must end at the same least sum, since one local minimum does not exclude a motion.
+    near : sequence of PhaseTrajectory
+        A motion of the phases that a solver has come to; its ends are the first start.
 
     Returns
     -------
@@ -86,10 +92,12 @@ def unreached_ends(problem: Problem, agreed: bool = False) -> tuple[Conflict, ..
     unknown = ca.vertcat(*(symbol for each in ends for symbol in each.unknowns))
     rows = [row for row in (*rows, *links) if reads_only(row.value, unknown)]
     rows = [row for row in rows if ca.depends_on(row.value, unknown)]
-    return _least_slacks(problem, rows, unknown, agreed) if rows else ()
+    return _least_slacks(problem, rows, unknown, agreed, near) if rows else ()
 
 
-def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agreed: bool) -> tuple[Conflict, ...]:
+def _least_slacks(
+    problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agreed: bool, near_motion: Sequence[PhaseTrajectory]
+) -> tuple[Conflict, ...]:
     """Minimise the slacks from one start after the other, and describe the least sum."""
     sides = [
         (i, sign, bound)
@@ -138,7 +146,7 @@ def _least_slacks(problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agre
     def agree() -> bool:
         return best is not None and sum(total <= (1.0 + AGREEING) * best[0] for total in sums) > 1
 
-    for start in _starts(problem):
+    for start in chain(_ends_of_motion(problem, near_motion), _starts(problem)):
         found = solved(start, weights)
         if found[0] < REACHED:
             return ()
@@ -199,6 +207,18 @@ def _conflicts(
             )
         )
     return tuple(found)
+
+
+def _ends_of_motion(problem: Problem, motion: Sequence[PhaseTrajectory]) -> Iterator[Array]:
+    """Yield the values of the unknowns in a motion, if there is one."""
+    parts = []
+    for i, (phase, part) in enumerate(zip(problem.phases, motion, strict=False)):
+        size = position_count(phase)
+        parts += [part.x(t)[:size] for t in (part.t0, part.t0 + part.duration)]
+        parts += [np.array([part.t0] * bool(i)), np.array([part.duration])]
+        parts.append(np.array([part.parameters[name] for name in phase.parameter_names]))
+    if parts and np.all(np.isfinite(np.concatenate(parts))):
+        yield np.concatenate(parts)
 
 
 def _starts(problem: Problem) -> Iterator[Array]:

@@ -17,7 +17,7 @@ from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
-from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, softened
+from robotraj.planning.proving.soft_friction import is_of_arms, needs_softening, softened, softenings
 from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
@@ -89,8 +89,7 @@ class _Refining:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
         meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
-        soft = self._with_soft_friction(guess, meshes)
-        if soft is not None:
+        if (soft := self._with_soft_friction(guess, meshes)) is not None:
             guess, meshes = soft, self._finer_where_bent(soft)
         self.neighbour = proof_on(guess, meshes)
         last: Solution | None = None
@@ -190,7 +189,7 @@ class _Refining:
         limits = replace(self.settings.interval_limits, rounds=0)
         settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
         found: Solution | None = None
-        for softening in SOFTENING:
+        for softening in softenings(self.problem):
             own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
             try:
                 softer = self._solve(softened(self.problem, softening), found or guess, own)
@@ -199,17 +198,18 @@ class _Refining:
                     raise
                 break
             if softer.success:
-                found = softer
-                meshes = self._finer_where_bent(found)
+                found, meshes = softer, self._finer_where_bent(softer)
+            elif are_certain(softer.conflicts):
+                break
         if isinstance(self.progress, PlanLimits):
             self.progress.begin()
         return found
 
     def _finer_where_bent(self, soft: Solution) -> tuple[Mesh, ...]:
-        """Return meshes that are finer where torques bend, since they bend more sharply with less soft friction."""
-        refinement = self.settings.refinement
-        assert refinement is not None
-        return measured(soft, None, self.goals, bending=True).next_meshes(soft.phases, refinement, SOFTER)
+        """Return meshes of arms that are finer where torques bend: they bend more sharply with less soft friction."""
+        if self.settings.refinement is None or not is_of_arms(self.problem):
+            return tuple(part.mesh for part in soft.phases)
+        return measured(soft, None, self.goals, bending=True).next_meshes(soft.phases, self.settings.refinement, SOFTER)
 
     def _on(
         self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool, nearby: bool

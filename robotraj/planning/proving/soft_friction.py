@@ -21,8 +21,12 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 
-SOFTENING = (10.0, 4.0, 2.0, 1.2)
-"""Factors c on v_s for the first meshes."""
+SOFTENING, SOFTENING_OF_GAITS = (10.0, 4.0, 2.0, 1.2), (4.0, 1.2)
+"""Factors c on v_s for the first solves, for arms and for robots whose root moves.
+
+Arms are solved on a finer mesh each time. Gaits, whose iterations take many times as long, keep their mesh: each solve
+then also starts from the multipliers of the one before.
+"""
 
 
 def softened(problem: Problem, softening: float) -> Problem:
@@ -31,8 +35,18 @@ def softened(problem: Problem, softening: float) -> Problem:
 
 
 def needs_softening(problem: Problem) -> bool:
-    """Whether a robot with a fixed root and dry friction minimises an integral; in least time no joint rests."""
+    """Whether a robot with dry friction minimises an integral; in least time no joint rests."""
     return any(_has_friction(phase) and _integrates(phase) for phase in problem.phases)
+
+
+def is_of_arms(problem: Problem) -> bool:
+    """Whether all robots have a fixed root."""
+    return all(phase.robot is None or phase.robot.root == "fixed" for phase in problem.phases)
+
+
+def softenings(problem: Problem) -> tuple[float, ...]:
+    """Return the falling factors c of the first solves."""
+    return SOFTENING if is_of_arms(problem) else SOFTENING_OF_GAITS
 
 
 def _softer(phase: Phase, softening: float) -> Phase:
@@ -44,7 +58,7 @@ def _softer(phase: Phase, softening: float) -> Phase:
 
 def _has_friction(phase: Phase) -> bool:
     robot = phase.robot
-    if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics):
+    if robot is None or isinstance(phase.dynamics, Kinematics):
         return False
     return bool(np.any(robot.friction > 0.0))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,19 @@ def test_a_certain_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> N
     with pytest.raises(Excluded):
         check(Iteration(ITERATIONS, 0.0, 1.0))
     assert check.conflicts == (certain,)
+
+
+def test_the_iterate_of_the_solver_is_the_first_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Stairs of go1, whose plan is proved, were refused: no other start reached the footholds.
+    problem = rising(0.02)
+    motion = [part.trajectory for part in rt.plan(problem, rt.Mesh(4)).phases]
+
+    def another(problem: rt.Problem) -> Iterator[np.ndarray]:
+        pytest.fail("another start was needed")
+        yield
+
+    monkeypatch.setattr("robotraj.planning.diagnosis.unreached_ends._starts", another)
+    assert not unreached_ends(problem, agreed=True, near=motion)
 
 
 def test_searches_that_do_not_agree_exclude_no_motion(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,13 +11,19 @@ from robotraj.planning.proving.soft_friction import needs_softening, softened
 
 
 def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
-    robot = rt.load(name)
+    robot = rt.load(name, root="fixed" if name in ("z1", "ur5") else "floating")
     return rt.Problem([rt.Phase(robot, 1.0, rt.State(q=robot.neutral, v=0), rt.State(v=0), objective)])
 
 
 @pytest.mark.parametrize(
     ("name", "objective", "needed"),
-    [("z1", rt.Effort(), True), ("z1", rt.Duration(), False), ("ur5", rt.Effort(), False)],
+    [
+        ("z1", rt.Effort(), True),
+        ("z1", rt.Duration(), False),
+        ("ur5", rt.Effort(), False),
+        ("go1", rt.Effort(), True),
+        ("solo12", rt.Effort(), False),
+    ],
 )
 def test_integrals_over_motions_with_dry_friction_need_it(
     name: str, objective: rt.objectives.Objective, needed: bool
