@@ -14,6 +14,7 @@ import pytest
 from robotraj._util.errors import unknown_name
 from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.problem.constraints.base import Where
 from robotraj.solution.feedback.gains import gains_of
 
 INF = np.inf
@@ -103,6 +104,10 @@ class FakePhase:
     body: Any = None
     dae: Any = None
     rows: Any = field(default_factory=lambda: SimpleNamespace(rates=()))
+
+    @property
+    def joint_ends(self) -> dict[Where, Any]:
+        return {Where.START: self.start_bounds, Where.END: self.end_bounds}
 
 
 def limits_of(nv: int, **bounds: Any) -> SimpleNamespace:
