@@ -11,9 +11,9 @@ import numpy as np
 
 import robotraj as rt
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parent))
 
-from gait_objective import step
+from legs import step
 
 ENDS = {
     "ur3": ([-1.1, -1.8, 1.6, -1.2, -1.57, 0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]),
@@ -94,13 +94,13 @@ MOTIONS: dict[str, Callable[[], rt.Phase | rt.Problem]] = {
     "five-link walk, 1 m/s": partial(five_link, 1.0),
     "solo12 trot, slow": partial(step, "solo12", 0.1),
     "solo12 trot, fast": partial(step, "solo12", 0.25),
-    "go1 trot, both halves": partial(step, "go1", 0.1, rt.Periodic()),
+    "go1 trot, both halves": partial(step, "go1", 0.1),
     "hyq trot": partial(step, "hyq", 0.1),
-    "anymal trot, both halves": partial(step, "anymal", 0.1, rt.Periodic()),
+    "anymal trot, both halves": partial(step, "anymal", 0.1),
     "bolt walk, slow": partial(step, "bolt", 0.1),
     "bolt walk, fast": partial(step, "bolt", 0.25),
-    "alexander walk, both halves": partial(step, "alexander", 0.1, rt.Periodic()),
-    "talos_legs walk, both halves": partial(step, "talos_legs", 0.1, rt.Periodic()),
-    "g1 walk, both halves": partial(step, "g1", 0.1, rt.Periodic()),
+    "alexander walk, both halves": partial(step, "alexander", 0.1),
+    "talos_legs walk, both halves": partial(step, "talos_legs", 0.1),
+    "g1 walk, both halves": partial(step, "g1", 0.1),
 }
 """Problems by name; each is written out when it is called."""

@@ -28,6 +28,7 @@ from robotraj.dynamics.row import Row
 from robotraj.guess.base import InitialGuess
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import between
+from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Mayer
@@ -199,15 +200,17 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
         for constraint in phase.constraints:
             dae = constraint.augment(dae)
         table = replace(phase.rows, dae=dae, constraints=tuple(given))
+        # A path is the motion that is planned, not a limit of it.
+        kept = [n for n, bound in enumerate(given) if bound.where in KEPT or isinstance(bound.source, FollowPath)]
         longest = next((bound for bound in phase.duration_bounds[::-1] if 0.0 < bound < np.inf), 1.0)
         entries = [
             _RelaxedRow(table, row, f"slack.{i}.{row.number}", longest if row.where is Where.INTEGRAL else 1.0)
             for row in table
-            if row.where not in KEPT
+            if row.constraint not in kept
         ]
         of_each = groupby(entries, lambda entry: entry.row.constraint)
         wrapped: list[Constraint] = [_RelaxedConstraint(tuple(group)) for _, group in of_each]
-        wrapped += [bound.source for bound in given if bound.where in KEPT and bound.source is not None]
+        wrapped += [source for n in kept if (source := given[n].source) is not None]
         names = [entry.name for entry in entries]
         sizes = [weights.get(entry.name, entry.weight) for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=sizes))

@@ -1,5 +1,7 @@
 """Least time along given paths: closed forms, the path is kept, limits hold, plans are plans like any other."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import casadi as ca
 import numpy as np
 import pinocchio as pin
@@ -177,3 +179,17 @@ def test_a_proved_duration_is_within_its_claim_of_a_much_finer_one(arm, retimed)
     lost = retimed.duration / fine.duration - 1.0
     assert 0.0 < lost < 2.0 * retimed.proof.unsettled < 2e-3
     assert rt.validate(fine).passed
+
+
+def test_a_failed_solve_on_a_path_relaxes_limits_and_not_the_path(arm):
+    few = rt.InteriorPoint(max_iterations=3, fallback=None)
+    solution = rt.retime(WAY, arm, solver=few, check=False)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert not any("path" in conflict.name for conflict in solution.conflicts)
+
+
+def test_starts_on_a_path_vary_the_motion_along_it(arm, retimed):
+    phase = rt.Phase(arm, (0.1, 20.0), objective=rt.Duration(), constraints=[rt.constraints.FollowPath(as_path(WAY))])
+    with ThreadPoolExecutor(1) as executor:
+        found = rt.multistart(phase, 2, 0, executor=executor)
+    assert found.best.duration == pytest.approx(retimed.duration, rel=2e-3)
