@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED, PathBody
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
@@ -78,3 +79,12 @@ class AlongPath(InitialGuess):
 def follows_path(phase: Phase) -> bool:
     """Whether a phase has ``rt.constraints.FollowPath``."""
     return isinstance(phase.body, PathBody)
+
+
+def check_no_path(phase: Phase, guess: str) -> None:
+    """Raise InputError where a guess gives positions of joints that the phase takes from its path."""
+    if follows_path(phase):
+        raise InputError(
+            f"{guess} gives positions of joints, but phase {phase.name!r} takes them from the path of FollowPath; "
+            "leave the guess out, or give rt.guess.StraightLine(duration)."
+        )

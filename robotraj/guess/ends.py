@@ -112,7 +112,7 @@ def guessed_duration(phase: Phase, given: float | None, ends: tuple[Array, Array
     law = fastest_line(phase, *ends)
     if law is not None:
         guess = max(guess, MARGIN * law.duration)
-    elif phase.robot is not None and isinstance(phase.limits, Limits):
+    elif phase.robot is not None and isinstance(phase.limits, Limits) and not isinstance(phase.body, PathBody):
         first, last = (x[: phase.robot.nq] for x in ends)
         gaps = np.abs(coordinate_difference(phase.robot.model, first, last))
         guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.velocity, initial=0.0)))

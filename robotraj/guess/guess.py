@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
+from robotraj.guess.along_path import check_no_path
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.robot_samples import RobotSamples
@@ -123,6 +124,7 @@ class Guess(InitialGuess):
             The span of the times is no duration of the phase, a name is unknown, or the number of columns is wrong.
             Values of a robot are given for a System or the reverse, or a quaternion's length is not 1.
         """
+        check_no_path(phase, "rt.Guess")
         self._check_kind(phase)
         times, duration = self._times, self._duration(phase)
         line = StraightLine(duration).of(phase, index)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass, own_fields
+from robotraj.guess.along_path import check_no_path
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, guessed_duration, middle_of, normalised_state
 from robotraj.guess.samples import check_samples, named_samples
@@ -74,6 +75,7 @@ class Keyframes(InitialGuess):
         InputError
             A name is unknown, or the number of values is wrong.
         """
+        check_no_path(phase, "Keyframes")
         duration = guessed_duration(phase, self.duration)
         states, algebraic = self._motion(phase, duration)
         return PhaseGuess(duration, states, algebraic, self._controls(phase), default_parameters(phase))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.guess.along_path import check_no_path
 from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.joint_motion import fractions_of, joint_motion, quintic, speeds_of
@@ -54,6 +55,7 @@ class MinimumJerk(InitialGuess):
         InputError
             A waypoint has a wrong size or an unknown name, or the fractions do not fit the waypoints.
         """
+        check_no_path(phase, "MinimumJerk")
         if phase.robot is None:
             return self._of_system(phase)
         robot = phase.robot

@@ -193,3 +193,12 @@ def test_starts_on_a_path_vary_the_motion_along_it(arm, retimed):
     with ThreadPoolExecutor(1) as executor:
         found = rt.multistart(phase, 2, 0, executor=executor)
     assert found.best.duration == pytest.approx(retimed.duration, rel=2e-3)
+
+
+def test_a_guess_on_a_path_has_a_duration_and_no_positions(arm, retimed):
+    (phase,) = retimed.problem.phases
+    assert rt.plan(phase, guess=rt.guess.StraightLine(2.0)).duration == pytest.approx(retimed.duration, rel=2e-3)
+    joints = rt.State(q=WAY[0]), rt.State(q=WAY[-1])
+    for guess in (rt.guess.Keyframes([0, 1], joints), rt.guess.MinimumJerk(), rt.Guess([0, 1], q=WAY[[0, -1]])):
+        with pytest.raises(rt.InputError, match="takes them from the path"):
+            rt.plan(phase, guess=guess)
