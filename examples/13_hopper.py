@@ -20,7 +20,7 @@ hop = rt.Phase(
     name="hop",
 )
 # First the ground pushes from a distance. Tightened in small steps, the hops hardly depend on round-off.
-stages = rt.planning.tightening(hop, np.geomspace(100.0, 1e-3, 11).tolist())
+stages = rt.planning.tightening(hop, np.geomspace(30.0, 1e-3, 10).tolist())
 solution = rt.plan(hop, mesh=rt.Mesh(40, rt.schemes.RadauIIA(1)), continuation=stages)
 print(solution)
 

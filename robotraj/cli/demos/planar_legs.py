@@ -75,7 +75,7 @@ def hopper() -> Demo:
         name="hop",
     )
     # First the ground pushes from a distance. Tightened in small steps, the hops hardly depend on round-off.
-    steps = tightening(hop, np.geomspace(100.0, 1e-3, 11).tolist())
+    steps = tightening(hop, np.geomspace(30.0, 1e-3, 10).tolist())
     # An impact is a force that lasts one interval: every interval has one collocation point, at its end.
     return Demo(hop, (Mesh(40, RadauIIA(1)),), continuation=steps)
 
