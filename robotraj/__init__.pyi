@@ -23,6 +23,7 @@ from .native import engines
 from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
 from .planning.paths.retime import retime
+from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
 from .planning.problem_files.load import load_problem
 from .planning.replanning.replanner import Replanner
@@ -92,6 +93,7 @@ __all__ = [
     "Touchdown",
     "UnknownName",
     "ValidationFailed",
+    "Waypoints",
     "between",
     "constraints",
     "contacts",

@@ -11,7 +11,6 @@ from .many.sweep import sweep
 from .many.workers import Interrupted
 from .paths.joint_path import as_path
 from .paths.retime import retime
-from .paths.waypoints import Waypoints
 from .plan import plan
 from .problem_files.problem_file import ProblemFile
 from .replanning.driven import driven
@@ -29,7 +28,6 @@ __all__ = [
     "Replan",
     "Restarts",
     "Settings",
-    "Waypoints",
     "as_path",
     "driven",
     "multistart",

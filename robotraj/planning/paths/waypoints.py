@@ -70,9 +70,9 @@ class Waypoints(Problem):
         limits: Limits | None = None,
     ) -> None:
         if not isinstance(robot, Robot):
-            raise InputError(f"rt.planning.Waypoints moves a robot of rt.load(...); got {type(robot).__name__}.")
+            raise InputError(f"rt.Waypoints moves a robot of rt.load(...); got {type(robot).__name__}.")
         if len(places) < 2:
-            raise InputError(f"rt.planning.Waypoints needs two places at least; got {len(places)}.")
+            raise InputError(f"rt.Waypoints needs two places at least; got {len(places)}.")
         every = [_place(robot, place, number) for number, place in enumerate(places)]
         count = len(every) - (not cyclic)
         phases = []
@@ -113,7 +113,7 @@ def _place(robot: Robot, place: Place, number: int) -> np.ndarray | Constraint:
         q = np.zeros(0)
     if q.shape != (robot.nq,) or not np.isfinite(q).all():
         raise InputError(
-            f"Place {number} of rt.planning.Waypoints is {place!r}; give {robot.nq} joint positions, or a constraint "
+            f"Place {number} of rt.Waypoints is {place!r}; give {robot.nq} joint positions, or a constraint "
             "such as rt.FramePose(frame, pose)."
         )
     return q

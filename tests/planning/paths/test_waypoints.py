@@ -23,7 +23,7 @@ def _pose(robot, q):
 
 
 def test_passing_takes_less_time_than_stopping(arm):
-    passed = rt.plan(rt.planning.Waypoints(arm, [A, B, C]))
+    passed = rt.plan(rt.Waypoints(arm, [A, B, C]))
     stopped = [
         rt.plan(rt.Phase(arm, (0.01, 20), rt.State(q=p, v=0), rt.State(q=q, v=0), rt.Duration())).duration
         for p, q in ((A, B), (B, C))
@@ -36,16 +36,16 @@ def test_passing_takes_less_time_than_stopping(arm):
 
 def test_poses_are_places(arm, tmp_path):
     pose = _pose(arm, B)
-    solution = rt.plan(rt.planning.Waypoints(arm, [A, rt.FramePose("tool0", pose), C]))
+    solution = rt.plan(rt.Waypoints(arm, [A, rt.FramePose("tool0", pose), C]))
     error = pose.actInv(_pose(arm, solution.at(solution.phases[0].duration).q))
     assert np.linalg.norm(pin.log6(error).vector) < 1e-6
-    assert solution.duration < rt.plan(rt.planning.Waypoints(arm, [A, B, C])).duration * (1 + 1e-3)
+    assert solution.duration < rt.plan(rt.Waypoints(arm, [A, B, C])).duration * (1 + 1e-3)
     solution.save(tmp_path / "places.npz")
     assert len(rt.load_solution(tmp_path / "places.npz").phases) == 2
 
 
 def test_a_cycle_closes_and_repeats_without_a_stop(arm):
-    cycle = rt.plan(rt.planning.Waypoints(arm, [A, B, C], cyclic=True))
+    cycle = rt.plan(rt.Waypoints(arm, [A, B, C], cyclic=True))
     first, last = cycle.at(0.0), cycle.at(cycle.duration)
     assert len(cycle.phases) == 3
     assert np.allclose(first.q, A, atol=1e-7) and np.allclose(first.q, last.q, atol=1e-6)
@@ -55,4 +55,4 @@ def test_a_cycle_closes_and_repeats_without_a_stop(arm):
 @pytest.mark.parametrize("places", [[A], [A, "B"], [A, B[:3]], [A, np.full(6, np.nan)]])
 def test_places_that_are_none_are_refused(arm, places):
     with pytest.raises(rt.InputError, match="[Pp]lace"):
-        rt.planning.Waypoints(arm, places)
+        rt.Waypoints(arm, places)
