@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED, PathBody
+from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
 from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 from robotraj.problem.phase_row import Kind
@@ -35,9 +35,9 @@ class AlongPath(InitialGuess):
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Sample the path."""
-        body, dae, table = phase.body, phase.dae, phase.rows
-        assert isinstance(body, PathBody)
-        breaks, parameters = body.curve.breaks, default_parameters(phase)
+        path, dae, table = phase.path, phase.dae, phase.rows
+        assert path is not None
+        breaks, parameters = path.curve.breaks, default_parameters(phase)
         first, span = float(breaks[0]), float(breaks[-1] - breaks[0])
 
         def columns(variables: tuple[Variable, ...], duration: float) -> Curve:
@@ -76,14 +76,9 @@ class AlongPath(InitialGuess):
         return PhaseGuess(duration, states, algebraic, controls, parameters)
 
 
-def follows_path(phase: Phase) -> bool:
-    """Whether a phase has ``rt.constraints.FollowPath``."""
-    return isinstance(phase.body, PathBody)
-
-
 def check_no_path(phase: Phase, guess: str) -> None:
     """Raise InputError where a guess gives positions of joints that the phase takes from its path."""
-    if follows_path(phase):
+    if phase.path is not None:
         raise InputError(
             f"{guess} gives positions of joints, but phase {phase.name!r} takes them from the path of FollowPath; "
             "leave the guess out, or give rt.guess.StraightLine(duration)."

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
-from robotraj.guess.along_path import AlongPath, follows_path
+from robotraj.guess.along_path import AlongPath
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.from_solution import FromSolution, is_solution
 from robotraj.guess.perturbed import Perturbed
@@ -42,10 +42,10 @@ def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
         from robotraj.guess.paths.geometric_path import GeometricPath
 
         free = GeometricPath(line, rank=branch)
-    if any(follows_path(phase) for phase in problem.phases):
+    if any(phase.path is not None for phase in problem.phases):
         from robotraj.guess.guess import EachPhase
 
-        return EachPhase([AlongPath() if follows_path(phase) else free for phase in problem.phases])
+        return EachPhase([free if phase.path is None else AlongPath() for phase in problem.phases])
     return free
 
 

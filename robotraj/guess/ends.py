@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.least_time import fastest_line
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.robot.chart import coordinate_difference
@@ -57,12 +56,12 @@ def ends_of(
         Positions (nq,) of the robot at both ends, which replace those of the bounds; NaN where they are unknown.
     """
     rest = np.zeros(len(phase.dae.states))
-    if isinstance(phase.body, PathBody):
+    if phase.path is not None:
         entered = positions = None
     if entered is not None:
         rest[: len(entered)] = entered
-    if phase.robot is not None and not isinstance(phase.body, PathBody):
-        rest[: phase.robot.nq] = phase.robot.neutral
+    if phase.state_robot is not None:
+        rest[: phase.state_robot.nq] = phase.state_robot.neutral
     first, last = middle_of(phase.start_bounds, np.nan), middle_of(phase.end_bounds, np.nan)
     for state, known in zip((first, last), positions or (), strict=False):
         state[: len(known)] = np.where(np.isnan(known), state[: len(known)], known)
@@ -112,8 +111,9 @@ def guessed_duration(phase: Phase, given: float | None, ends: tuple[Array, Array
     law = fastest_line(phase, *ends)
     if law is not None:
         guess = max(guess, MARGIN * law.duration)
-    elif phase.robot is not None and isinstance(phase.limits, Limits) and not isinstance(phase.body, PathBody):
-        first, last = (x[: phase.robot.nq] for x in ends)
-        gaps = np.abs(coordinate_difference(phase.robot.model, first, last))
+    elif phase.state_robot is not None and isinstance(phase.limits, Limits):
+        robot = phase.state_robot
+        first, last = (x[: robot.nq] for x in ends)
+        gaps = np.abs(coordinate_difference(robot.model, first, last))
         guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
     return float(np.clip(guess, low, high))

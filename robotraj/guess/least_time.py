@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -142,10 +141,8 @@ class LineLimits:
     @classmethod
     def of(cls, phase: Phase) -> LineLimits | None:
         """Return the limits of a phase; None for joints without motors, a moving root, contacts, systems and paths."""
-        robot = phase.robot
+        robot = phase.state_robot
         if robot is None or robot.root != "fixed" or robot.nu < robot.nv or phase.bound_contacts:
-            return None
-        if isinstance(phase.body, PathBody):
             return None
         limits = phase.rows.limits()
 

@@ -10,7 +10,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import normalised
@@ -63,8 +62,7 @@ class Perturbed(InitialGuess):
         low, high = phase.duration_bounds
         duration = float(np.clip(known.duration * np.exp(self.spread * rng.standard_normal()), low, high))
         body = phase.body
-        # On a path, the states are those of its parameter.
-        robot = None if isinstance(body, PathBody) else phase.robot
+        robot = phase.state_robot
         nx, nu = len(body.states), len(body.controls)
         s = np.linspace(0.0, 1.0, 101)
         x, u = known.states(s)[:, :nx], known.controls(s)[:, :nu]

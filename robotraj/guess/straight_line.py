@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.least_time import fastest_line
@@ -67,7 +66,7 @@ class StraightLine(InitialGuess):
         first, last = self._ends(phase, index)
         duration = guessed_duration(phase, self.duration, (first, last))
         nz = len(phase.dae.algebraic)
-        robot = None if isinstance(phase.body, PathBody) else phase.robot
+        robot = phase.state_robot
         low, high = phase.duration_bounds
         law = fastest_line(phase, first, last) if low < high else None
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine
@@ -133,9 +132,8 @@ def _is_wide_system(phase: Phase) -> bool:
 def _follows_path(case: Case) -> bool:
     """Whether a phase is on a path, and robots on no path have a motor at every joint."""
     phases = case.problem.phases
-    on_path = [isinstance(phase.body, PathBody) for phase in phases]
-    others = (is_exact(phase, (HermiteSimpson(),)) for phase, path in zip(phases, on_path, strict=True) if not path)
-    return any(on_path) and all(others)
+    others = [phase for phase in phases if phase.path is None]
+    return len(others) < len(phases) and all(is_exact(phase, (HermiteSimpson(),)) for phase in others)
 
 
 def _floats(phase: Phase) -> bool:

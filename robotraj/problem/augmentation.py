@@ -27,7 +27,6 @@ import casadi as ca
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
-from robotraj.dynamics.path_body import ACCELERATION as PATH_ACCELERATION
 from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.rigid_body import RigidBody
@@ -136,9 +135,8 @@ def free_of(body: Dynamics) -> Dynamics:
 def inputs_of(dynamics: Dynamics, point: AnyPoint) -> ca.SX:
     """Return the column of a point's algebraic variables and controls, without those that were added."""
     body = body_of(dynamics)
-    if isinstance(body, PathBody):
-        return ca.vertcat(point.extra[PATH_ACCELERATION])
-    return ca.vertcat(ca.SX(0, 1), *(point.z[v.name] for v in body.algebraic), *point.u.values())
+    controls = (point.extra[v.name] if v.name in point.extra else point.u[v.name] for v in body.controls)
+    return ca.vertcat(ca.SX(0, 1), *(point.z[v.name] for v in body.algebraic), *controls)
 
 
 def with_fixed(dynamics: Dynamics, bounds: Bounds, which: str) -> Bounds:

@@ -9,9 +9,9 @@ import numpy as np
 
 from robotraj._util.errors import InputError, warn
 from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.system import MissingEquations, System
+from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import Constraint, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase_row import Kind, PhaseRow
@@ -29,13 +29,6 @@ UPSIDE_DOWN = -0.7
 
 Ends = Mapping[Where, Bounds]
 """Bounds of the state at the start and at the end of a phase."""
-
-
-def ends_on_path(body: Dynamics) -> Ends:
-    """Return the bounds on positions and velocities at both ends of a path; none where the robot is on no path."""
-    if not isinstance(body, PathBody):
-        return {}
-    return {where: Bounds(*body.joint_ends(where is Where.END)) for where in (Where.START, Where.END)}
 
 
 def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
@@ -68,8 +61,7 @@ def check_masses(phase: str, robot: Robot, body: Dynamics) -> None:
     InputError
         A joint moves no mass. The message names the joints.
     """
-    weighs = bool(body.residuals) or isinstance(body, PathBody)
-    joints = weightless_joints(robot.model) if weighs else ()
+    joints = weightless_joints(robot.model) if free_of(body).residuals else ()
     if joints:
         raise InputError(
             f"Phase {phase!r}: no mass moves with {', '.join(map(repr, joints))}, so the mass matrix is singular. "

@@ -13,6 +13,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import free_of, with_fixed
@@ -21,7 +22,7 @@ from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bo
 from robotraj.problem.constraints.contact_limits import contact_limits
 from robotraj.problem.constraints.joint_limits import OwnLimits, own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
-from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows, ends_on_path
+from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows
 from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.least_durations import check_durations
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
@@ -151,6 +152,16 @@ class Phase(OneLine):
         """The System that moves, or None for a robot."""
         return self.subject if isinstance(self.subject, System) else None
 
+    @property
+    def path(self) -> PathBody | None:
+        """The robot's dynamics along the path of ``rt.constraints.FollowPath``, or None without one."""
+        return self.body if isinstance(self.body, PathBody) else None
+
+    @property
+    def state_robot(self) -> Robot | None:
+        """The robot whose positions and velocities are the first states; None for a System and on a path."""
+        return self.robot if self.path is None else None
+
     def __getstate__(self) -> dict[str, object]:
         """Pickle the fields only; derived values are computed again on first use."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)}
@@ -222,7 +233,9 @@ class Phase(OneLine):
     @property
     def joint_ends(self) -> Ends:
         """Bounds on the state of a robot at both ends, (q, v) first; on a path those that it determines."""
-        return ends_on_path(self.body) or self._ends
+        if self.path is None:
+            return self._ends
+        return {where: Bounds(*self.path.joint_ends(where is Where.END)) for where in (Where.START, Where.END)}
 
     @cached_property
     def bound_constraints(self) -> tuple[BoundConstraint, ...]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.dynamics.variable import Variable
 
@@ -32,8 +31,8 @@ def variables_of(phase: Phase) -> tuple[Variable, ...]:
     )
     known = {variable.name for variable in accelerations}
     others = [v for v in (*dae.algebraic, *dae.controls) if v.name not in known]
-    if isinstance(phase.body, PathBody):
-        free = phase.body.free
+    if phase.path is not None:
+        free = phase.path.free
         return (*free.states, *accelerations, *free.controls, *dae.states, *others)
     return (*dae.states, *accelerations, *others)
 

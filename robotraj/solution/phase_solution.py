@@ -99,7 +99,7 @@ class PhaseSolution(OneLine):
     def joint_states(self) -> PiecewisePolynomial:
         """Positions and velocities of a robot, (nq + nv,) first; on a path, polynomials through the true values."""
         x = self.trajectory.x
-        if not isinstance(self.phase.body, PathBody):
+        if self.phase.path is None:
             return x
         sites = lobatto_sites(JOINT_SITES)
         times = x.breaks[:-1, None] + np.diff(x.breaks)[:, None] * sites
@@ -162,8 +162,8 @@ class PhaseSolution(OneLine):
         known_times = times if times.ndim else float(times)
         robot = self.phase.robot
         sample = Sample(known_times, states, algebraic, named_controls)
-        if isinstance(body, PathBody):
-            return self._on_path(body, sample, x, self.inputs.at(times, interval))
+        if self.phase.path is not None:
+            return self._on_path(self.phase.path, sample, x, self.inputs.at(times, interval))
         if robot is None:
             return sample
         end = robot.nq + robot.nv

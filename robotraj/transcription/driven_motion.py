@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import separate_contact_terms
-from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.torque_symbols import separate_torques
 from robotraj.robot.tangent import normalised
@@ -172,7 +171,7 @@ def is_driven(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     control sites are the nodes of the scheme.
     """
     body, dae = phase.body, phase.dae
-    if isinstance(body, PathBody):
+    if phase.path is not None:
         return False
     if is_exact(phase, schemes):
         return True

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis, integrals, lobatto_sites
-from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.problem.augmentation import free_of
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 
 if TYPE_CHECKING:
@@ -38,15 +38,14 @@ def is_exact(phase: Phase, schemes: Sequence[Scheme]) -> bool:
     the scheme's own polynomial. The scheme integrates polynomials of its state's degree exactly, unlike the trapezoidal
     rule. On a path (``dynamics.path_body``) s is the integral of s', and all joints follow from it.
     """
-    body = phase.body
-    if not isinstance(body, PathBody):
-        if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
-            return False
-        robot = body.robot
-        if robot.root != "fixed" or not robot.nq == robot.nv == robot.nu:
-            return False
-    lifted = bool({control.name for control in body.controls} & {state.name for state in phase.dae.states})
-    if isinstance(body, PathBody):
+    body = free_of(phase.body)
+    if not isinstance(body, InverseRigidBody) or body.contacts or body.invariants:
+        return False
+    robot = body.robot
+    if robot.root != "fixed" or not robot.nq == robot.nv == robot.nu:
+        return False
+    lifted = bool({control.name for control in phase.body.controls} & {state.name for state in phase.dae.states})
+    if phase.path is not None:
         return all(_integrates_path(scheme, lifted) for scheme in dict.fromkeys(schemes))
     # Where the objective made torques states, these are planned as continuous functions.
     return not lifted and all(_integrates_its_state(scheme) for scheme in dict.fromkeys(schemes))

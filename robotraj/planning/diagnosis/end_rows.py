@@ -12,6 +12,7 @@ import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
+from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.base import Ends
 from robotraj.problem.phase import Phase
@@ -68,7 +69,7 @@ class PhaseEnds:
 
 def position_count(phase: Phase) -> int:
     """Return how many states are positions; all states of a System."""
-    return phase.robot.nq if phase.robot is not None else len(phase.body.states)
+    return phase.body.position_count if isinstance(phase.body, RigidBody) else len(phase.body.states)
 
 
 def ends_of_phases(phases: Sequence[Phase]) -> list[PhaseEnds]:
@@ -141,7 +142,7 @@ def _values(ends: PhaseEnds, rows: Sequence[PhaseRow], x: ca.SX, t: ca.SX) -> li
 
 def _mean_speeds(ends: PhaseEnds) -> Iterator[EndRow]:
     """Yield (q_1 - q_0) / T within the speed limits, for joints with one position."""
-    phase, robot = ends.phase, ends.phase.robot
+    phase, robot = ends.phase, ends.phase.state_robot
     if robot is None or not isinstance(phase.limits, Limits):
         return
     positions = list(robot.position_names)

@@ -20,7 +20,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.planning.diagnosis.end_rows import (
     CONSTRAINT_WEIGHT,
@@ -82,7 +81,7 @@ def unreached_ends(
         Empty where such configurations were found, or where the ends are fixed and no other row depends on them, and
         where a path gives the configurations.
     """
-    if any(isinstance(phase.body, PathBody) for phase in problem.phases):
+    if any(phase.path is not None for phase in problem.phases):
         return ()
     ends = ends_of_phases(problem.phases)
     rows = [row for each in ends for row in rows_at_ends(each)]

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.splines import through
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj.dynamics.path_body import PathBody
 from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
@@ -81,8 +80,8 @@ def _through(points: Array, parameters: ArrayLike | None) -> PiecewisePolynomial
 
 
 def _of_solution(solution: Solution) -> PiecewisePolynomial:
-    alone = solution.phases[0].phase.body if len(solution.phases) == 1 else None
-    if isinstance(alone, PathBody):
+    alone = solution.phases[0].phase.path if len(solution.phases) == 1 else None
+    if alone is not None:
         return alone.curve
     breaks, sites, values = [np.array([solution.phases[0].t0])], list[Array](), list[Array]()
     for part in solution.phases:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import default_guess
 from robotraj.problem.phase import Phase
@@ -60,7 +59,7 @@ class Clearing:
             from robotraj.transcription.clearance.clearance_rows import clearances
 
             every, phases = clearances(nlp), nlp.problem.phases
-            self._on_paths = [own for own in every if isinstance(phases[own.phase].body, PathBody)]
+            self._on_paths = [own for own in every if phases[own.phase].path is not None]
             self._every = [own for own in every if own not in self._on_paths]
         self._motions: list[Motion] = []
         if self._every:

@@ -7,7 +7,6 @@ from dataclasses import field
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.control import LinearControl
@@ -73,8 +72,7 @@ class MeshesOnPaths:
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
         """Return the mesh of each phase."""
-        on_path = (isinstance(phase.body, PathBody) for phase in problem.phases)
-        return tuple(graded(PATH, LINES) if path else graded(COARSE) for path in on_path)
+        return tuple(graded(COARSE) if phase.path is None else graded(PATH, LINES) for phase in problem.phases)
 
 
 def graded(count: int, scheme: Scheme | None = None) -> Mesh:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import partial
 
 from robotraj._util.lazy_values import LazySequence
-from robotraj.dynamics.path_body import PathBody
 from robotraj.planning.nlp_violations import between_points
 from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
@@ -105,7 +104,7 @@ def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
 
 def _is_lowered_path(part: PhaseSolution) -> bool:
     """Whether rows of the state are lowered, too: on a path they leave the control no choice."""
-    return part.exact and isinstance(part.phase.body, PathBody)
+    return part.exact and part.phase.path is not None
 
 
 def _given_ends_beyond(part: PhaseSolution) -> dict[tuple[int, int], float]:

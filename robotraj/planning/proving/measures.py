@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 from robotraj.guess.base import InitialGuess
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
@@ -137,7 +136,7 @@ def measured(
     true = solution.objective - float(sum(errors.sum() for errors in left))
     size = max(abs(true), SMALL)
     bends = tuple(_bends(part, bending) for part in parts)
-    on_paths = all(isinstance(part.phase.body, PathBody) for part in parts)
+    on_paths = all(part.phase.path is not None for part in parts)
     bending = bending or on_paths
     coarse = float(sum(each.sum() for each in bends)) / size if bending else 0.0
     terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
@@ -180,7 +179,7 @@ def is_motion(solution: Solution) -> bool:
 
 def _bends(part: PhaseSolution, bending: bool) -> Array:
     """Return the contribution to the objective of controls that the mesh does not resolve, (K,)."""
-    if isinstance(part.phase.body, PathBody):
+    if part.phase.path is not None:
         return path_bends(part.phase, part.trajectory)
     if not bending:
         return np.zeros(part.mesh.count)

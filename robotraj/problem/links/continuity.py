@@ -83,7 +83,7 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
         return [start.t - end.t, *(start.x[names[i]] - end.x[names[i]] for i in kept)]
 
     pair = normal(phases, first), normal(phases, second)
-    on_path = any(free_of(phase.body) is not phase.body for phase in (before, after))
+    on_path = any(phase.path is not None for phase in (before, after))
     carries = () if jumps or on_path else (Carry(*pair, STATE),)
     return BoundLink(what, pair, rows, expression, carries=carries)
 

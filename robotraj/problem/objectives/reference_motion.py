@@ -10,7 +10,6 @@ import numpy as np
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj.dynamics.path_body import PathBody
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -57,8 +56,8 @@ def symbolic_states(solution: ReferenceSolution, names: Sequence[str], t: ca.SX)
     """
     tables, breaks = [], []
     for part in solution.phases:
-        body = part.phase.body
-        known = [v.name for v in (body.free.states if isinstance(body, PathBody) else part.phase.dae.states)]
+        path, states = part.phase.path, part.phase.dae.states
+        known = [v.name for v in (states if path is None else path.free.states)]
         for name in names:
             if name not in known:
                 raise unknown_name("state", name, known, "The reference solution has these.")

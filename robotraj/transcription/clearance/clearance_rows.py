@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import PathBody
 from robotraj.problem.clearance.end_checks import clearances_of
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.assembly.block import Block
@@ -72,7 +71,7 @@ def clearances(nlp: Nlp) -> list[Clearances]:
     for index, (phase, layout) in enumerate(zip(nlp.problem.phases, nlp.layouts, strict=True)):
         for number, pairs in enumerate(clearances_of(phase.constraints, phase.robot)):
             slack = np.full(len(pairs), SLACK)
-            for knot, time in () if isinstance(phase.body, PathBody) else ((0, layout.t0), (-1, None)):
+            for knot, time in ((0, layout.t0), (-1, None)) if phase.path is None else ():
                 columns = layout.knots[knot][: pairs.robot.nq]
                 lower, upper = nlp.variables.lower[columns], nlp.variables.upper[columns]
                 if np.array_equal(lower, upper) and (time is None or time.column is None):

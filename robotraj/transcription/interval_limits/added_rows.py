@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.dynamics.path_body import PathBody
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
@@ -67,7 +66,7 @@ def exceeded_although_added(
         and not violation.row.is_equality
         and not isinstance(nlp.layouts[violation.phase].scheme, OneStep)
         and (
-            isinstance(nlp.problem.phases[violation.phase].body, PathBody)
+            nlp.problem.phases[violation.phase].path is not None
             or counts[violation.phase, violation.interval, violation.row.number] > len(SPREAD)
         )
     ]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
-from robotraj.dynamics.path_body import PathBody
 from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -30,7 +29,7 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     moving = isinstance(mesh, MovingMesh)
     inputs = None if is_exact(phase, mesh.schemes) else inputs_of(phase, trajectory, mesh.schemes)
     errors = np.maximum(interval_errors(phase, trajectory, inputs), integral_errors(phase, trajectory, mesh.schemes))
-    if isinstance(phase.body, PathBody):
+    if phase.path is not None:
         # Relative to the duration, and to the share of an interval.
         errors = np.maximum(errors, len(errors) * path_bends(phase, trajectory) / trajectory.duration)
     return Assessment(
