@@ -133,9 +133,11 @@ class Phase(OneLine):
             return
         ends = self.joint_ends
         if any(each.avoids_collisions for each in self.constraints):
-            from robotraj.problem.clearance.end_checks import check_ends
+            from robotraj.problem.clearance.end_checks import check_ends, check_path
 
             check_ends(self.name, self.constraints, self.robot, ends)
+            if self.path is not None:
+                check_path(self.name, self.constraints, self.robot, self.path.curve)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body)
             check_contacts(self.rows, self.robot, self.bound_contacts, known, ends)

@@ -1,4 +1,4 @@
-"""Checks before planning: collisions at the fixed ends of a phase."""
+"""Checks before planning: collisions at the fixed ends of a phase and along a given path."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.row import Row
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.clearance.plausible_obstacles import warn_of_obstacles
@@ -18,6 +19,9 @@ from robotraj.robot.loading.geometry import ShapesUnread
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
+
+PLACES = 513
+"""Number of places of a path at which distances are checked."""
 
 
 def clearances_of(constraints: Sequence[Constraint], robot: Robot | None) -> tuple[ClearancePairs, ...]:
@@ -60,11 +64,52 @@ def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends
     except ShapesUnread:
         return
     for pairs in avoided:
-        moving = np.array([pairs.obstacles[o].moves for o in pairs.second[: pairs.against]], dtype=bool)
         for end, q in _fixed(robot, ends):
-            distances = pairs.distances(q[None], np.zeros(1))[0]
-            distances[: pairs.against][moving] = np.inf
-            _check(phase, pairs, distances, end)
+            _check(phase, pairs, _at_rest(pairs, q[None])[0], end)
+
+
+def check_path(phase: str, constraints: Sequence[Constraint], robot: Robot, path: PiecewisePolynomial) -> None:
+    """Refuse a path on which the robot is nearer to an obstacle at rest, or to itself, than the margin.
+
+    No timing changes these distances. They are evaluated at ``PLACES`` places; the proof of a plan finds what lies
+    between.
+
+    Raises
+    ------
+    InputError
+        Pairs are nearer than the margin. The message names the worst pair, its distance and its place on the path.
+    """
+    try:
+        avoided = clearances_of(constraints, robot)
+    except ShapesUnread:
+        return
+    s = np.linspace(path.breaks[0], path.breaks[-1], PLACES)
+    q = path(s)
+    for pairs in avoided:
+        if not len(pairs):
+            continue
+        distances = _at_rest(pairs, q)
+        place, worst = np.unravel_index(int(np.argmin(distances)), distances.shape)
+        if not distances[place, worst] < pairs.margin:
+            continue
+        near = distances < pairs.margin
+        first, last = s[near[:, worst]][[0, -1]]
+        labels = {pairs.label(pair) for pair in np.flatnonzero(near.any(axis=0)).tolist()}
+        further = sorted(labels - {pairs.label(int(worst))})
+        others = f" So are {', '.join(further[:3])}{' and others' if len(further) > 3 else ''}." if further else ""
+        raise InputError(
+            f"Phase {phase!r}: at s = {s[place]:.4g} of the path {_apart(pairs, int(worst), distances[place])}. It is "
+            f"so near from s = {first:.4g} to {last:.4g}.{others} No timing changes that: give another path, or move "
+            "the obstacle; name pairs of links in srdf= if they may touch."
+        )
+
+
+def _at_rest(pairs: ClearancePairs, q: Array) -> Array:
+    """Return the distances of pairs (m, n) [m] at configurations (m, nq), infinite to obstacles that move."""
+    moving = np.array([pairs.obstacles[o].moves for o in pairs.second[: pairs.against]], dtype=bool)
+    distances = pairs.distances(q, np.zeros(len(q)))
+    distances[:, : pairs.against][:, moving] = np.inf
+    return distances
 
 
 def check_moving_obstacles(
@@ -92,14 +137,21 @@ def check_moving_obstacles(
 def _check(phase: str, pairs: ClearancePairs, distances: Array, end: str, time: float | None = None) -> None:
     worst = int(np.argmin(distances)) if len(distances) else -1
     if worst >= 0 and distances[worst] < pairs.margin:
-        apart = float(distances[worst])
-        is_overlap = f"overlap by {-apart:.4g} m" if apart < 0.0 else f"are {apart:.4g} m apart"
         when = "" if time is None else f", t = {time:.4g} s,"
         beside = "the obstacle" if worst < pairs.against else "name the pair in srdf= if it may touch"
         raise InputError(
-            f"Phase {phase!r}: at the {end}{when} {pairs.label(worst)} {is_overlap}, below the margin of "
-            f"{pairs.margin:g} m, by the spheres around the robot's shapes. Move the {end} or {beside}."
+            f"Phase {phase!r}: at the {end}{when} {_apart(pairs, worst, distances)}. Move the {end} or {beside}."
         )
+
+
+def _apart(pairs: ClearancePairs, worst: int, distances: Array) -> str:
+    """Describe a pair that is nearer than the margin."""
+    apart = float(distances[worst])
+    is_overlap = f"overlap by {-apart:.4g} m" if apart < 0.0 else f"are {apart:.4g} m apart"
+    return (
+        f"{pairs.label(worst)} {is_overlap}, below the margin of {pairs.margin:g} m, by the spheres around the robot's "
+        "shapes"
+    )
 
 
 def _fixed(robot: Robot, ends: Ends) -> Iterator[tuple[str, Array]]:
