@@ -12,6 +12,7 @@ from robotraj.planning.duality_gap import SolverAccuracy
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.proof import Goals
 from robotraj.solution.records import MeshStep, added_times
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
@@ -80,6 +81,9 @@ def adapt(
         size = tolerance * max(abs(solution.objective), SMALL)
         settled = abs(solution.objective - before) <= 0.5 * size and _quadrature_error(solution) <= size
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
+        if settled and max(float(a.broken.max()) for a in assessments) > Goals().excess:
+            settled = False
+            assessments = [replace(each, settled=False) for each in assessments]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
 
     def needs_rows(solution: Solution) -> bool:
