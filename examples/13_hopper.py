@@ -1,7 +1,8 @@
 """A hopper moves half a metre forward; the solver finds when its foot stands, slips or flies.
 
 The contact is a relaxed complementarity that is tightened step by step. Every interval has one collocation point at its
-end, so that an impact is a force that lasts one interval.
+end, so that an impact is a force that lasts one interval. A simulation in continuous time does not repeat this motion.
+Its times of touchdown and liftoff are those for a plan with phases, which can be proved.
 """
 
 import numpy as np

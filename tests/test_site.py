@@ -66,6 +66,8 @@ def test_the_gallery_is_small() -> None:
 def test_the_gallery_has_forty_tiles_with_code_and_picture() -> None:
     tiles = json.loads((ROOT / "docs" / "gallery" / "results.json").read_text())["tiles"]
     assert len(tiles) >= 40
+    failing = {tile["file"] for tile in tiles if "fail" in tile["verdict"] or "missed" in tile["verdict"]}
+    assert failing <= {"13_hopper"}, "its impacts last one interval, so that no simulation repeats them"
     for tile in tiles:
         assert (ROOT / tile["code"]).exists()
         assert (ROOT / "docs" / "_static" / "gallery" / f"{tile['file']}.webp").exists(), tile["file"]

@@ -53,7 +53,7 @@ class SplitAndMerge(Refinement):
 
     most: int = 4
     jump: float = 0.2
-    path: float = 1e-3
+    path: float = 5e-4
 
     def __post_init__(self) -> None:
         if not (is_whole(self.most) and self.most >= 2):
