@@ -84,9 +84,10 @@ def plan(
         ``rt.engines.VirtualMachine()`` need no compiler; ``rt.engines.Compiled()`` keeps C libraries for later plans.
     tolerance : float, optional
         The mesh is refined until two measures are below this: the relative error between the knots
-        (``rt.refinement.errors_of``) and the relative change of the objective. Path constraints on controls and
-        accelerations also hold between the points to 5e-4 of their bounds. Schemes of low order need many
-        intervals. If it is not reached, the status is ``Status.TOLERANCE_NOT_REACHED``.
+        (``rt.refinement.errors_of``) and the relative change of the objective. Intervals are also split where path
+        constraints on controls are violated between the points, while the excess falls; the printed solution names
+        the rest. Schemes of low order need many intervals. If the tolerance is not reached, the status is
+        ``Status.TOLERANCE_NOT_REACHED``.
     refinement : Refinement, optional
         How meshes are refined. ``rt.refinement.SplitOrRaise()`` splits intervals or raises their order. It only splits
         those of shooting and of compressed collocation.

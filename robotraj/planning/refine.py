@@ -41,8 +41,12 @@ GROWTH = 1.1
 ROUND_OFF = 1e-13
 """Error below which a mesh is not refined."""
 MOST_EXCESS = 5e-4
-"""Largest excess over a path row between the points, relative to its bound: half of the allowed one, for denser samples
-find a little more."""
+"""Excess over a path row between the points, relative to its bound, below which no interval is split for it."""
+FALL = 0.25
+"""Largest ratio of the excesses on successive meshes for a further split.
+
+An excess of a smooth control falls faster. Where a control switches inside an interval, its excess does not fall.
+"""
 SMALL = 1e-2
 """Least size of an objective to which the tolerance is relative."""
 
@@ -55,8 +59,8 @@ def adapt(
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
-    Each mesh starts from the solution on the one before. An objective can settle only on a finer mesh than the last. It
-    has not settled while a path row on controls or accelerations is violated between the points (``MOST_EXCESS``).
+    Each mesh starts from the solution on the one before. An objective can settle only on a finer mesh than the last.
+    Last, intervals are split on which path rows on controls or accelerations are violated, while that excess falls.
     If the errors are small enough but ``refinement`` returns no finer mesh, a smaller tolerance is used. Otherwise
     every interval whose knots are fixed is halved.
 
@@ -74,7 +78,7 @@ def adapt(
     limits = replace(limits, tolerance=min(limits.tolerance, max(1e-7, 0.1 * tolerance)))
     total: dict[str, float] = {}
     start: InitialGuess | Solution | None = guess
-    adding_rows = False
+    adding_rows, excess = False, np.inf
     accuracy = SolverAccuracy(settings.solver)
 
     def assessed(solution: Solution) -> tuple[list[Assessment], float, bool]:
@@ -84,9 +88,6 @@ def adapt(
         size = tolerance * max(abs(solution.objective), SMALL)
         settled = abs(solution.objective - before) <= 0.5 * size and _quadrature_error(solution) <= size
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
-        if settled and max(float(a.broken.max()) for a in assessments) > MOST_EXCESS:
-            settled = False
-            assessments = [replace(each, settled=False) for each in assessments]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
 
     def needs_rows(solution: Solution) -> bool:
@@ -123,7 +124,12 @@ def adapt(
                 )
             )
             kept = solution = replace(solution, refinement=tuple(steps))
-            reached = adding_rows and worst <= tolerance and settled
+            accurate = worst <= tolerance and settled
+            before = excess
+            if accurate:
+                excess = max(float(each.broken.max()) for each in assessments)
+            splitting = accurate and MOST_EXCESS < excess < FALL * before
+            reached = adding_rows and accurate and not splitting
             tighter = accuracy.tighten_if_needed(solution, tolerance * max(abs(solution.objective), SMALL))
             if not solution.success or (reached and not tighter):
                 return solution
@@ -138,6 +144,9 @@ def adapt(
                 # With an interval or two more, errors would stay the same for mesh after mesh.
                 goal *= 0.3
                 finer = _next(solution, assessments, refinement, tolerance, goal)
+            if splitting:
+                rough = [replace(each, settled=False) for each in assessments]
+                finer = _next(solution, rough, refinement, tolerance, tolerance)
             if worst <= tolerance and not settled and not _is_finer(meshes, finer):
                 closer = _next(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
                 if not _is_finer(meshes, closer):
@@ -145,6 +154,8 @@ def adapt(
                 finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
             given_up = worst > tolerance and _stagnates([step.error for step in steps])
             if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
+                if accurate and adding_rows:
+                    return solution
                 if not adding_rows:
                     limited = solved(solution, None)
                     if limited.status is Status.INTERRUPTED:
