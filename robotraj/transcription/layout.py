@@ -162,26 +162,28 @@ class PhaseLayout(OneLine):
     @cached_property
     def intervals(self) -> tuple[IntervalLayout, ...]:
         """The intervals, one by one."""
-        return tuple(
-            IntervalLayout(
-                run.scheme,
-                run.start[i],
-                run.length[i],
-                self.clock(int(k)),
-                *(part[i] for part in run.columns),
-            )
-            for run in self.runs
-            for i, k in enumerate(run.which)
-        )
+        return tuple(self.interval(k) for k in range(self.runs[-1].which[-1] + 1))
+
+    def interval(self, number: int) -> IntervalLayout:
+        """Return one interval; -1 is the last one. Much cheaper than ``intervals`` where a few are read."""
+        run, i = self._in_run(number)
+        columns = (part[i] for part in run.columns)
+        return IntervalLayout(run.scheme, run.start[i], run.length[i], self.clock(number), *columns)
 
     def clock(self, interval: int) -> Clock:
-        """Return the clock of an interval."""
+        """Return the clock of an interval; -1 is the last one."""
         if self.own_clocks is not None:
             base, span = self.own_clocks[interval].tolist()
             return Clock(Scalar(base), Scalar(span), 0.0, 1.0)
-        run = next(run for run in self.runs if interval <= run.which[-1])
-        i = interval - run.which[0]
+        run, i = self._in_run(interval)
         return Clock(self.t0, self.duration, float(run.start[i]), float(run.length[i]))
+
+    def _in_run(self, interval: int) -> tuple[Run, int]:
+        """Return the run of an interval, and its number in that run."""
+        if interval < 0:
+            interval += int(self.runs[-1].which[-1]) + 1
+        run = next(run for run in self.runs if interval <= run.which[-1])
+        return run, interval - int(run.which[0])
 
     @cached_property
     def place_fractions(self) -> Array:

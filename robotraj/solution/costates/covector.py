@@ -68,7 +68,7 @@ def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals,
     rows, bounds = multipliers.rows, multipliers.bounds
     found = []
     for i, layout in enumerate(nlp.layouts):
-        collocated = isinstance(layout.intervals[0].scheme, Collocation)
+        collocated = isinstance(layout.scheme, Collocation)
         found.append(_Phase(nlp, i, w, rows, bounds).duals() if collocated else stepped_duals(nlp, i, w, multipliers))
     return tuple(found)
 

@@ -39,7 +39,7 @@ ADJOINT = LobattoIIIA(points=4)
 def stepped_duals(nlp: Nlp, index: int, w: Array, multipliers: Multipliers) -> PhaseDuals:
     """Map the multipliers of a phase by a one-step scheme."""
     layout, phase = nlp.layouts[index], nlp.problem.phases[index]
-    scheme = layout.intervals[0].scheme
+    scheme = layout.scheme
     assert isinstance(scheme, OneStep)
     nx, pieces = len(phase.dae.states), len(scheme.pieces) - 1
     gradients, outputs = _lagrangian(nlp, index, w, multipliers)

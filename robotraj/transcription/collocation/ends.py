@@ -79,7 +79,7 @@ def end_constraint_blocks(
         held = phase.rows.at(where)
         if not held:
             continue
-        interval = layout.intervals[node]
+        interval = layout.interval(node)
 
         def make(held: Sequence[PhaseRow] = held) -> EndFunctions:
             s = point_symbols(phase, phase_scalars(layout))
@@ -107,7 +107,7 @@ def _at_end(s: PointSymbols, y: ca.SX, as_tapes: bool) -> EndFunctions:
 
 def _block_at_end(layout: PhaseLayout, node: int, known: EndFunctions, rows: Indices) -> Block:
     """Return the block of functions ``_at_end`` at the first knot (``node`` 0) or at the last one (-1)."""
-    interval, scalars = layout.intervals[node], phase_scalars(layout)
+    interval, scalars = layout.interval(node), phase_scalars(layout)
     shared = [scalar.column for scalar in scalars if scalar.column is not None]
     inner = interval.algebraic[node], interval.controls[node]
     columns = np.concatenate([layout.knots[node], *inner, shared]).astype(int)
@@ -150,17 +150,18 @@ def start_equalities_block(
     If the scheme has no node there, the rows are h, ..., h^(r-1) = 0; if it has one, h^(r) = 0. For ``carried`` see
     ``index_reduction.impose_equalities``.
     """
-    equations, interval = path_equalities(phase), layout.intervals[0]
+    equations = path_equalities(phase)
     if not equations:
         return None
+    scheme = layout.scheme
     s, held = point_symbols(phase, phase_scalars(layout)), phase.rows.path
     values: list[tuple[Row, ca.SX, float]] = []
-    if interval.scheme.nodes[0] > 0.0:
+    if scheme.nodes[0] > 0.0:
         for equation, (at_start, _) in zip(equations, determined_at_ends(phase, layout), strict=True):
             imposed, found = held[equation.row], equation.values(s.t, s.x, s.p)
             kept = [] if equation.row in carried else sorted(set(range(equation.order)) - at_start)
             values += [(rate_row(imposed, k) if k else imposed, found[k], 0.0 if k else equation.target) for k in kept]
-    elif shares_start(interval.scheme) and not _chooses_rates(phase):
+    elif shares_start(scheme) and not _chooses_rates(phase):
         for equation in equations:
             row = rate_row(held[equation.row], equation.order)
             values.append((row, equation.chosen(s.t, s.x, s.z, s.u, s.p), 0.0))

@@ -136,8 +136,8 @@ def impose_equalities(
     for equation, (at_start, at_end) in zip(path_equalities(phase), determined_at_ends(phase, layout), strict=True):
         row = held[equation.row]
         places = _places(layout, equation.order, at_end)
-        begins = layout.intervals[0].scheme.nodes[0] == 0.0 and not (carried and equation.row in carried)
-        start = layout.intervals[0].places[: int(begins)]
+        begins = layout.scheme.nodes[0] == 0.0 and not (carried and equation.row in carried)
+        start = layout.interval(0).places[: int(begins)]
         at = np.append(start, places[0])
         _impose(row, index, layout, rows, scatter, at, outputs, first + equation.row, row.lower)
         for k in range(1, equation.order):
@@ -166,11 +166,11 @@ def _places(layout: PhaseLayout, order: int, determined: frozenset[int]) -> list
         for k in range(1, kept):
             parts[k].append(inner[:, -1])
     at = [np.concatenate(each) for each in parts]
-    scheme = layout.intervals[-1].scheme
+    scheme = layout.interval(-1).scheme
     alone = order - min(order, _choices(scheme))
     if alone and determined >= set(range(1, order)):
         at[0] = np.delete(at[0], np.s_[-1 - alone : -1])
-    last = layout.intervals[-1].places[-1]
+    last = layout.interval(-1).places[-1]
     for k in determined if scheme.nodes[-1] < 1.0 else determined - {0}:
         at[k] = at[k][at[k] != last]
     return at

@@ -37,7 +37,7 @@ def shot_rows(phase: Phase, index: int, layout: PhaseLayout, added: Sequence[Add
     added : sequence of (int, float, int)
         Interval, tau in [0, 1] and row number of every added row.
     """
-    scheme = layout.intervals[0].scheme
+    scheme = layout.scheme
     assert isinstance(scheme, OneStep)
     single = len(scheme.pieces) > 2
     blocks = []

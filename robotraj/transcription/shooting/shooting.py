@@ -156,7 +156,7 @@ class IntervalSymbols:
     @classmethod
     def of(cls, phase: Phase, layout: PhaseLayout, kind: type[Symbols]) -> IntervalSymbols:
         """Return symbols of one class, ``casadi.SX`` or ``casadi.MX``."""
-        scheme, scalars = layout.intervals[0].scheme, interval_scalars(layout, 0)
+        scheme, scalars = layout.scheme, interval_scalars(layout, 0)
         nx, nu, sites = len(phase.dae.states), len(phase.dae.controls), len(scheme.control_sites)
         free = [i for i, scalar in enumerate(scalars) if scalar.column is not None]
         fixed = [i for i, scalar in enumerate(scalars) if scalar.column is None]
@@ -180,7 +180,7 @@ class _Interval:
     """The point function of one interval, and the places inside it at which path rows are imposed."""
 
     def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
-        scheme = layout.intervals[0].scheme
+        scheme = layout.scheme
         assert isinstance(scheme, OneStep)
         self._phase = phase
         self.nx = len(phase.dae.states)
