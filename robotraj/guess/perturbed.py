@@ -72,7 +72,7 @@ class Perturbed(InitialGuess):
             # Rotations of the root have no bounds; their size is one radian.
             sizes = np.concatenate([sizes[:3], np.full(3, self.spread), sizes[QUATERNION.stop :]])
         waves = rng.standard_normal((MODES, nv)) * sizes
-        bounds = _bounds(phase, phase.dae.states)
+        bounds = phase.rows.limits_of(phase.dae.states)
         pushes = rng.standard_normal((MODES, nu)) * self._sizes(phase, body.controls, u)
         offsets = rng.standard_normal(nu) * self._sizes(phase, body.controls, u)
         if robot is not None:
@@ -101,7 +101,7 @@ class Perturbed(InitialGuess):
             names = [c.name for c in phase.dae.controls]
             if [c.name for c in body.controls] == names[:nu]:
                 values[:, :nu] += offsets + _sines(s, pushes, 0)
-            return np.clip(values, *_bounds(phase, phase.dae.controls))
+            return np.clip(values, *phase.rows.limits_of(phase.dae.controls))
 
         return PhaseGuess(duration, states, algebraic, controls, self._parameters(phase, known, rng))
 
@@ -110,7 +110,7 @@ class Perturbed(InitialGuess):
         return self.guess.of_link(link, index)
 
     def _sizes(self, phase: Phase, variables: tuple[Variable, ...], values: Array) -> Array:
-        lower, upper = _bounds(phase, variables)
+        lower, upper = phase.rows.limits_of(variables)
         own = np.maximum(1.0, 0.5 * np.ptp(values, axis=0))
         with np.errstate(invalid="ignore"):
             half = 0.5 * (upper - lower)
@@ -142,11 +142,3 @@ def _sines(s: Array, waves: Array, derivative: int) -> Array:
     k = np.arange(1, len(waves) + 1)
     angles = np.pi * np.outer(s, k) + 0.5 * np.pi * derivative
     return np.asarray((np.sin(angles) * (np.pi * k) ** derivative / k) @ waves)
-
-
-def _bounds(phase: Phase, variables: tuple[Variable, ...]) -> tuple[Array, Array]:
-    """Return the bounds of variables throughout the phase."""
-    limits = phase.rows.limits()
-    pairs = [limits.get(variable.name, (-np.inf, np.inf)) for variable in variables]
-    lower, upper = np.reshape(pairs, (-1, 2)).T
-    return lower, upper

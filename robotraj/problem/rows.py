@@ -151,6 +151,13 @@ class RowTable(OneLine):
             for name, rows in self.bounds_by_variable(*where).items()
         }
 
+    def limits_of(self, variables: Sequence[Variable]) -> tuple[Array, Array]:
+        """Return ``limits`` of variables as arrays (n,), infinite where there are none."""
+        limits = self.limits()
+        pairs = [limits.get(variable.name, (-np.inf, np.inf)) for variable in variables]
+        lower, upper = np.reshape(pairs, (-1, 2)).T
+        return lower, upper
+
     def _bounds_at(self, where: Sequence[Where]) -> tuple[PhaseRow, ...]:
         return tuple(row for row in self.bounds if row.where in (where or (Where.THROUGHOUT,)))
 

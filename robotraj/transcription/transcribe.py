@@ -264,13 +264,17 @@ def _guess(problem: Problem, layouts: Sequence[PhaseLayout], guess: InitialGuess
         for scalar, name in zip(layout.parameters, phase.parameter_names, strict=True):
             if scalar.column is not None:
                 w[scalar.column] = known.parameters[name]
-        _fill(w, layout, with_copies(known, phase.dae), t0)
+        _fill(w, phase, layout, with_copies(known, phase.dae), t0)
         t0 += known.duration
     return w
 
 
-def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
+def _fill(w: Array, phase: Phase, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
     runs = layout.runs
+    # Where rows hold the bounds between the points, the columns of the points have none.
+    states, algebraic, controls = (
+        phase.rows.limits_of(variables) for variables in (phase.dae.states, phase.dae.algebraic, phase.dae.controls)
+    )
 
     def at(sites: Sequence[Array], inside: float) -> Array:
         """Return the fractions of the phase of the sites, one interval after the other."""
@@ -282,11 +286,11 @@ def _fill(w: Array, layout: PhaseLayout, known: PhaseGuess, t0: float) -> None:
         w[np.concatenate([part.ravel() for part in columns])] = values.ravel()
 
     nodes, sites = [run.scheme.nodes for run in runs], [run.scheme.control_sites for run in runs]
-    w[layout.knots.ravel()] = known.states(layout.fractions).ravel()
-    fill([run.states for run in runs], known.states(at(nodes, 0.0)))
+    w[layout.knots.ravel()] = np.clip(known.states(layout.fractions), *states).ravel()
+    fill([run.states for run in runs], np.clip(known.states(at(nodes, 0.0)), *states))
     # Controls and accelerations may jump at knots, where values are those of the interval's own side.
-    fill([run.algebraic for run in runs], known.algebraic(at(nodes, INSIDE)))
-    fill([run.controls for run in runs], known.controls(at(sites, INSIDE)))
+    fill([run.algebraic for run in runs], np.clip(known.algebraic(at(nodes, INSIDE)), *algebraic))
+    fill([run.controls for run in runs], np.clip(known.controls(at(sites, INSIDE)), *controls))
     if isinstance(layout.mesh, MovingMesh):
         for interval in layout.intervals:
             w[interval.clock.base.column] = t0 + known.duration * interval.start
