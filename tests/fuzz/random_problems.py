@@ -201,6 +201,8 @@ def _of_system(name: str, rng: np.random.Generator) -> tuple[rt.Phase, bool]:
     duration, free = _duration(rng, seconds)
     effort = rt.Lagrange(lambda p: sum(p.u[c] ** 2 for c in controls))
     objective = effort + float(rng.uniform(0.1, 10)) * rt.Duration() if free else effort
+    # Some controls, such as a flow or a temperature, are never zero.
+    bottom = u.min(axis=0) - 0.1 * top if rng.uniform() < 0.3 else -top
     phase = rt.Phase(
         system,
         duration,
@@ -208,7 +210,7 @@ def _of_system(name: str, rng: np.random.Generator) -> tuple[rt.Phase, bool]:
         rt.State(dict(zip(states, x[-1], strict=True))),
         objective,
         states={n: rt.between(m - r, m + r) for n, m, r in zip(states, middle, reach, strict=True)},
-        controls={n: rt.between(-b, b) for n, b in zip(controls, top, strict=True)},
+        controls={n: rt.between(low, high) for n, low, high in zip(controls, bottom, top, strict=True)},
         name=name,
     )
     return phase, free

@@ -149,3 +149,18 @@ def test_physical_vectors_do_not_depend_on_the_scales(nlp: rt.transcription.Nlp)
     np.testing.assert_allclose(nlp.values(w), plain.values(w), rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(nlp.jacobian(w).toarray(), plain.jacobian(w).toarray(), rtol=1e-10, atol=1e-12)
     assert nlp.objective(w) == pytest.approx(plain.objective(w), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "interval_limits", [rt.interval_limits.ConstraintGeneration(), rt.interval_limits.BernsteinBounds()]
+)
+def test_the_guess_is_inside_all_bounds_that_hold_throughout(
+    interval_limits: rt.interval_limits.ConstraintGeneration,
+) -> None:
+    """The straight line has controls of zero, where a reciprocal of the control is infinite."""
+    phase = phase_of(controls={"u": rt.between(2.0, 3.0)}, states={"w": rt.between(-4.0, 1.2)})
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4), interval_limits=interval_limits)
+    (layout,) = nlp.layouts
+    for run in layout.runs:
+        np.testing.assert_array_equal(nlp.guess[run.controls], 2.0)
+        assert np.all(nlp.guess[run.states[..., 1]] <= 1.2)
