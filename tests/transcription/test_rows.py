@@ -152,7 +152,7 @@ def test_physical_vectors_do_not_depend_on_the_scales(nlp: rt.transcription.Nlp)
 
 
 @pytest.mark.parametrize(
-    "interval_limits", [rt.interval_limits.ConstraintGeneration(), rt.interval_limits.BernsteinBounds()]
+    "interval_limits", [rt.interval_limits.ConstraintGeneration(), rt.interval_limits.BernsteinBounds(controls=True)]
 )
 def test_the_guess_is_inside_all_bounds_that_hold_throughout(
     interval_limits: rt.interval_limits.ConstraintGeneration,
