@@ -49,8 +49,22 @@ def reached_ends(problem: Problem, branch: int = 0) -> Mapping[int, tuple[Array,
         Rank of the chain of branches: 0 is the fastest. Ranks beyond the last one start again at 0.
     """
     phases = problem.phases
-    if not all(_is_searched(phase) for phase in phases):
+    reached, starts, ends = nodes_of(problem)
+    if not any(isinstance(each, OpenEnd) for each in reached):
         return {}
+    chain = _fastest_chain(phases[0], reached, branch)
+    return {i: (chain[starts[i]], chain[ends[i]]) for i in range(len(phases))}
+
+
+def nodes_of(problem: Problem) -> tuple[list[OpenEnd | Array | None], list[int], list[int]]:
+    """Return the ends of phases that share a configuration, and the numbers of each phase's start and end among them.
+
+    An end is a search, its only configuration (nq,), or None if no row applies. There are none unless all phases move
+    robots with a fixed root and without contacts.
+    """
+    phases = problem.phases
+    if not all(_is_searched(phase) for phase in phases):
+        return [], [], []
     joined = {link.second % len(phases) for link in problem.links if isinstance(link, Continuity)}
     nodes: list[list[tuple[Phase, Where]]] = []
     starts: list[int] = []
@@ -67,10 +81,7 @@ def reached_ends(problem: Problem, branch: int = 0) -> Mapping[int, tuple[Array,
     for k, node in enumerate(nodes):
         time = times[ends.index(k) + 1] if k in ends else times[starts.index(k)]
         reached.append(_at(node, float(time)))
-    if not any(isinstance(each, OpenEnd) for each in reached):
-        return {}
-    chain = _fastest_chain(phases[0], reached, branch)
-    return {i: (chain[starts[i]], chain[ends[i]]) for i in range(len(phases))}
+    return reached, starts, ends
 
 
 def _is_searched(phase: Phase) -> bool:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
+from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -60,7 +61,8 @@ class OpenEnd:
     def reached(self, near: Array) -> Array:
         """Return configurations (k, nq) inside the bounds at which the rows hold; none if the search found none.
 
-        Along motions that change no row, the fastest solutions are moved towards ``near``.
+        Along motions that change no row, the fastest solutions are moved towards ``near``. Where some configurations
+        are clear of obstacles at rest, only these are returned.
 
         Parameters
         ----------
@@ -76,8 +78,21 @@ class OpenEnd:
         if not len(found):
             return found
         found = self._turned(found, near)
-        order = np.argsort(self.seconds(near, found))
-        return np.vstack([self._pulled(found[order[:PULLED]], near), found[order[PULLED:]]])
+        clear = self.clearance(found) >= 0.0
+        found = found[clear] if clear.any() else found
+        found = found[np.argsort(self.seconds(near, found))]
+        pulled = self._pulled(found[:PULLED], near)
+        clear = (self.clearance(pulled) >= 0.0) | (self.clearance(found[:PULLED]) < 0.0)
+        return np.vstack([np.where(clear[:, None], pulled, found[:PULLED]), found[PULLED:]])
+
+    def clearance(self, q: Array) -> Array:
+        """Return the least distance beyond its margin [m] of configurations (m, nq), (m,); infinite without pairs."""
+        least = np.full(len(q), np.inf)
+        for phase, _ in self.parts:
+            for pairs in clearances_of(phase.constraints, phase.robot):
+                left = distances_at_rest(pairs, q) - pairs.margin
+                least = np.minimum(least, left.min(axis=1, initial=np.inf))
+        return least
 
     def seconds(self, near: Array, q: Array) -> Array:
         """Return the time of the slowest joint from ``near`` (nq,) to configurations (m, nq), (m,) [s]."""

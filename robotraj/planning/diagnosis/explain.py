@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from robotraj.guess.base import InitialGuess
+from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
@@ -59,6 +60,7 @@ def explained(solution: Solution, solve_coarse: Solve) -> Solution:
     if solution.status not in UNEXPLAINED:
         return solution
     conflicts, meets_rows = _searched(solution.problem, solve_coarse, solution)
+    conflicts = conflicts or blocked_ends(solution.problem)
     on_this_mesh = solution.status is Status.INFEASIBLE and meets_rows
     status = Status.NOT_ON_THIS_MESH if on_this_mesh else solution.status
     return replace(solution, conflicts=conflicts, status=status)
@@ -93,5 +95,7 @@ def _searched(
     if found:
         return found, False
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)
-    meets_rows = motion is not None and motion.success and not conflicts
+    # The relaxed problem has no rows on distances.
+    kept_clear = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
+    meets_rows = motion is not None and motion.success and not conflicts and not kept_clear
     return completed(problem, conflicts, motion, solve_coarse), meets_rows

@@ -65,7 +65,7 @@ def check_ends(phase: str, constraints: Sequence[Constraint], robot: Robot, ends
         return
     for pairs in avoided:
         for end, q in _fixed(robot, ends):
-            _check(phase, pairs, _at_rest(pairs, q[None])[0], end)
+            _check(phase, pairs, distances_at_rest(pairs, q[None])[0], end)
 
 
 def check_path(phase: str, constraints: Sequence[Constraint], robot: Robot, path: PiecewisePolynomial) -> None:
@@ -88,7 +88,7 @@ def check_path(phase: str, constraints: Sequence[Constraint], robot: Robot, path
     for pairs in avoided:
         if not len(pairs):
             continue
-        distances = _at_rest(pairs, q)
+        distances = distances_at_rest(pairs, q)
         place, worst = np.unravel_index(int(np.argmin(distances)), distances.shape)
         if not distances[place, worst] < pairs.margin:
             continue
@@ -104,7 +104,7 @@ def check_path(phase: str, constraints: Sequence[Constraint], robot: Robot, path
         )
 
 
-def _at_rest(pairs: ClearancePairs, q: Array) -> Array:
+def distances_at_rest(pairs: ClearancePairs, q: Array) -> Array:
     """Return the distances of pairs (m, n) [m] at configurations (m, nq), infinite to obstacles that move."""
     moving = np.array([pairs.obstacles[o].moves for o in pairs.second[: pairs.against]], dtype=bool)
     distances = pairs.distances(q, np.zeros(len(q)))
