@@ -12,14 +12,14 @@ import numpy as np
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.forks import unforked
-from robotraj._util.time_left import limited
+from robotraj._util.time_left import LimitReached, limited
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.live.terminal_line import watching
 from robotraj.planning.many.candidates import has_candidates, with_candidates
-from robotraj.planning.plan_limits import LimitReached, PlanLimits
+from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import solve, solve_on_coarse_mesh
 from robotraj.problem.phase import Phase
@@ -113,12 +113,13 @@ def plan(
     time_limit : float, optional
         Processor time [s] of the whole plan: building, its compilers, solves on all meshes, restarts and diagnosis.
         The best solution so far is returned. Its status is ``Status.TIME_LIMIT`` unless it is a proved motion. At the
-        limit compilers are stopped, and functions that are not compiled yet are interpreted. Building one program is
-        not interrupted otherwise, and the first solve always returns an iterate.
+        limit compilers are stopped, and functions that are not compiled yet are interpreted. Derivatives of shooting
+        that would take longer than the time that is left are not begun. Building one program is not interrupted
+        otherwise. Before the first iteration, the guess is the solution that is returned.
     memory_limit : float, optional
         Resident memory of the whole process [MB]. A mesh whose blocks alone would exceed it is refused before it is
-        built. Otherwise the memory is read between solves and at each iteration, and the plan ends with
-        ``Status.MEMORY_LIMIT``. The memory of one factorisation between two readings is not bounded.
+        built. Otherwise the memory is read between solves, at each iteration and before derivatives of shooting, and
+        the plan ends with ``Status.MEMORY_LIMIT``. The memory of one factorisation between two readings is not bounded.
     check : bool
         Raise an error where no solution was found; otherwise return the last iterate with its status.
     progress : bool, optional
@@ -231,7 +232,7 @@ def plan(
         shown = live or terminal
         given_limits = time_limit is not None or memory_limit is not None
         show = PlanLimits(time_limit or np.inf, memory_limit or np.inf, shown) if given_limits else shown
-        stack.enter_context(limited((lambda: show.left) if isinstance(show, PlanLimits) else None))
+        stack.enter_context(limited(show if isinstance(show, PlanLimits) else None))
         if continuation:
             from robotraj.planning.continuation import run_steps
 

@@ -7,23 +7,23 @@ from collections.abc import Sequence
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj._util.time_left import used_time
+from robotraj._util.time_left import LimitReached, used_time
 from robotraj.planning.diagnosis.memory import least_memory, resident
 from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Iteration, Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.schemes.mesh import Mesh
 
-
-class LimitReached(KeyboardInterrupt):
-    """Raised at a limit. It ends a plan as Ctrl-C does, and the best solution so far is returned."""
+SHORT, SMALL = 0.2, 20.0
+"""Seconds and megabytes of a call that is made whatever is left: the estimate would be less certain than the limit."""
 
 
 class PlanLimits:
     """A progress callback that stops a plan at its limits of time and memory.
 
     Both are read at every iteration of a solver, and before every solve but the first one after ``begin``. So there is
-    always an iterate to return. Building one program is interrupted only while it waits for a compiler.
+    always an iterate to return. Building one program is interrupted while it waits for a compiler, and ends before a
+    differentiation that would take longer than the time that is left (``require``).
 
     Parameters
     ----------
@@ -97,7 +97,26 @@ class PlanLimits:
                 )
         self._begun = True
 
+    def require(self, seconds: float, megabytes: float) -> None:
+        """Stop before a call that cannot be interrupted, if less than its time or memory is left.
+
+        Parameters
+        ----------
+        seconds, megabytes : float
+            Estimates of its time [s] and memory [MB].
+
+        Raises
+        ------
+        LimitReached
+        """
+        if seconds > max(SHORT, self.left):
+            self._stop(Status.TIME_LIMIT)
+        if megabytes > SMALL and np.isfinite(self.megabytes) and resident() + megabytes > self.megabytes:
+            self._stop(Status.MEMORY_LIMIT)
+
     def _read(self) -> None:
+        if self.reached is not None:
+            self._stop(self.reached)
         if used_time() > self._end:
             self._stop(Status.TIME_LIMIT)
         if np.isfinite(self.megabytes) and resident() > self.megabytes:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.time_left import LimitReached
 from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.native import Native
@@ -262,10 +263,15 @@ def _solve(
     """Solve a transcribed problem whose building began at ``began``; also return the decision vector."""
     shared = guess.shared if isinstance(guess, Start) else None
     known = guess.multipliers if isinstance(guess, Solution) else shared.known if shared else None
-    if known is not None and known.origin is not None:
-        outcome = solver.resolve(nlp, known, progress, multipliers)
-    else:
-        outcome = solver.solve(nlp, progress, multipliers)
+    try:
+        if known is not None and known.origin is not None:
+            outcome = solver.resolve(nlp, known, progress, multipliers)
+        else:
+            outcome = solver.solve(nlp, progress, multipliers)
+    except LimitReached:
+        # The derivatives would take longer than the time that is left: the guess is the only iterate.
+        none = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
+        outcome = Outcome(Status.INTERRUPTED, "no iteration was possible", nlp.guess, none, 0, {})
     if outcome.status is Status.ITERATION_LIMIT and solver == Ipopt():
         # A default limit ends the solve of one solver, not the plan.
         outcome = _solve_by_interior_point(nlp, progress, outcome)

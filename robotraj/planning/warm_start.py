@@ -210,12 +210,19 @@ def from_separated_form(
         return first
     solver = settings.solver.from_nearby().at_most(PATIENCE)
     near = replace(settings, solver=solver, restarts=Restarts(0))
-    found = _counted(first, solve_compressed(first, near))
+    try:
+        found = _counted(first, solve_compressed(first, near))
+    except KeyboardInterrupt:
+        # Ctrl-C or a limit between two solves: the solution of the separated form is kept.
+        return replace(first, status=Status.INTERRUPTED)
     if not found.success and found.status is not Status.INTERRUPTED and first.added_rows:
         few = replace(settings.interval_limits, rounds=0)
-        first = _counted(found, solve_separated(replace(settings, interval_limits=few)))
         patient = replace(near, interval_limits=few, solver=settings.solver.from_nearby())
-        found = _counted(first, solve_compressed(first, patient)) if first.success else found
+        try:
+            first = _counted(found, solve_separated(replace(settings, interval_limits=few)))
+            found = _counted(first, solve_compressed(first, patient)) if first.success else found
+        except KeyboardInterrupt:
+            return replace(found, status=Status.INTERRUPTED)
     return found
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.time_left import LimitReached
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.scalar_table import Entry, Scalars
 
@@ -49,6 +50,32 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
     bounded = (by_bounds > 0) & (by_bounds <= TIGHT) & [entry.name != "duration" for entry in variables.entries]
     size = np.where(bounded, by_bounds, by_guess)
     return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
+
+
+def scales(
+    blocks: Sequence[Block],
+    linear: csr_array,
+    variables: Scalars,
+    rows: Scalars,
+    guess: Array,
+    unsized: Sequence[Sequence[NDArray[np.int_]]],
+) -> tuple[Array, Array]:
+    """Return the scales of the variables and of the rows at the guess, (n_w,) and (n_g,).
+
+    Parameters
+    ----------
+    unsized : sequence of lists of arrays of int
+        Columns that ``rescale_unsized`` may scale, one group after the other.
+    """
+    scale = variable_scale(variables, guess)
+    try:
+        for group in unsized:
+            columns = np.concatenate([np.zeros(0, dtype=int), *group])
+            scale = rescale_unsized(scale, blocks, linear, variables, rows, guess, columns)
+        return scale, row_scale(blocks, linear, rows, scale, guess)
+    except LimitReached:
+        # Without the time for derivatives there is no solve, and the program is only evaluated at its guess.
+        return scale, np.ones(len(rows))
 
 
 def rescale_unsized(

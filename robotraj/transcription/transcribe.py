@@ -39,7 +39,7 @@ from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.numbering import lay_out
 from robotraj.transcription.scalar_table import ColumnBound, Entry, Scalars, ScalarTable
-from robotraj.transcription.scaling import rescale_unsized, row_scale, variable_scale
+from robotraj.transcription.scaling import scales
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 
@@ -130,14 +130,10 @@ def transcribe(
         block.stage.as_tapes = as_tapes
     matrix = linear.matrix(shape)
     start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
-    scale = variable_scale(variables, start)
     systems = [layout for layout, phase in zip(layouts, problem.phases, strict=True) if phase.robot is None]
-    for of_kind in (
-        [run.states.ravel() for layout in systems for run in layout.runs],
-        [*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns],
-    ):
-        own = np.concatenate([np.zeros(0, dtype=int), *of_kind])
-        scale = rescale_unsized(scale, every, matrix, variables, constraints, start, own)
+    of_states = [run.states.ravel() for layout in systems for run in layout.runs]
+    of_others = [*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns]
+    scale, of_rows = scales(every, matrix, variables, constraints, start, (of_states, of_others))
     return Nlp(
         problem,
         layouts,
@@ -147,7 +143,7 @@ def transcribe(
         tuple(every),
         matrix,
         scale,
-        row_scale(every, matrix, constraints, scale, start),
+        of_rows,
         start,
         free,
         engine,

@@ -38,6 +38,85 @@ def test_the_last_iterate_is_kept(options: dict[str, object]) -> None:
     assert np.isfinite(solution.at(1.0).q).all()
 
 
+def reach() -> rt.Phase:
+    start, end = rt.State(q=[0, -1, 1, 0, 0, 0], v=0), rt.State(q=[1, -1, 1, 0, 0, 0], v=0)
+    return rt.Phase(rt.load("ur5"), 1.0, start, end, rt.Effort())
+
+
+@pytest.mark.filterwarnings("ignore:Shooting on this mesh")
+@pytest.mark.parametrize(
+    ("limit", "status"),
+    [({"time_limit": 0.5}, rt.solvers.Status.TIME_LIMIT), ({"memory_limit": 1.0}, rt.solvers.Status.MEMORY_LIMIT)],
+    ids=["time", "memory"],
+)
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        rt.schemes.SingleShooting(),
+        rt.schemes.MultipleShooting(),
+        rt.schemes.SingleShooting(rt.schemes.Adaptive()),
+        rt.schemes.MultipleShooting(rt.schemes.Adaptive()),
+    ],
+    ids=["single", "multiple", "single, adaptive", "multiple, adaptive"],
+)
+def test_differentiation_that_takes_longer_is_not_begun(
+    scheme: rt.schemes.Scheme, limit: dict[str, float], status: rt.solvers.Status, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """CasADi is not interrupted: single shooting took 11 s with a limit of 2 s. The guess is the iterate."""
+    if "memory_limit" in limit:
+        if scheme != rt.schemes.MultipleShooting():
+            pytest.skip("takes little memory")
+        limit = {"memory_limit": resident() + 60.0}
+    solution = rt.plan(reach(), rt.Mesh(20, scheme), check=False, **limit)
+    assert solution.status is status and not solution.success and solution.iterations == 0
+    assert "no iteration was possible" in solution.message
+    assert np.isfinite(solution.at(0.5).q).all() and np.isfinite(solution.at(0.5).tau).all()
+
+
+def test_cheap_derivatives_are_always_built() -> None:
+    """A humanoid's program is sparse: an estimate by its size alone refused it."""
+    solution = rt.plan(reach(), rt.Mesh(20), time_limit=1e-6, check=False)
+    assert solution.status is rt.solvers.Status.TIME_LIMIT and "no iteration" not in solution.message
+
+
+@pytest.mark.parametrize("solves", [1, 2])
+def test_a_limit_between_the_forms_of_a_compressed_scheme_keeps_a_solution(
+    solves: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """rt.plan raised LimitReached where the limit was reached after the separated form."""
+    before, count = PlanLimits.before_solve, []
+
+    def late(self: PlanLimits, *program: object) -> None:
+        count.append(1)
+        if len(count) > solves:
+            self._end = -np.inf
+        before(self, *program)
+
+    monkeypatch.setattr(PlanLimits, "before_solve", late)
+    mesh = rt.Mesh(10, rt.schemes.CompressedHermiteSimpson())
+    solution = rt.plan(cartpole(), mesh, time_limit=1e3, check=False)
+    assert np.isfinite(solution.at(1.0).q).all()
+    assert solution.success == (len(count) <= solves)
+
+
+def test_a_limit_between_two_candidates_keeps_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """rt.plan raised LimitReached."""
+    before, count = PlanLimits.before_solve, []
+
+    def late(self: PlanLimits, *program: object) -> None:
+        count.append(1)
+        if len(count) > 1:
+            self._end = -np.inf
+        before(self, *program)
+
+    monkeypatch.setattr(PlanLimits, "before_solve", late)
+    places = [rt.FramePosition("tool0", [0.4, y, 0.4]) for y in (0.3, -0.3)]
+    phase = reach().with_(end=rt.State(v=0), constraints=[rt.AtEnd(rt.constraints.OneOf(places))])
+    solution = rt.plan(phase, rt.Mesh(8), time_limit=1e3, check=False)
+    assert len(count) == 2 and solution.status is rt.solvers.Status.TIME_LIMIT
+    assert np.isfinite(solution.at(0.5).q).all()
+
+
 def test_restarts_are_part_of_the_plan() -> None:
     """The goal is out of reach; without a limit the plan takes many times as long."""
     far = cartpole().with_(duration=0.05)

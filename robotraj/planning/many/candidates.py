@@ -34,7 +34,13 @@ def with_candidates(find: Callable[..., Solution]) -> Callable[..., Solution]:
         chosen: Solution | None = None
         times, iterations = dict[str, float](), 0
         for each in _combinations(problem):
-            found = find(each, *arguments)
+            try:
+                found = find(each, *arguments)
+            except KeyboardInterrupt:
+                # Ctrl-C or a limit between two plans: the best so far is kept.
+                if chosen is None:
+                    raise
+                break
             times, iterations = added_times(times, found.times), iterations + found.iterations
             if chosen is None or _cost(found) < _cost(chosen):
                 chosen = found

@@ -14,11 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.time_left import LimitReached, is_limited
 from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, insert_graphs
 from robotraj.dynamics.torque_symbols import Torques
 from robotraj.native.build import load_native
 from robotraj.native.stage_tapes import Tapes
 from robotraj.native.torque_chain import TorqueChain
+from robotraj.transcription.assembly.differentiation_cost import (
+    HESSIAN,
+    HESSIAN_OF_CALLS,
+    JACOBIAN,
+    JACOBIAN_OF_CALLS,
+    Cost,
+    operations,
+)
 
 if TYPE_CHECKING:
     from robotraj.native._native import RigidTree, StageGraph
@@ -46,6 +55,9 @@ class PointFunctions:
     as_tapes : bool
         Whether the engine of the NLP runs tapes, so that functions are built as tapes only. Functions with torques
         always are.
+    places : int, optional
+        Number of places, for a graph whose outputs depend on all unknowns by long expressions, such as integrated
+        forward dynamics. The cost of its derivatives is then announced to the limits of the plan.
     """
 
     def __init__(
@@ -57,11 +69,12 @@ class PointFunctions:
         torques: Torques | None = None,
         addends: Sequence[SymbolicAddend] = (),
         as_tapes: bool = False,
+        places: int | None = None,
     ) -> None:
         self.v, self.c, self._y = v, c, y if y.is_dense() else ca.densify(y)
         self.costed = costed
         self.torques = torques if torques is None or torques.are_in(self._y) else None
-        self._addends, self.as_tapes = addends, as_tapes
+        self._addends, self.as_tapes, self._places = addends, as_tapes, places
 
     @cached_property
     def y(self) -> Symbols:
@@ -88,11 +101,13 @@ class PointFunctions:
         return TorqueChain(self._graph_of(rest) if added else self.graph, self.costed, tree, added)
 
     def _graph_of(self, y: ca.SX) -> StageGraph:
+        made: StageGraph = load_native().StageGraph(self._with_torques_as_symbols(y).serialize())
+        return made
+
+    def _with_torques_as_symbols(self, y: ca.SX) -> ca.Function:
         nothing = ca.SX(0, 1)
         r, x = (nothing, nothing) if self.torques is None else (self.torques.symbols, self.torques.arguments)
-        stage = ca.Function("stage", [self.v, self.c, r], [y, x])
-        made: StageGraph = load_native().StageGraph(stage.serialize())
-        return made
+        return ca.Function("stage", [self.v, self.c, r], [y, x])
 
     @property
     def _wanted(self) -> Tapes | None:
@@ -118,6 +133,12 @@ class PointFunctions:
         """Evaluate ``"function"`` or ``"jacobian"`` at E places: (n_v, E), (n_c, E) -> (m, E)."""
         if self._wanted is None:
             return evaluated(getattr(self, name), v, c)
+        if name == "function":
+            try:
+                _ = self._jacobian_fits
+            except LimitReached:
+                # Tapes are evaluated together with their Jacobian, for which no time is left.
+                return evaluated(self.function, v, c)
         return self._wanted.evaluate("values" if name == "function" else name, v, c)
 
     @property
@@ -141,6 +162,29 @@ class PointFunctions:
         return ca.Function("gradient", [self.v, self.c], [ca.densify(ca.gradient(self._whole[self.costed], self.v))])
 
     @cached_property
+    def _operations(self) -> int:
+        """Operations of the graph that CasADi differentiates; those of torques are not part of tapes."""
+        return operations(self.function if self._wanted is None else self._with_torques_as_symbols(self.y))
+
+    @cached_property
+    def _jacobian_fits(self) -> bool:
+        """True; raises LimitReached where the plan has no time or memory for the Jacobian."""
+        return self._fits(JACOBIAN, JACOBIAN_OF_CALLS)
+
+    @cached_property
+    def _hessian_fits(self) -> bool:
+        """True; raises LimitReached where the plan has no time or memory for the Hessian."""
+        return self._fits(HESSIAN, HESSIAN_OF_CALLS)
+
+    def _fits(self, scalar: Cost, calls: Cost) -> bool:
+        if self._places is not None and is_limited():
+            if isinstance(self.v, ca.SX):
+                scalar.announce(self._operations, self.inputs)
+            else:
+                calls.announce(self._operations * self._places, self.inputs)
+        return True
+
+    @cached_property
     def _jacobian(self) -> tuple[ca.Function, Pattern]:
         matrix = ca.jacobian(self._whole, self.v)
         if self.torques is not None and self.tapes is not None:
@@ -155,6 +199,7 @@ class PointFunctions:
     @property
     def jacobian_pattern(self) -> Pattern:
         """Rows and columns of the nonzeros of ``jacobian``."""
+        _ = self._jacobian_fits
         return self._jacobian[1] if self._wanted is None else self._wanted.jacobian_pattern
 
     @cached_property
@@ -173,6 +218,7 @@ class PointFunctions:
     @property
     def hessian_pattern(self) -> Pattern:
         """Rows and columns of the nonzeros of ``hessian``."""
+        _ = self._hessian_fits
         return self._hessian[1] if self._wanted is None else self._wanted.hessian_pattern
 
 

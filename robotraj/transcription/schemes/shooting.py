@@ -26,6 +26,10 @@ from robotraj.transcription.schemes.onestep import OneStep
 
 Array = NDArray[np.float64]
 
+CALLS = {"max_num_dir": 4}
+"""Options of functions that are called, not expanded: directions of a derivative function. With CasADi's 64, single
+shooting of a ur5 took 54 s and 2 GB before its first iteration, and 3 s with 4."""
+
 
 @dataclass(frozen=True)
 class Shooting(OneStep):
@@ -62,13 +66,13 @@ class Shooting(OneStep):
         flow = self.integrator.flow(rate)
         kind = ca.SX if self.scalar_graph else ca.MX
         x0, x1, q = (kind.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
-        return ca.Function("step", [x0, x1, q], [flow(x0, q), kind(rate.size1_in(1), 0)])
+        return ca.Function("step", [x0, x1, q], [flow(x0, q), kind(rate.size1_in(1), 0)], CALLS)
 
     def samples(self, rate: ca.Function, sites: Array) -> ca.Function:
         """Return the dense output of the integrator."""
         dense = self.integrator.samples(rate, sites)
         x0, x1, q = (ca.MX.sym(n, rate.size1_in(i)) for n, i in (("x0", 1), ("x1", 1), ("q", 2)))
-        return ca.Function("samples", [x0, x1, q], [dense(x0, q)])
+        return ca.Function("samples", [x0, x1, q], [dense(x0, q)], CALLS)
 
 
 @dataclass(frozen=True)

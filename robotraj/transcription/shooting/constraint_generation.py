@@ -69,9 +69,9 @@ class _Piece:
         Every bound is a sum of them. A place for every bound would differentiate the dynamics once for each.
         """
         known, states = self._interpolated()
-        stage = PointFunctions(known.v, known.constants, ca.vec(states))
         which = [self._interval(interval) for interval, *_ in added]
         kept = sorted(set(which))
+        stage = PointFunctions(known.v, known.constants, ca.vec(states), places=len(kept))
         component = {row.number: i for row, i in self.phase.rows.bounds_of(self.phase.dae.states)}
         sites = self._sites
         scatter, (nx, _) = Triplets(), states.shape
@@ -94,7 +94,7 @@ class _Piece:
             constants.append(np.concatenate([interval_constants(self.layout, k), weights, [at], choice]))
             which.append(k)
             scatter.add(self._impose(number, k, at, rows), np.array([place]), 1.0)
-        stage = self._stage([self.phase.rows.rows[number] for number in kinds])
+        stage = self._stage([self.phase.rows.rows[number] for number in kinds], len(added))
         return self._gathered(stage, which, constants, scatter.matrix((rows.count, len(added))))
 
     @property
@@ -140,7 +140,7 @@ class _Piece:
         samples = scheme.samples(rate.function, self._sites)
         return known, samples(now, after, known.piece(scheme, self.number))[:nx, :]
 
-    def _stage(self, held: Sequence[PhaseRow]) -> PointFunctions:
+    def _stage(self, held: Sequence[PhaseRow], places: int) -> PointFunctions:
         """Return the value of the chosen row at the interpolated state."""
         known, states = self._interpolated()
         count = len(self._sites)
@@ -154,4 +154,4 @@ class _Piece:
         value = ca.dot(values, more[count + 1 :])
         chosen = ca.Function("chosen", [known.v, known.constants, more], [value])
         v, c = kind.sym("v", known.v.numel()), kind.sym("c", own + more.numel())
-        return PointFunctions(v, c, chosen(v, c[:own], c[own:]))
+        return PointFunctions(v, c, chosen(v, c[:own], c[own:]), places=places)

@@ -217,7 +217,8 @@ class _Interval:
                 impose(1.0, now)
         self.path_at = np.array(path_at)
         y = ca.vertcat(x1 - now[: self.nx], *states, *path, now[self.nx :])
-        self.stage = PointFunctions(known.v, known.constants, y, costed=int(y.numel()) - 1 if phase.integrals else None)
+        costed = int(y.numel()) - 1 if phase.integrals else None
+        self.stage = PointFunctions(known.v, known.constants, y, costed, places=len(layout.intervals))
 
     def _path_function(self) -> ca.Function:
         """Return the function (t, x, u, p) -> path rows."""
