@@ -15,7 +15,7 @@ class LimitReached(KeyboardInterrupt):
     """Raised at a limit. It ends a plan as Ctrl-C does, and the best solution so far is returned."""
 
 
-class Limits(Protocol):
+class LimitsOfPlan(Protocol):
     """Limits of a plan."""
 
     @property
@@ -26,11 +26,11 @@ class Limits(Protocol):
         """Raise ``LimitReached`` if less time or memory is left."""
 
 
-_known: ContextVar[Limits | None] = ContextVar("known", default=None)
+_known: ContextVar[LimitsOfPlan | None] = ContextVar("known", default=None)
 
 
 @contextmanager
-def limited(limits: Limits | None) -> Iterator[None]:
+def limited(limits: LimitsOfPlan | None) -> Iterator[None]:
     """Inside the block, ``time_left`` and ``require`` read these limits; None sets no limit."""
     token = _known.set(limits)
     try:
