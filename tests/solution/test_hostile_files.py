@@ -218,6 +218,32 @@ def test_the_bytes_of_a_damaged_name_are_not_repeated(saved: Path, tmp_path: Pat
     assert len(str(caught.value)) < 1000
 
 
+@pytest.mark.parametrize("field", ["format", "version", "robotraj"])
+def test_long_words_of_a_file_are_not_repeated(field: str, saved: Path, tmp_path: Path) -> None:
+    """A message had the 5,000 letters that a file called its version."""
+
+    def change(entries: dict[str, Any]) -> None:
+        about = json.loads(str(entries["about"]))
+        about |= {"version": 0} if field == "robotraj" else {}
+        entries["about"] = np.array(json.dumps(about | {field: 5000 * "x"}))
+
+    with pytest.raises(rt.InputError, match="xxx") as refusal:
+        rt.load_solution(changed(saved, tmp_path / "long.npz", change))
+    assert len(str(refusal.value)) < 500 + len(str(tmp_path))
+
+
+def test_a_long_name_of_a_missing_entry_is_not_repeated(saved: Path, tmp_path: Path) -> None:
+    def change(entries: dict[str, Any]) -> None:
+        text = json.dumps(entries["solution"])
+        first = next(name for name in entries if name.endswith("x.values"))
+        assert json.dumps(first) in text
+        entries["solution"] = json.loads(text.replace(json.dumps(first), json.dumps(5000 * "x")))
+
+    with pytest.raises(rt.InputError, match="missing entry") as refusal:
+        rt.load_solution(changed(saved, tmp_path / "long.npz", change))
+    assert len(str(refusal.value)) < 500 + len(str(tmp_path))
+
+
 def test_every_missing_entry_is_refused(saved: Path, tmp_path: Path) -> None:
     with np.load(saved) as archive:
         names = list(archive.files)

@@ -38,6 +38,8 @@ VERSION = 4
 
 MESSAGE = 2000
 """Largest number of characters in the description of a damage."""
+WORD = 60
+"""Characters of a word of a file that an error message repeats."""
 
 ADVICE = "give the path of a file that solution.save(path) wrote."
 
@@ -227,11 +229,11 @@ def _arrays(source: Path) -> tuple[dict[str, NDArray[np.generic]], Mapping[str, 
     except (OSError, *REFUSALS) as error:
         raise InputError(f"{str(source)!r} holds no robotraj solution: {error}; {ADVICE}") from error
     if kind != FORMAT:
-        raise InputError(f"{str(source)!r} holds a {kind!r}, not a {FORMAT!r}; {ADVICE}")
+        raise InputError(f"{str(source)!r} holds a {kind!r:.{WORD}}, not a {FORMAT!r}; {ADVICE}")
     if number != VERSION:
         raise InputError(
-            f"{str(source)!r} has version {number} of the file format, written by robotraj "
-            f"{about.get('robotraj')}; this robotraj ({_own_version()}) reads version {VERSION}. "
+            f"{str(source)!r} has version {number!s:.{WORD}} of the file format, written by robotraj "
+            f"{about.get('robotraj')!s:.{WORD}}; this robotraj ({_own_version()}) reads version {VERSION}. "
             "Load it with that robotraj, or plan again."
         )
     return arrays, about

@@ -97,7 +97,7 @@ class Unpacker:
     def _array(self, content: object, data: Mapping[str, object], place: str, depth: int) -> NDArray[np.generic]:
         found = self._stored.get(content) if isinstance(content, str) else None
         if found is None:
-            _damaged(place, f"the missing entry {content!r}")
+            _damaged(place, f"the missing entry {content!r:.80}")
         return found
 
     def _class(self, content: object, data: Mapping[str, object], place: str, depth: int) -> object:
