@@ -2,6 +2,7 @@
 // The page of a plan that is being made: it takes iterates from its server and shows one after the other.
 
 const LEAST_TIME = 120;
+const FAR = 30;
 const EVENTS = "events";
 
 class Live {
@@ -58,11 +59,12 @@ class Live {
     this.stale = true;
   }
 
-  // Every iterate is seen for a moment, also where the solver is faster than the eye.
+  // Iterates are seen for a moment, also where the solver is faster than the eye; far behind, some are skipped.
   advance(stamp) {
-    if (this.latest && this.shown < this.iterates.length - 1 && stamp - this.since > LEAST_TIME) {
+    const behind = this.iterates.length - 1 - this.shown;
+    if (this.latest && behind > 0 && stamp - this.since > LEAST_TIME) {
       this.since = stamp;
-      this.go(this.shown + 1, true);
+      this.go(this.shown + Math.ceil(behind / FAR), true);
       this.finish();
     }
     if (this.stale) for (const chart of Object.values(this.charts)) chart.draw();
