@@ -158,7 +158,7 @@ def _solve_once(
         for number in range(max(rounds, ROUNDS if clearing or lower else 0)):
             new = rows_to_add(nlp, [each for each in found if each not in held], added) if number < rounds else []
             exceeded = lower and limited and bool(margins.found)
-            settled = bool(interval_limits.rounds) or clearing.settled
+            settled = clearing.settled_after_rise if interval_limits.rounds else clearing.settled
             if not (new or exceeded or not clearing.proved(allowed) or not settled) or not solution.success:
                 break
             began = time.perf_counter()

@@ -26,7 +26,7 @@ ROUGH_SHORTFALL = 2e-2
 MORE = 1.2
 """Ratio of the raise of a distance to its shortfall; above 1, since the motion changes with the raise."""
 GAIN = 3e-3
-"""Relative decrease of the objective by the planes of the last motion, below which a first mesh needs no others."""
+"""Relative change of the objective by the planes of the last motion, below which a mesh needs no others."""
 ACTIVE = 1e-4
 """Distance above its bound up to which a row is active [m]."""
 LEAST = 2e-5
@@ -136,11 +136,21 @@ class Clearing:
 
     @property
     def settled(self) -> bool:
-        """Whether further planes on this mesh would reduce the objective by less than ``GAIN``."""
+        """Whether the last rows and planes changed the objective by less than ``GAIN``."""
         last = self._objectives[-2:]
         if not self._every or last[-1] == -np.inf:
             return True
-        return len(last) == 2 and last[0] - last[1] <= GAIN * abs(last[1])
+        return len(last) == 2 and abs(last[1] - last[0]) <= GAIN * abs(last[1])
+
+    @property
+    def settled_after_rise(self) -> bool:
+        """Whether the objective is settled, or no rows on this mesh have increased it.
+
+        Planes of the motion that follows an increase may reduce the objective again, on this mesh more cheaply than on
+        a finer one.
+        """
+        pairs = zip(self._objectives, self._objectives[1:], strict=False)
+        return self.settled or not any(b - a > GAIN * abs(b) for a, b in pairs if a > -np.inf)
 
     def violations(self, solution: Solution) -> Iterator[Violation]:
         """Yield the pairs whose distance is not proved, each with its worst time."""

@@ -92,3 +92,14 @@ def test_rows_of_a_later_phase_meet_obstacles_when_the_phase_runs() -> None:
     later = first_rows(rt.Problem([still, reach(box(2.0))], links=[rt.Continuity(0, 1)]))
     assert len(alone) > 0
     np.testing.assert_allclose(later, alone, atol=1e-9)
+
+
+def test_an_objective_that_rows_increased_is_not_settled() -> None:
+    """Further planes may reduce it again, at less expense than a finer mesh."""
+    clearing = Clearing(transcribe(rt.Problem([reach(rt.obstacles.Sphere(0.05, (0.5, 0.0, 0.5)))]), rt.Mesh(10)), None)
+    histories = {(2.0,): (False, True), (2.0, 2.001): (True, True), (2.0, 2.2): (False, False)}
+    histories |= {(2.0, 2.2, 2.1): (False, False), (2.0, 2.2, 2.199): (True, True), (2.2, 2.0): (False, True)}
+    histories |= {(-np.inf, 2.0): (False, True), (2.0, -np.inf): (True, True)}
+    for objectives, expected in histories.items():
+        clearing._objectives = list(objectives)
+        assert (clearing.settled, clearing.settled_after_rise) == expected
