@@ -38,6 +38,11 @@ Array = NDArray[np.float64]
 
 PARAMETER, SPEED, ACCELERATION = "path.s", "path.speed", "path.acceleration"
 """Names of the states and of the control."""
+RESTING, BENDING = 1e-9, 1e-3
+"""Largest p' at an end at which joints rest, and least p'' there with which s' is free.
+
+The first is relative to the largest p', the second to that over the length of the path.
+"""
 
 
 class PathPoint(RobotPoint):
@@ -89,7 +94,8 @@ class PathBody(RigidBody):
     path : PiecewisePolynomial
         p from s to q (nq,) [rad, m], with a continuous second derivative.
     start_speed, end_speed : float or None
-        s' at both ends; None leaves it free.
+        s' at both ends; None leaves it free. With 0 the joints rest. Where p' vanishes they rest at any s', which is
+        then free: accelerations p'' s'^2 bound it. With s' = 0 they could not accelerate there at all.
     """
 
     path: PiecewisePolynomial | None = None
@@ -140,7 +146,8 @@ class PathBody(RigidBody):
     def ends(self, last: bool) -> tuple[Array, Array]:
         """Return lower and upper bounds of (s, s') at the start or at the end, (2,) each."""
         s, speed = self._end(last)
-        low, high = (0.0, np.inf) if speed is None else (speed, speed)
+        is_free = speed is None or (speed == 0.0 and self._rests_at(s))
+        low, high = (0.0, np.inf) if is_free else (speed, speed)
         return np.array([s, low]), np.array([s, high])
 
     def joint_ends(self, last: bool) -> tuple[Array, Array]:
@@ -150,6 +157,13 @@ class PathBody(RigidBody):
         free = np.full(len(q), np.inf)
         low, high = (-free, free) if speed is None else (slope * speed, slope * speed)
         return np.concatenate([q, low]), np.concatenate([q, high])
+
+    def _rests_at(self, s: float) -> bool:
+        """Whether p' vanishes at an end and p'' does not."""
+        slope = self.curve.derivative()
+        largest = max(float(np.abs(values).max()) for values in slope.values)
+        bend = float(np.abs(slope.derivative()(s)).max()) * float(self.curve.breaks[-1] - self.curve.breaks[0])
+        return float(np.abs(slope(s)).max()) < RESTING * largest and bend > BENDING * largest
 
     def _end(self, last: bool) -> tuple[float, float | None]:
         speed = self.end_speed if last else self.start_speed

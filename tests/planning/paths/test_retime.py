@@ -206,3 +206,25 @@ def test_a_guess_on_a_path_has_a_duration_and_no_positions(arm, retimed):
     for guess in (rt.guess.Keyframes([0, 1], joints), rt.guess.MinimumJerk(), rt.Guess([0, 1], q=WAY[[0, -1]])):
         with pytest.raises(rt.InputError, match="takes them from the path"):
             rt.plan(phase, guess=guess)
+
+
+def test_a_plan_from_rest_is_retimed_from_rest(arm):
+    """Where dq/ds is 0 the joints rest at any ds/dt: least time along a plan of least time is that of the plan."""
+    ends = rt.State(q=WAY[0], v=0), rt.State(q=WAY[-1], v=0)
+    plan = rt.plan(rt.Phase(arm, (0.1, 10.0), *ends, rt.Duration()))
+    again = rt.retime(plan)
+    assert again.duration == pytest.approx(plan.duration, rel=5e-4)
+    first, last = again.at(0.0), again.at(again.duration)
+    assert max(np.abs(first.v).max(), np.abs(last.v).max()) < 1e-9 and first.x["path.speed"] > 0.5
+    assert rt.validate(again).passed
+    with pytest.warns(UserWarning, match=r"own jerk of 'wrist_3_joint' .*JointJerk"):
+        rt.retime(plan, jerk=2000.0, time_limit=0.01, check=False)
+
+
+def test_a_smooth_plan_is_retimed_under_a_limit_of_jerk(arm):
+    ends = rt.State(q=WAY[0], v=0), rt.State(q=WAY[-1], v=0)
+    plan = rt.plan(rt.Phase(arm, 1.0, *ends, rt.objectives.Jerk()))
+    again = rt.retime(plan, jerk=2000.0)
+    assert again.proof.holds and again.duration < plan.duration
+    t = np.linspace(0.0, again.duration, 20001)
+    assert np.abs(np.diff(again.at(t).a, axis=0) / np.diff(t)[:, None]).max() < 2000.0 * 1.01
