@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-OBJECTIVE_SIZES = 1e-2, 1e5
+OBJECTIVE_SIZES = 1.0, 1e5
 """Least and greatest size of the objective of a solver, whose tolerance of 1e-8 is absolute."""
 
 
