@@ -15,6 +15,9 @@ MAX_BYTES = 10_000_000
 MAX_TEXT = 4_000
 """Length of the longest attribute: the longest path of a file."""
 
+MAX_ATTRIBUTES = 100
+"""Largest number of attributes of an element; an <inertia> has six. The parser compares each with all others."""
+
 
 def read_xml(path: Path) -> ElementTree.Element:
     """Return the root element of a URDF file, whose contents are not checked.
@@ -22,7 +25,8 @@ def read_xml(path: Path) -> ElementTree.Element:
     Raises
     ------
     InputError
-        The file is missing, too large, no XML, XML of another kind (SDF, MJCF, xacro), or has a too long attribute.
+        The file is missing, too large, no XML, XML of another kind (SDF, MJCF, xacro), or has too long or too many
+        attributes.
     """
     if not path.is_file():
         raise InputError(f"There is no URDF file {str(path)!r}; give the path of an existing file.")
@@ -36,6 +40,11 @@ def read_xml(path: Path) -> ElementTree.Element:
     except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
     for element in root.iter():
+        if len(element.attrib) > MAX_ATTRIBUTES:
+            raise InputError(
+                f"{str(path)!r}: <{element.tag[:80]}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} "
+                "can be read."
+            )
         for key, text in element.attrib.items():
             if len(text) > MAX_TEXT:
                 raise InputError(

@@ -70,8 +70,8 @@ def _joint_faults(joint: Element) -> Iterator[str]:
     for field in JOINT_NUMBERS:
         element = joint.find(field)
         for key, text in {} if element is None else element.attrib.items():
-            if key != "joint" and not (_is_limit(text) if field == "limit" else numbers(text, 1)):
-                yield f"joint {name!r} has <{field} {key}={text!r}>, which is no number"
+            if key != "joint" and not numbers(text, 1):
+                yield f"joint {name!r} has <{field} {key}={text!r}>, which is no finite number"
             elif field == "limit" and key in ("velocity", "effort") and float(text) < 0:
                 yield f"joint {name!r} has the {key} limit {text}; give a magnitude, 0 or more"
 
@@ -144,11 +144,3 @@ def numbers(text: str, count: int) -> tuple[float, ...] | None:
     # float() takes underscores between digits, which no parser of URDFs does.
     readable = len(values) == count and all(map(math.isfinite, values)) and "_" not in text
     return values if readable else None
-
-
-def _is_limit(text: str) -> bool:
-    """Whether a text is a number; limits may be infinite."""
-    try:
-        return not math.isnan(float(text)) and "_" not in text
-    except ValueError:
-        return False

@@ -27,6 +27,8 @@ REFUSED = {
     "product of inertia": ('iyz="0"', 'iyz="{}"', "link 'upper' has the inertia iyz="),
     "mass": ('value="2"', 'value="{}"', "link 'upper' has the mass"),
     "axis": ('xyz="0 1 0"', 'xyz="0 {} 0"', "joint 'elbow' has the axis"),
+    "limit of the position": ('lower="-1"', 'lower="{}"', "joint 'elbow' has <limit lower="),
+    "limit of the effort": ('effort="4"', 'effort="{}"', "joint 'elbow' has <limit effort="),
     "damping": ('damping="0.1"', 'damping="{}"', "joint 'elbow' has <dynamics damping="),
 }
 
