@@ -1,7 +1,7 @@
-"""Forks wait until no other thread plans.
+"""Forks wait until no other thread plans or imports a name of this package.
 
-A fork copies only the calling thread. CasADi, MUMPS and cached properties have locks that another thread may hold.
-The child would inherit them locked, and its first plan would hang.
+A fork copies only the calling thread. CasADi, MUMPS, cached properties and modules that are being imported have locks
+that another thread may hold. The child would inherit them locked, and its first plan would hang.
 """
 
 from __future__ import annotations
@@ -9,8 +9,10 @@ from __future__ import annotations
 import os
 import threading
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+import lazy_loader
 
 PATIENCE = 60.0
 """Longest wait [s]; without it, a planning thread that waits for the forking one would deadlock."""
@@ -35,6 +37,21 @@ def unforked() -> Iterator[None]:
             if not _inside[me]:
                 del _inside[me]
             _changed.notify_all()
+
+
+def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the ``.pyi`` file beside its ``file``.
+
+    Names are imported on first use, while no other thread forks.
+    """
+    imported, directory, names = lazy_loader.attach_stub(package, file)
+
+    def attribute(name: str) -> object:
+        with unforked():
+            found: object = imported(name)
+        return found
+
+    return attribute, directory, names
 
 
 def _before() -> None:

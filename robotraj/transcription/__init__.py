@@ -3,6 +3,6 @@
 Start with ``transcribe.py``. The room may import ``guess``, ``problem`` and what lies below.
 """
 
-import lazy_loader
+from robotraj._util.forks import attach_stub
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

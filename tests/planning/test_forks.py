@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -118,3 +120,43 @@ def test_a_child_computes_a_property_that_a_thread_of_the_parent_was_computing()
     over.set()
     thread.join()
     assert code == 0
+
+
+FIRST_USE = """
+import os, threading, time
+import robotraj as rt
+
+begun = threading.Event()
+
+class Slow:
+    "Finds no module, slowly, while a package is imported."
+
+    def find_spec(self, name, path=None, target=None):
+        if name == "robotraj.solvers.ipopt":
+            begun.set()
+            time.sleep(0.5)
+        return None
+
+import sys
+sys.meta_path.insert(0, Slow())
+thread = threading.Thread(target=lambda: rt.Ipopt)
+thread.start()
+begun.wait()
+pid = os.fork()
+if pid == 0:
+    rt.Ipopt()
+    os._exit(0)
+ends = time.monotonic() + 10.0
+while time.monotonic() < ends and not os.waitpid(pid, os.WNOHANG)[0]:
+    time.sleep(0.01)
+if time.monotonic() >= ends:
+    os.kill(pid, 9)
+    sys.exit("the child hangs")
+thread.join()
+"""
+
+
+def test_a_fork_waits_for_the_first_use_of_a_name() -> None:
+    """The child inherited the locked import of a module, and hung at its first use."""
+    done = subprocess.run([sys.executable, "-c", FIRST_USE], capture_output=True, text=True, timeout=60.0)
+    assert done.returncode == 0, done.stderr

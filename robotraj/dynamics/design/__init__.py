@@ -1,5 +1,5 @@
 """Design: masses, lengths, payloads and damping of the robot as parameters of the plan."""
 
-import lazy_loader
+from robotraj._util.forks import attach_stub
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

@@ -3,6 +3,6 @@
 Start with ``base.py``.
 """
 
-import lazy_loader
+from robotraj._util.forks import attach_stub
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

@@ -1,5 +1,5 @@
 """Limits between the collocation points of an interval: Bernstein bounds and constraint generation."""
 
-import lazy_loader
+from robotraj._util.forks import attach_stub
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

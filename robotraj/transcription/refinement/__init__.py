@@ -1,5 +1,5 @@
 """Refinement: the error between knots, and the next mesh."""
 
-import lazy_loader
+from robotraj._util.forks import attach_stub
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
