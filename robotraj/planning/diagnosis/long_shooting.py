@@ -22,8 +22,9 @@ OPERATIONS = 380
 """Operations of the articulated-body algorithm for each joint."""
 STAGES = 4
 """Evaluations in a step of Runge-Kutta."""
-ITERATIONS = 50
-"""Iterations of a solve without a good guess."""
+ITERATIONS, ITERATIONS_SINGLE = 50, 100
+"""Iterations of multiple and of single shooting without a good guess. Some motions of a ur5 took over 400 by single
+shooting with ten intervals."""
 SECONDS = 5e-8
 """Processor time of an operation, its derivatives and interpretation [s]; measured with a ur5."""
 
@@ -39,8 +40,9 @@ def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
         evaluations = STAGES * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
         nu, nx = phase.robot.nu, 2 * phase.robot.nv
         variables = own.count * nu if isinstance(scheme, SingleShooting) else nx + nu
-        total += own.count * variables * evaluations * OPERATIONS * phase.robot.nv
-    return SECONDS * ITERATIONS * total
+        iterations = ITERATIONS_SINGLE if isinstance(scheme, SingleShooting) else ITERATIONS
+        total += iterations * own.count * variables * evaluations * OPERATIONS * phase.robot.nv
+    return SECONDS * total
 
 
 def warn_of_long_shooting(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> None:
