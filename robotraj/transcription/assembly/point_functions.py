@@ -187,8 +187,8 @@ class PointFunctions:
     @cached_property
     def _jacobian(self) -> tuple[ca.Function, Pattern]:
         matrix = ca.jacobian(self._whole, self.v)
-        if self.torques is not None and self.tapes is not None:
-            matrix = _spread(matrix, self.tapes.jacobian_pattern)
+        if self._wanted is not None:
+            matrix = _spread(matrix, self._wanted.jacobian_pattern)
         return ca.Function("jacobian", [self.v, self.c], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
@@ -206,8 +206,8 @@ class PointFunctions:
     def _hessian(self) -> tuple[ca.Function, Pattern]:
         m = type(self.v).sym("m", self.outputs)
         matrix = ca.tril(ca.hessian(ca.dot(m, self._whole), self.v)[0])
-        if self.torques is not None and self.tapes is not None:
-            matrix = _spread(matrix, self.tapes.hessian_pattern)
+        if self._wanted is not None:
+            matrix = _spread(matrix, self._wanted.hessian_pattern)
         return ca.Function("hessian", [self.v, self.c, m], [_nonzeros(matrix)]), _pattern(matrix.sparsity())
 
     @property
@@ -242,7 +242,7 @@ def evaluated(function: ca.Function, *arguments: Array) -> Array:
 
 
 def _spread(matrix: Symbols, pattern: Pattern) -> Symbols:
-    """Extend a matrix by explicit zeros to a pattern."""
+    """Return a matrix with the pattern of its tape: zeros are added, and entries that are always zero are dropped."""
     rows, columns = pattern
     return ca.project(matrix, ca.Sparsity.triplet(*matrix.shape, rows.tolist(), columns.tolist()))
 

@@ -20,7 +20,11 @@ Pattern pattern_of(const SX& matrix) {
   return pattern;
 }
 
-SX nonzeros(const SX& matrix) { return SX(matrix.nonzeros()); }
+Nodes joined(std::initializer_list<Nodes> parts) {
+  Nodes all;
+  for (const Nodes& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
 
 SX joined(const std::vector<SX>& parts) {
   std::vector<casadi::SXElem> entries;
@@ -45,40 +49,89 @@ std::vector<double> LinearPart::at(const double* constants, std::size_t count) c
   return found;
 }
 
-StageGraph::StageGraph(const std::string& text) {
-  const Function function = Function::deserialize(text);
-  const std::vector<SX> in = function.sx_in(), out = function(in);
+StageGraph::StageGraph(const std::string& text) : function_(Function::deserialize(text)) {
+  const std::vector<SX> in = function_.sx_in(), out = function_(in);
   v_ = in.at(0), c_ = in.at(1), r_ = in.at(2);
   y_ = SX::densify(out.at(0)), x_ = SX::densify(out.at(1));
 }
 
-Tape StageGraph::tape(const std::vector<SX>& more, const SX& result) const {
-  std::vector<SX> inputs = {v_, c_};
-  if (!r_.is_empty()) inputs.push_back(r_);
-  inputs.insert(inputs.end(), more.begin(), more.end());
-  return Tape(Function("tape", inputs, {result}));
+StageGraph::Scalars StageGraph::scalars(bool with_torques) const {
+  Scalars found;
+  found.v = found.graph.add_argument(v_.numel());
+  found.c = found.graph.add_argument(c_.numel());
+  if (!with_torques) found.r.assign(r_.numel(), found.graph.constant(0.0));
+  else if (!r_.is_empty()) found.r = found.graph.add_argument(r_.numel());
+  std::vector<Nodes> results = found.graph.read(function_, {found.v, found.c, found.r});
+  found.y = std::move(results.at(0));
+  found.x = std::move(results.at(1));
+  return found;
 }
 
-StageGraph::Slopes StageGraph::slopes_of(const SX& y) const {
-  const SX by_v = SX::jacobian(y, v_), by_r = SX::jacobian(y, r_);
-  return {tape({}, joined({by_v, by_r})), pattern_of(by_v), pattern_of(by_r)};
+Tape StageGraph::values() const {
+  const Scalars own = scalars();
+  return Tape(own.graph, own.y);
 }
 
-Tape StageGraph::gradient(std::size_t which) const { return tape({}, SX::densify(SX::gradient(entry(which), v_))); }
+Tape StageGraph::output(std::size_t which) const {
+  const Scalars own = scalars();
+  return Tape(own.graph, {own.y.at(which)});
+}
+
+StageGraph::Slopes StageGraph::slopes_of(Scalars& own, const Nodes& y) {
+  const auto n = static_cast<Node>(own.v.size());
+  Nodes nodes;
+  Slopes found;
+  for (const Derivative& each : jacobian(own.graph, y, joined({own.v, own.r}))) {
+    nodes.push_back(each.node);
+    if (each.column < n) found.by_v.emplace_back(each.row, each.column);
+    else found.by_r.emplace_back(each.row, each.column - n);
+  }
+  found.tape = Tape(own.graph, nodes);
+  return found;
+}
+
+StageGraph::Slopes StageGraph::slopes() const {
+  Scalars own = scalars();
+  return slopes_of(own, own.y);
+}
+
+StageGraph::Slopes StageGraph::slopes(std::size_t which) const {
+  Scalars own = scalars();
+  return slopes_of(own, {own.y.at(which)});
+}
+
+Tape StageGraph::gradient(std::size_t which) const {
+  Scalars own = scalars();
+  const Nodes slopes = native::gradient(own.graph, {own.y.at(which)}, {own.graph.constant(1.0)}, own.v);
+  return Tape(own.graph, slopes);
+}
 
 StageGraph::Curvature StageGraph::curvature() const {
-  const SX m = SX::sym("m", y_.numel());
-  if (r_.is_empty()) {
-    SX gradient;
-    const SX vv = SX::tril(SX::hessian(SX::dot(m, y_), v_, gradient));
-    return {tape({m}, nonzeros(vv)), pattern_of(vv), {}, {}};
+  Scalars own = scalars();
+  const Nodes m = own.graph.add_argument(own.y.size()), u = joined({own.v, own.r});
+  const Nodes slopes = native::gradient(own.graph, own.y, m, u);
+  const auto n = static_cast<Node>(own.v.size());
+  Curvature found;
+  Nodes vv, rv, rr;
+  for (const Derivative& each : hessian(own.graph, slopes, u)) {
+    const Node row = each.row - n, column = each.column - n;
+    if (row < 0) {
+      vv.push_back(each.node);
+      found.vv.emplace_back(each.row, each.column);
+    } else if (column < 0) {
+      rv.push_back(each.node);
+      found.rv.emplace_back(row, each.column);
+    } else {
+      rr.push_back(each.node);
+      found.rr.emplace_back(row, column);
+      if (row == column) continue;
+      rr.push_back(each.node);
+      found.rr.emplace_back(column, row);
+    }
   }
-  const SX both = SX::vertcat({v_, r_});
-  const SX first = SX::densify(SX::gradient(SX::dot(m, y_), both));
-  const casadi_int n = v_.numel();
-  const SX by_v = first(casadi::Slice(0, n)), by_r = first(casadi::Slice(n, first.numel()));
-  const SX vv = SX::tril(SX::jacobian(by_v, v_)), rv = SX::jacobian(by_r, v_), rr = SX::jacobian(by_r, r_);
-  return {tape({m}, joined({by_r, vv, rv, rr})), pattern_of(vv), pattern_of(rv), pattern_of(rr)};
+  const Nodes by_r(slopes.begin() + n, slopes.end());
+  found.tape = Tape(own.graph, joined({by_r, vv, rv, rr}));
+  return found;
 }
 
 std::optional<std::vector<std::int64_t>> StageGraph::places() const {
@@ -95,11 +148,23 @@ std::optional<std::vector<std::int64_t>> StageGraph::places() const {
 }
 
 StageGraph::Arguments StageGraph::chain() const {
-  const SX by_v = SX::jacobian(x_, v_), g = SX::sym("g", x_.numel());
-  SX gradient;
-  const SX curvature = SX::tril(SX::hessian(SX::dot(g, x_), v_, gradient));
-  return {Tape(Function("tape", {v_, c_}, {joined({x_, by_v})})),
-          Tape(Function("tape", {v_, c_, g}, {nonzeros(curvature)})), pattern_of(by_v), pattern_of(curvature)};
+  // Arguments of the torques do not depend on them.
+  Scalars first = scalars(false), second = scalars(false);
+  Arguments found;
+  Nodes slopes, curvature;
+  for (const Derivative& each : jacobian(first.graph, first.x, first.v)) {
+    slopes.push_back(each.node);
+    found.by_v.emplace_back(each.row, each.column);
+  }
+  found.tape = Tape(first.graph, joined({first.x, slopes}));
+  const Nodes g = second.graph.add_argument(second.x.size());
+  const Nodes by_v = native::gradient(second.graph, second.x, g, second.v);
+  for (const Derivative& each : hessian(second.graph, by_v, second.v)) {
+    curvature.push_back(each.node);
+    found.curvature.emplace_back(each.row, each.column);
+  }
+  found.curved = Tape(second.graph, curvature);
+  return found;
 }
 
 std::vector<bool> StageGraph::turned() const {

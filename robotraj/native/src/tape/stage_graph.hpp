@@ -1,4 +1,4 @@
-// Derivatives of a stage function as tapes: CasADi's graphs, built without a call from Python for each of them.
+// Derivatives of a stage function as tapes.
 #pragma once
 
 #include <casadi/core/function.hpp>
@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "differentiate.hpp"
 #include "rigid_body/rigid_tree.hpp"
 #include "tape.hpp"
 
@@ -46,16 +47,16 @@ class StageGraph {
   std::size_t arguments() const { return x_.numel(); }
 
   /// (v, c, r) -> y, or one of its entries. These and all other tapes are without r where it is empty.
-  Tape values() const { return tape({}, y_); }
-  Tape output(std::size_t which) const { return tape({}, entry(which)); }
+  Tape values() const;
+  Tape output(std::size_t which) const;
 
   /// Nonzeros of dy/dv, then those of dy/dr.
   struct Slopes {
     Tape tape;
     Pattern by_v, by_r;
   };
-  Slopes slopes() const { return slopes_of(y_); }
-  Slopes slopes(std::size_t which) const { return slopes_of(entry(which)); }
+  Slopes slopes() const;
+  Slopes slopes(std::size_t which) const;
   /// d y_i/dv, dense, of a stage without torques.
   Tape gradient(std::size_t which) const;
 
@@ -83,11 +84,17 @@ class StageGraph {
   LinearPart linear(const std::vector<std::int64_t>& outputs) const;
 
  private:
-  casadi::SX entry(std::size_t which) const { return y_(static_cast<casadi_int>(which)); }
-  Tape tape(const std::vector<casadi::SX>& more, const casadi::SX& result) const;
-  Slopes slopes_of(const casadi::SX& y) const;
+  /// A graph of its own for each tape, so that none has to search the nodes of others.
+  struct Scalars {
+    ScalarGraph graph;
+    Nodes v, c, r, y, x;
+  };
+  /// With torques as an argument where there are any, or else with zeros.
+  Scalars scalars(bool with_torques = true) const;
+  static Slopes slopes_of(Scalars& scalars, const Nodes& y);
   std::vector<bool> turned() const;
 
+  casadi::Function function_;
   casadi::SX v_, c_, r_, y_, x_;
 };
 

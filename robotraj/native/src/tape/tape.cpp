@@ -1,125 +1,122 @@
 #include "tape.hpp"
 
-// calculus.hpp uses macros that headers of function.hpp define.
 #include <casadi/core/function.hpp>
 
 #include <casadi/core/calculus.hpp>
-
-#include <cstring>
-#include <numeric>
-#include <unordered_map>
 
 namespace robotraj::native {
 
 namespace {
 
-/// Whether CasADi computes an operation from one or two numbers alone.
-bool elementary(casadi_int operation) {
+Step step_of(std::int16_t operation) {
   switch (operation) {
-    case casadi::OP_ERFINV:
-    case casadi::OP_LOG1P:
-    case casadi::OP_EXPM1:
-    case casadi::OP_HYPOT:
-    case casadi::OP_REMAINDER: return true;
-    default: return operation <= casadi::OP_ATAN2;
+    case casadi::OP_ADD: return Step::add;
+    case casadi::OP_SUB:
+    case casadi::OP_NEG: return Step::subtract;
+    case casadi::OP_MUL: return Step::multiply;
+    case casadi::OP_DIV: return Step::divide;
+    default: return Step::other;
   }
 }
 
-/// Numbers of constants by their bits: 0.0 and -0.0 differ.
-class Constants {
+/// The memory of computed nodes: places of work that are free again, or of the result.
+class Places {
  public:
-  std::int32_t place(double value) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &value, sizeof bits);
-    const auto [found, added] = places_.emplace(bits, static_cast<std::int32_t>(values.size()));
-    if (added) values.push_back(value);
-    return found->second;
+  Places(const ScalarGraph& graph, const Nodes& order, const Nodes& results)
+      : of(graph.size(), 0), uses_(graph.size(), 0), graph_(graph) {
+    for (const Node each : order)
+      if (graph.is_computed(each)) {
+        ++uses_[static_cast<std::size_t>(graph.part(each).first)];
+        ++uses_[static_cast<std::size_t>(graph.part(each).second)];
+      }
+    // Results stay where they are computed. A node that is several results is copied to the others.
+    for (std::size_t k = 0; k < results.size(); ++k)
+      if (std::int32_t& place = of[static_cast<std::size_t>(results[k])]; graph.is_computed(results[k]) && place == 0)
+        place = -static_cast<std::int32_t>(k) - 1;
   }
 
-  std::vector<double> values;
+  /// Finds a place for a node, whose operands may be needed no more.
+  void take(Node node) {
+    free(graph_.part(node).first);
+    free(graph_.part(node).second);
+    std::int32_t& place = of[static_cast<std::size_t>(node)];
+    if (place < 0) return;
+    if (free_.empty()) free_.push_back(static_cast<std::int32_t>(size++));
+    place = free_.back();
+    free_.pop_back();
+  }
+
+  std::vector<std::int32_t> of;  ///< of each computed node; -k - 1 for the k-th result
+  std::size_t size = 0;
 
  private:
-  std::unordered_map<std::uint64_t, std::int32_t> places_;
+  void free(Node node) {
+    if (--uses_[static_cast<std::size_t>(node)] > 0 || !graph_.is_computed(node)) return;
+    if (const std::int32_t place = of[static_cast<std::size_t>(node)]; place >= 0) free_.push_back(place);
+  }
+
+  std::vector<std::int32_t> uses_, free_;
+  const ScalarGraph& graph_;
 };
+
+Tape tape_of(const casadi::Function& function) {
+  if (function.n_out() != 1) throw NotATape("a tape has one result; " + function.name() + " has several");
+  ScalarGraph graph;
+  std::vector<Nodes> arguments;
+  for (casadi_int i = 0; i < function.n_in(); ++i) arguments.push_back(graph.add_argument(function.nnz_in(i)));
+  const Nodes results = graph.read(function, arguments).front();
+  return Tape(graph, results);
+}
 
 }  // namespace
 
-Tape::Tape(const casadi::Function& function) {
-  if (!function.is_a("SXFunction") || function.n_out() != 1 || !function.sparsity_out(0).is_dense())
-    throw NotATape("a tape is made of a scalar graph with one dense result; " + function.name() + " is none");
-  for (casadi_int i = 0; i < function.n_in(); ++i) inputs_.push_back(function.nnz_in(i));
-  read_.resize(inputs_.size());
-  outputs_ = function.nnz_out(0);
-  work_ = function.sz_w();
-  std::vector<std::size_t> begin(inputs_.size() + 1, work_);
-  std::partial_sum(inputs_.begin(), inputs_.end(), begin.begin() + 1, std::plus<>());
-  for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += work_;
-  const auto constants_at = static_cast<std::int32_t>(begin.back());
+Tape::Tape(const casadi::Function& function) : Tape(tape_of(function)) {}
 
-  // Arguments and constants are read in place: an entry of the work vector may be an alias of one of them.
-  std::vector<std::int32_t> meant(work_);
-  std::iota(meant.begin(), meant.end(), 0);
-  Constants constants;
-  const std::int32_t minus_zero = constants_at + constants.place(-0.0);
-  std::vector<std::pair<std::int32_t, casadi_int>> results;
-  const casadi_int count = function.n_instructions();
-  instructions_.reserve(count);
-  for (casadi_int k = 0; k < count; ++k) {
-    const casadi_int operation = function.instruction_id(k);
-    const std::vector<casadi_int> out = function.instruction_output(k);
-    if (operation == casadi::OP_CONST) {
-      meant[out[0]] = constants_at + constants.place(function.instruction_constant(k));
-      continue;
+Tape::Tape(const ScalarGraph& graph, const Nodes& results) : inputs_(graph.arguments()), outputs_(results.size()) {
+  const Nodes order = graph.order(results);
+  Places places(graph, order, results);
+  for (const Node each : order)
+    if (graph.is_computed(each)) places.take(each);
+  work_ = places.size;
+  std::vector<std::size_t> begin{work_};
+  for (const std::size_t each : inputs_) begin.push_back(begin.back() + each);
+  read_.assign(inputs_.size(), false);
+  const auto constants_at = static_cast<std::int32_t>(begin.back());
+  // Minus zero is the first constant: it changes no number that it is added to.
+  constants_.push_back(-0.0);
+  for (const Node each : order) {
+    std::int32_t& place = places.of[static_cast<std::size_t>(each)];
+    const ScalarGraph::Part& part = graph.part(each);
+    if (graph.is_constant(each)) {
+      place = constants_at + static_cast<std::int32_t>(constants_.size());
+      constants_.push_back(graph.value(each));
+    } else if (graph.is_argument(each)) {
+      read_[static_cast<std::size_t>(part.first)] = true;
+      place = static_cast<std::int32_t>(begin[static_cast<std::size_t>(part.first)]) + part.second;
     }
-    const std::vector<casadi_int> in = function.instruction_input(k);
-    if (operation == casadi::OP_INPUT) {
-      meant[out[0]] = static_cast<std::int32_t>(begin[in[0]] + in[1]);
-      read_[in[0]] = true;
-      continue;
-    }
-    const std::int32_t first = meant[in[0]], second = in.size() > 1 ? meant[in[1]] : first;
-    if (operation == casadi::OP_OUTPUT) {
-      // The results begin after the constants, once all of these are known.
-      results.emplace_back(static_cast<std::int32_t>(instructions_.size()), out[1]);
-      instructions_.push_back({0, first, minus_zero, Step::add, 0});
-      continue;
-    }
-    const auto to = static_cast<std::int32_t>(out[0]);
-    meant[to] = to;
-    Instruction next{to, first, second, Step::add, static_cast<std::int16_t>(operation)};
-    switch (operation) {
-      case casadi::OP_ASSIGN: next.second = minus_zero; break;
-      case casadi::OP_ADD:
-      case casadi::OP_TWICE: break;
-      case casadi::OP_SUB: next.step = Step::subtract; break;
-      case casadi::OP_NEG: next.first = minus_zero, next.second = first, next.step = Step::subtract; break;
-      case casadi::OP_MUL:
-      case casadi::OP_SQ: next.step = Step::multiply; break;
-      case casadi::OP_DIV: next.step = Step::divide; break;
-      case casadi::OP_INV:
-        next.step = Step::divide, next.first = constants_at + constants.place(1.0), next.second = first;
-        break;
-      default:
-        if (!elementary(operation)) throw NotATape(function.name() + " calls another function");
-        next.step = Step::other;
-    }
-    instructions_.push_back(next);
   }
-  constants_ = std::move(constants.values);
-  result_ = constants_at + constants_.size();
-  for (const auto& [instruction, place] : results)
-    instructions_[instruction].out = static_cast<std::int32_t>(result_ + place);
+  result_ = static_cast<std::size_t>(constants_at) + constants_.size();
+  const auto place_of = [&](Node node) {
+    const std::int32_t place = places.of[static_cast<std::size_t>(node)];
+    return place < 0 ? static_cast<std::int32_t>(result_) - place - 1 : place;
+  };
+  for (const Node each : order) {
+    if (!graph.is_computed(each)) continue;
+    const ScalarGraph::Part& part = graph.part(each);
+    const bool negates = part.operation == casadi::OP_NEG;
+    instructions_.push_back({place_of(each), negates ? constants_at : place_of(part.first), place_of(part.second),
+                             step_of(part.operation), part.operation});
+  }
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    const auto to = static_cast<std::int32_t>(result_ + k);
+    if (place_of(results[k]) != to)
+      instructions_.push_back({to, place_of(results[k]), constants_at, Step::add, casadi::OP_ADD});
+  }
 }
 
 TapeCode Tape::code() const {
   return {instructions_.data(), instructions_.size(), inputs_.data(), inputs_.size(),
           constants_.data(),    constants_.size(),    work_,          outputs_};
-}
-
-double compute(std::int16_t operation, double x, double y) {
-  double result = 0.0;
-  casadi::casadi_math<double>::fun(static_cast<unsigned char>(operation), x, y, result);
-  return result;
 }
 
 }  // namespace robotraj::native

@@ -1,14 +1,11 @@
-// CasADi's scalar graphs, run for a pack of points at a time.
+// Scalar graphs as lists of instructions, run for a pack of points at a time.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <vector>
 
-namespace casadi {
-class Function;
-}
+#include "scalar_graph.hpp"
 
 namespace robotraj::native {
 
@@ -34,16 +31,12 @@ struct TapeCode {
   std::size_t outputs = 0;
 };
 
-/// A function is no scalar graph of one dense result, or has calls of other functions in it.
-struct NotATape : std::invalid_argument {
-  using std::invalid_argument::invalid_argument;
-};
-
-/// The instructions of a casadi::Function of one dense result, in its own order: the same numbers, to the last bit.
+/// The instructions of which results of a graph are computed.
 class Tape {
  public:
   Tape() = default;
-  /// Reads an SXFunction; throws NotATape for any other function.
+  Tape(const ScalarGraph& graph, const Nodes& results);
+  /// Of an SXFunction of one dense result; throws NotATape for any other function.
   explicit Tape(const casadi::Function& function);
 
   TapeCode code() const;
@@ -51,6 +44,8 @@ class Tape {
   std::size_t memory() const { return result_ + outputs_; }
   /// Numbers in the result.
   std::size_t outputs() const { return outputs_; }
+  /// Operations of a run.
+  std::size_t operations() const { return instructions_.size(); }
   /// Numbers in each argument.
   const std::vector<std::size_t>& inputs() const { return inputs_; }
   bool empty() const { return instructions_.empty(); }
@@ -66,8 +61,5 @@ class Tape {
   std::size_t result_ = 0;
   std::size_t outputs_ = 0;
 };
-
-/// One operation of one point, as CasADi computes it.
-double compute(std::int16_t operation, double x, double y);
 
 }  // namespace robotraj::native
