@@ -24,23 +24,26 @@ class Entries {
 
   /// Returns a number for `places`.
   int add(int row, int column) {
-    keys_.push_back({std::min(row, column), std::max(row, column), static_cast<int>(keys_.size())});
-    return keys_.back().number;
+    keys_.push_back({std::max(row, column), std::min(row, column)});
+    return static_cast<int>(keys_.size()) - 1;
   }
   ldl::Pattern pattern() {
-    std::sort(keys_.begin(), keys_.end(), [](const Key& a, const Key& b) {
-      return a.column != b.column ? a.column < b.column : a.row != b.row ? a.row < b.row : a.number < b.number;
-    });
+    // Sorted by rows, then by columns without changing the order of rows.
+    const std::vector<int> by_rows = sorted(in_order(keys_.size()), &Key::row);
+    const std::vector<int> order = sorted(by_rows, &Key::column);
     ldl::Pattern pattern;
     pattern.n = n_;
     pattern.starts.assign(static_cast<std::size_t>(n_) + 1, 0);
     places_.resize(keys_.size());
-    for (std::size_t k = 0; k < keys_.size(); ++k) {
-      if (k == 0 || keys_[k].row != keys_[k - 1].row || keys_[k].column != keys_[k - 1].column) {
-        pattern.rows.push_back(keys_[k].row);
-        ++pattern.starts[static_cast<std::size_t>(keys_[k].column) + 1];
+    const Key* last = nullptr;
+    for (const int number : order) {
+      const Key& key = keys_[static_cast<std::size_t>(number)];
+      if (!last || last->row != key.row || last->column != key.column) {
+        pattern.rows.push_back(key.row);
+        ++pattern.starts[static_cast<std::size_t>(key.column) + 1];
       }
-      places_[static_cast<std::size_t>(keys_[k].number)] = static_cast<std::int32_t>(pattern.rows.size()) - 1;
+      last = &key;
+      places_[static_cast<std::size_t>(number)] = static_cast<std::int32_t>(pattern.rows.size()) - 1;
     }
     std::partial_sum(pattern.starts.begin(), pattern.starts.end(), pattern.starts.begin());
     return pattern;
@@ -49,8 +52,21 @@ class Entries {
 
  private:
   struct Key {
-    int column, row, number;
+    int row, column;
   };
+  /// Numbers of keys in ascending order of one of their members; equal ones stay in the given order.
+  std::vector<int> sorted(const std::vector<int>& numbers, int Key::*member) const {
+    const auto of = [&](int number) {
+      return static_cast<std::size_t>(keys_[static_cast<std::size_t>(number)].*member);
+    };
+    std::vector<std::size_t> next(static_cast<std::size_t>(n_) + 1, 0);
+    for (const int number : numbers) ++next[of(number) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<int> found(numbers.size());
+    for (const int number : numbers) found[next[of(number)]++] = number;
+    return found;
+  }
+
   int n_;
   std::vector<Key> keys_;
   std::vector<std::int32_t> places_;

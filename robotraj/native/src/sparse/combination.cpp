@@ -13,7 +13,7 @@ namespace {
 /// Least rows of a block, least rows in which repeats are searched for, and most rows of a block.
 constexpr std::size_t kLeast = 16, kWorthwhile = 128, kMost = 1u << 13;
 /// Most comparisons a row in the search for repeats, which limits the cost where nothing repeats.
-constexpr std::size_t kPatience = 16;
+constexpr std::size_t kPatience = 4;
 
 }  // namespace
 
