@@ -290,10 +290,11 @@ class LinearPart:
         """Return the nonzeros of A, then b, at each of ``count`` points c."""
 
 class StageGraph:
-    """A stage function y = psi(v, c, r), where r = RNEA(x) with x = chi(v, c), and its derivatives by CasADi.
+    """A stage function y = psi(v, c, r), where r = RNEA(x) with x = chi(v, c), and its derivatives.
 
-    Patterns are rows and columns of nonzeros in CasADi's order. Without torques, r and x are empty, and tapes take
-    (v, c) alone instead of (v, c, r).
+    Patterns are rows and columns of nonzeros, column after column. An entry is a nonzero where its graph is not zero,
+    so a pattern may have fewer entries than CasADi's. Without torques, r and x are empty, and tapes take (v, c) alone
+    instead of (v, c, r).
 
     Parameters
     ----------
