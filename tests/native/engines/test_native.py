@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -137,7 +138,7 @@ def test_values_and_derivatives_are_those_of_the_graph(name: str) -> None:
     points = points_of(plain)
     assert_same(evaluated(native, points), expected(plain, points))
     # Without separate torques, a stage is evaluated as one tape.
-    whole = stage_of(phase, None)
+    whole = copy(plain)
     whole.as_tapes = True
     assert_same(evaluated(whole, points), expected(plain, points))
 
