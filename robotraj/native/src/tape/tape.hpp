@@ -44,8 +44,6 @@ class Tape {
   std::size_t memory() const { return result_ + outputs_; }
   /// Numbers in the result.
   std::size_t outputs() const { return outputs_; }
-  /// Operations of a run.
-  std::size_t operations() const { return instructions_.size(); }
   /// Numbers in each argument.
   const std::vector<std::size_t>& inputs() const { return inputs_; }
   bool empty() const { return instructions_.empty(); }
