@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import field, replace
 
 import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
+from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.control import LinearControl
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
@@ -84,3 +85,20 @@ def graded(count: int, scheme: Scheme | None = None) -> Mesh:
     knots = 0.5 * (1.0 + (1.0 - CROWDING) * x + CROWDING * np.sin(0.5 * np.pi * x))
     knots[0], knots[-1] = 0.0, 1.0
     return Mesh(tuple(knots.tolist()), scheme or HermiteSimpson())
+
+
+def with_linear_controls(problem: Problem, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
+    """Replace Hermite-Simpson by ``LINES`` where controls are unknowns of their own.
+
+    On a singular arc, the free control in the middle of every interval alternates with those at the knots, and no finer
+    mesh ends that.
+    """
+    return tuple(
+        mesh if is_exact(phase, mesh.given) else replace(mesh, scheme=_linear(mesh.given))
+        for phase, mesh in zip(problem.phases, meshes, strict=True)
+    )
+
+
+def _linear(schemes: tuple[Scheme, ...]) -> Scheme | tuple[Scheme, ...]:
+    replaced = tuple(LINES if scheme == HermiteSimpson() else scheme for scheme in schemes)
+    return replaced if len(replaced) > 1 else replaced[0]

@@ -7,7 +7,6 @@ exceeds limits of torques between the points, they are lowered there by the exce
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
@@ -16,13 +15,13 @@ import numpy as np
 from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.plan_limits import PlanLimits
+from robotraj.planning.proving.first_mesh import with_linear_controls
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
 from robotraj.planning.proving.soft_friction import is_of_arms, needs_softening, softened, softenings
-from robotraj.planning.restarts import RESTARTED_FROM
-from robotraj.planning.solve import solve
+from robotraj.planning.proving.solves import Solves
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Proof
-from robotraj.solution.records import MeshStep, added_times
+from robotraj.solution.records import MeshStep
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
@@ -39,8 +38,9 @@ PATIENCE, PATIENCE_STICKING = 150, 300
 """Iterations of a solve that can only improve an objective or the guess of another solve."""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
-LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
-"""Statuses after which no other mesh is tried."""
+SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
+LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
+"""Statuses after which no finer mesh is tried."""
 SECOND = 1.5
 """Growth of the number of intervals from a first mesh that could not be solved to the second one."""
 STAGNATION = 0.7
@@ -63,17 +63,14 @@ def prove(
 
 
 class _Refining:
-    """The solves of one plan, on one mesh after the other, with their times and iterations."""
+    """A plan on one mesh after the other."""
 
     def __init__(self, problem: Problem, settings: Settings, progress: Progress | None) -> None:
         assert settings.goals is not None
         self.problem, self.settings, self.progress, self.goals = problem, settings, progress, settings.goals
         self.best: Solution | None = None
         self.steps: list[MeshStep] = []
-        self.times: dict[str, float] = {}
-        self.iterations = 0
-        self.restart = ""
-        """Description of the restart that led to a solution; empty where the guess did."""
+        self.solves = Solves(progress)
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
         self.measures: Measured | None = None
@@ -102,12 +99,19 @@ class _Refining:
             except KeyboardInterrupt:
                 if last is None:
                     raise
-                return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
+                return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
             if last.status is Status.INTERRUPTED:
-                return self._concluded(replace(self.best or last, status=Status.INTERRUPTED))
+                return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
             if last.success:
                 self.best = last = self._measured(last, self.measures)
                 best_limited = self.limits_between
+            elif (
+                not first
+                and last.status not in SPENT
+                and (calmer := with_linear_controls(self.problem, meshes)) != meshes
+            ):
+                meshes = calmer
+                continue
             elif not first or last.status in LIMITS_OF_THE_USER or are_certain(last.conflicts):
                 break
             if not first and last.proof is not None and last.proof.holds:
@@ -117,6 +121,8 @@ class _Refining:
             stagnant = stagnant + 1 if self._stagnates() else 0
             least = DOUBLED if stagnant else 1.0 if not first else self._second if soft is None else SECOND
             finer = self._finer(meshes, least)
+            if stagnant == 1 or finer == meshes:
+                finer = with_linear_controls(self.problem, finer)
             if stagnant > 1 or finer == meshes:
                 break
             meshes = finer
@@ -125,7 +131,7 @@ class _Refining:
             self._move_knots_to_switches()
         elif self.best is not None and not best_limited:
             self._limit_best_between()
-        return self._concluded(self.best or last)
+        return self.solves.concluded(self.best or last, self.steps)
 
     def _limit_best_between(self) -> None:
         """Solve with limits between the points of the best motion, which were left to a mesh that was not solved."""
@@ -192,7 +198,7 @@ class _Refining:
         for softening in softenings(self.problem):
             own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
             try:
-                softer = self._solve(softened(self.problem, softening), found or guess, own)
+                softer = self.solves.solve(softened(self.problem, softening), found or guess, own)
             except KeyboardInterrupt:
                 if not isinstance(self.progress, PlanLimits):
                     raise
@@ -228,11 +234,11 @@ class _Refining:
             settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
-            return self._solve(self.problem, start, replace(settings, interval_limits=plain))
+            return self.solves.solve(self.problem, start, replace(settings, interval_limits=plain))
         if self.best is None:
             # Other guesses were tried on the first mesh.
             settings = replace(settings, restarts=Restarts(0))
-        return self._solve(
+        return self.solves.solve(
             self.problem, start, settings, lower=True, hold=None if self.limits_between else self._is_settled
         )
 
@@ -245,21 +251,6 @@ class _Refining:
             return solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh.
         return solver.from_nearby(altered=any(phase.rows.rates for phase in self.problem.phases))
-
-    def _solve(
-        self,
-        problem: Problem,
-        start: InitialGuess | Solution | None,
-        settings: Settings,
-        lower: bool = False,
-        hold: Callable[[Solution], bool] | None = None,
-    ) -> Solution:
-        found = solve(problem, start, settings, self.progress, hold, lower)
-        self.times = added_times(self.times, found.times)
-        self.iterations += found.iterations
-        _, _, restart = found.message.partition(RESTARTED_FROM)
-        self.restart = restart or self.restart
-        return found
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
         """Measure a solution between its points, and compare it with the solutions ``before``."""
@@ -278,23 +269,3 @@ class _Refining:
         """Measure a solution; without a coarser mesh, its objective still has to gain what the neighbour's had."""
         expected = np.inf if self.neighbour is None else self.neighbour.unsettled
         return measured(solution, before, self.goals, self.sticking, expected)
-
-    def _concluded(self, solution: Solution) -> Solution:
-        """Return the solution with the status and records of the whole plan.
-
-        A motion beyond its limits has ``Status.NOT_PROVED``. A motion whose objective has not settled counts as solved.
-        """
-        status = solution.status
-        if status is Status.SOLVED and not is_motion(solution):
-            status = Status.NOT_PROVED
-        message = solution.message
-        if self.restart and RESTARTED_FROM not in message:
-            message += RESTARTED_FROM + self.restart
-        return replace(
-            solution,
-            status=status,
-            message=message,
-            refinement=tuple(self.steps),
-            times=self.times,
-            iterations=self.iterations,
-        )

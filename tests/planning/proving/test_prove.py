@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
+from robotraj.planning.proving import solves
+from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded, with_linear_controls
+from robotraj.solution.settings import Settings
+from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
 
 
@@ -165,3 +171,38 @@ def test_a_least_time_may_gain_about_what_its_proof_says(seed: int) -> None:
     finer = rt.plan(found.problem, mesh=meshes, guess=found, interval_limits=limits, check=False)
     assert found.proof is not None and finer.success
     assert -1e-6 < found.duration / finer.duration - 1.0 < 1.5 * found.proof.unsettled < 1.5e-3
+
+
+def singular(point: rt.dynamics.Point) -> list[ca.SX]:
+    return [point.x["v"], point.u["u"]]
+
+
+@pytest.mark.parametrize("alternating", [False, True])
+def test_controls_become_lines_where_finer_meshes_are_not_solved(
+    alternating: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Jacobson, Gershwin and Lele (1970): from -1 the control enters a singular arc."""
+    real, free = solves.solve, rt.HermiteSimpson()
+
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object) -> rt.Solution:
+        found = real(problem, start, settings, *more)  # type: ignore[arg-type]
+        fails = alternating and isinstance(start, rt.Solution) and found.phases[0].mesh.given == (free,)
+        return replace(found, status=Status.STALLED) if fails else found
+
+    monkeypatch.setattr(solves, "solve", solve)
+    both = rt.Lagrange(lambda point: point.x["x"] ** 2 + point.x["v"] ** 2)
+    block = rt.System(["x", "v"], ["u"], singular)
+    phase = rt.Phase(block, 5.0, rt.State([0, 1]), objective=both, controls={"u": rt.between(-1, 1)})
+    solution = rt.plan(phase)
+    assert solution.success
+    assert (solution.phases[0].mesh.given != (free,)) == alternating
+    assert solution.objective == pytest.approx(0.7539, rel=1e-3)
+
+
+def test_controls_of_exact_motions_stay_as_they_are() -> None:
+    system = rt.Phase(rt.System(["x", "v"], ["u"], singular), 1.0, rt.State([0, 0]), objective=rt.Duration())
+    problem = rt.Problem([reach(rt.Effort(), 1.0), system])
+    meshes = rt.Mesh(3), rt.Mesh(2, [rt.HermiteSimpson(), rt.schemes.RadauIIA(3)])
+    first, second = with_linear_controls(problem, meshes)
+    assert first == meshes[0]
+    assert second.given == (rt.HermiteSimpson(control=rt.schemes.LinearControl()), rt.schemes.RadauIIA(3))
