@@ -156,7 +156,11 @@ def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: 
     magnitudes = row_magnitudes(blocks, linear, scale, guess)
     largest = np.zeros(len(rows.entries))
     np.maximum.at(largest, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
-    greatest = np.where([entry.name == "defect" for entry in rows.entries], STIFF, GREATEST)
+    # The linear part of a defect is a difference of states.
+    states = np.zeros(len(rows.entries))
+    np.maximum.at(states, rows.meaning, _largest(linear, np.abs(linear.data) * scale[linear.indices]))
+    stiff = STIFF * np.where(states > 0, states, 1.0)
+    greatest = np.where([entry.name == "defect" for entry in rows.entries], stiff, GREATEST)
     return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), LEAST, greatest)[rows.meaning]
 
 

@@ -62,7 +62,7 @@ bool Algorithm::step() {
 }
 
 End Algorithm::restore(bool stepped) {
-  if (!restoration || run.current->violation() <= kFeasible * options_.tolerance) {
+  if (!restoration || run.current->largest_violation() <= kFeasible * options_.tolerance) {
     if (error(*run.current, 0.0) <= options_.acceptable_tolerance) return End::acceptable;
     return stepped ? End::line_search_failed : End::step_failed;
   }
