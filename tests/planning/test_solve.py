@@ -167,6 +167,41 @@ def test_accelerations_that_exceed_their_limits_between_points_are_reported_and_
     assert largest_acceleration(rt.plan(phase, tolerance=1e-3)) <= 6.0 + 1e-5
 
 
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        rt.schemes.MultipleShooting(control=rt.schemes.LinearControl()),
+        rt.schemes.SingleShooting(control=rt.schemes.LinearControl()),
+        rt.schemes.CompressedHermiteSimpson(),
+        rt.schemes.Trapezoidal(),
+        rt.schemes.GaussLegendre(2),
+    ],
+    ids=["multiple shooting", "single shooting", "compressed", "trapezoidal", "Gauss"],
+)
+@pytest.mark.parametrize("kind", ["acceleration", "power"])
+def test_rows_of_forward_dynamics_that_are_broken_between_the_points_are_reported(
+    scheme: rt.schemes.Scheme, kind: str
+) -> None:
+    """Accelerations and powers depend on controls, and are imposed at points alone: nobody said what they reach."""
+    limit = 3.5 if kind == "acceleration" else 2.5
+    row = (
+        rt.constraints.JointAcceleration(rt.between(-limit, limit))
+        if kind == "acceleration"
+        else rt.PathConstraint(lambda point: point.tau[0] * point.v[0], -limit, limit, name="power", unit="W")
+    )
+    objective = rt.Effort() + 20 * rt.Duration()
+    ends = rt.State(q=0, v=0), rt.State(q=2.2, v=0)
+    phase = rt.Phase(rt.load("pendulum"), (0.5, 3.5), *ends, objective, [row], dynamics=rt.dynamics.ForwardDynamics())
+    solution = rt.plan(phase, rt.Mesh(8, scheme))
+    sample = solution.at(np.linspace(1e-9, solution.duration - 1e-9, 4001))
+    reached = np.abs(sample.a if kind == "acceleration" else sample.tau * sample.v).max()
+    listed = [violation for violation in solution.control_interval_violations if violation.name.startswith(kind)]
+    assert listed or reached < limit * 1.001
+    if kind == "power":
+        assert reached > limit * 1.05
+        assert listed[0].amount == pytest.approx(reached - limit, rel=0.05)
+
+
 def test_torques_of_refined_plans_are_held_between_the_points() -> None:
     solution = rt.plan(hurried(), tolerance=1e-3)
     assert largest_share_of_effort(solution) <= 1 + 1e-3
