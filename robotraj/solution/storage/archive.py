@@ -174,6 +174,10 @@ def _phase(problem: Problem, number: int, given: object) -> PhaseSolution:
         raise Damaged(f"{place}: {wrong}")
     part = PhaseSolution(phase, **given)
     dae, trajectory = phase.dae, part.trajectory
+    if tuple(trajectory.parameters) != tuple(phase.parameter_names):
+        raise Damaged(f"{place}.trajectory has other parameters than its phase, in names or order")
+    if not np.isfinite(np.array(list(trajectory.parameters.values()), dtype=float)).all():
+        raise Damaged(f"{place}.trajectory has parameters that are not finite")
     for name, variables in (("x", dae.states), ("z", dae.algebraic), ("u", dae.controls)):
         curve: PiecewisePolynomial = getattr(trajectory, name)
         pieces = len(curve.breaks) - 1 if curve.breaks.ndim == 1 else -1
