@@ -88,7 +88,7 @@ class PhaseSolution(OneLine):
     @cached_property
     def exact(self) -> bool:
         """Whether the plan satisfies its equations of motion at any time (``transcription.exact_motion``)."""
-        return is_exact(self.phase, self.mesh.schemes)
+        return is_exact(self.phase, self.mesh.given)
 
     @cached_property
     def inputs(self) -> Inputs:

@@ -78,7 +78,7 @@ def _phase(nlp: Nlp, index: int, w: Array, outputs: Array) -> PhaseTrajectory:
     outputs = outputs.T
     rates, corrections = outputs[:, :nx], outputs[:, outputs.shape[1] - held - nx : outputs.shape[1] - held]
     breaks = layout.breaks(w)
-    exact = is_exact(phase, layout.mesh.schemes)
+    exact = is_exact(phase, layout.mesh.given)
     positions = phase.body.position_count if isinstance(phase.body, RigidBody) else 0
     x_sites: list[Array] = []
     z_sites: list[Array] = []

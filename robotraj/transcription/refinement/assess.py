@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
     """Assess every interval of a phase; jumps of the control at moving knots are ignored."""
     moving = isinstance(mesh, MovingMesh)
-    inputs = None if is_exact(phase, mesh.schemes) else inputs_of(phase, trajectory, mesh.schemes)
+    inputs = None if is_exact(phase, mesh.given) else inputs_of(phase, trajectory, mesh.schemes)
     errors = np.maximum(interval_errors(phase, trajectory, inputs), integral_errors(phase, trajectory, mesh.schemes))
     if phase.path is not None:
         # Relative to the duration, and to the share of an interval.
@@ -48,7 +48,7 @@ def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh) -> Array:
     States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
     """
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
-    if is_exact(phase, mesh.schemes):
+    if is_exact(phase, mesh.given):
         return of_integrals
     inputs = inputs_of(phase, trajectory, mesh.schemes)
     return np.maximum(interval_errors(phase, trajectory, inputs), of_integrals)
