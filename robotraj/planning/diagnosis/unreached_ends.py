@@ -78,8 +78,8 @@ def unreached_ends(
     Returns
     -------
     tuple of Conflict
-        Empty where such configurations were found, or where the ends are fixed and no other row depends on them, and
-        where a path gives the configurations.
+        Empty where such configurations were found, and where a path gives them. Also empty where the ends are fixed
+        and no other row depends on them.
     """
     if any(phase.path is not None for phase in problem.phases):
         return ()

@@ -56,9 +56,9 @@ def retime(
 ) -> Solution:
     """Plan the motion of least time along a path q(s) of the joints.
 
-    The path parameter s and its speed are the states of the phase, and its acceleration, or with limits of jerk or
-    torque rate the derivative of that, is the control (``rt.constraints.FollowPath``). The joints are functions of
-    these and stay on the path at every time. The result is a plan of the robot like any other, proved by default.
+    The path parameter s and its speed are the states of the phase, and its acceleration is the control
+    (``rt.constraints.FollowPath``). With limits of jerk or torque rate, the control is the derivative of the
+    acceleration. The joints are functions of these and stay on the path at every time. The result is a plan of the robot like any other, proved by default.
 
     Parameters
     ----------

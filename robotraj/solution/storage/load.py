@@ -36,8 +36,8 @@ def load_solution(path: str | Path, problem: Problem | Phase | None = None) -> S
     Raises
     ------
     InputError
-        No such file, one of another kind or version, a damaged one, one that another version wrote with other
-        classes, or a problem of other phases or variables.
+        There is no such file, or it is damaged or of another kind or version. Another version may have written it
+        with other classes. Or the problem has other phases or variables.
     """
     if not isinstance(path, str | PathLike):
         raise InputError(f"rt.load_solution takes the path of a file; got {type(path).__name__}.")
