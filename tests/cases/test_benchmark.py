@@ -25,6 +25,14 @@ def test_every_case_reaches_its_optimum_at_a_tolerance_of_1e_6(case: Case) -> No
     assert result.solution.refinement[-1].error <= 1e-6
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("case", EVERY, ids=lambda case: case.name)
+def test_the_default_call_proves_every_case(case: Case) -> None:
+    solution = rt.plan(case.problem, guess=case.guess)
+    assert solution.proof is not None and solution.proof.motion_holds
+    assert rt.validate(solution).passed
+
+
 @pytest.mark.parametrize("name", ["kirk_5_1_1", "pendulum, URDF", "breakwell_touch", "biped, torso of the table"])
 def test_a_quick_case_reaches_its_optimum(name: str) -> None:
     (case,) = (case for case in EVERY if case.name == name)

@@ -58,7 +58,8 @@ def retime(
 
     The path parameter s and its speed are the states of the phase, and its acceleration is the control
     (``rt.constraints.FollowPath``). With limits of jerk or torque rate, the control is the derivative of the
-    acceleration. The joints are functions of these and stay on the path at every time. The result is a plan of the robot like any other, proved by default.
+    acceleration. The joints are functions of these and stay on the path at every time. The result is a plan of the
+    robot like any other, proved by default.
 
     Parameters
     ----------

@@ -34,9 +34,11 @@ SAFETY = 0.25
 LEAST_GROWTH = 1.1
 """Least growth of the number of intervals; with less, the change of the objective would not be significant."""
 HALVED, NEARLY = 2.0, 0.3
-"""Parts of an interval on which a path row is violated between the collocation points, and of those beside it.
+"""Least parts of an interval on which a path row is violated between the points, and share of the goal to aim at.
 
-Knots change with the number of intervals, so that a violation near an end may be in the next interval of the new mesh.
+The excess is taken to fall with the cube of the length, as the error of quadratic controls does. Knots change with the
+number of intervals, so that a violation near an end may be in the next interval of the new mesh; intervals beside it
+get as many parts.
 """
 
 
@@ -53,7 +55,7 @@ class Equidistribute(Refinement):
     finest : int
         Largest number of intervals of a phase.
     path : float
-        Relative violation of a path row between the collocation points beyond which an interval is halved.
+        Relative violation of a path row between the collocation points beyond which an interval is divided.
     slope : float
         Most by which the length of intervals grows along the phase, relative to the distance.
 
@@ -90,7 +92,8 @@ class Equidistribute(Refinement):
         broken = np.append(0.0, np.append(assessment.broken, 0.0))
         beside = np.maximum(broken[1:-1], np.maximum(broken[:-2], broken[2:]))
         violated = NEARLY * self.path if broken.max() > self.path else np.inf
-        parts = np.maximum(parts, np.where(beside > violated, HALVED, 1.0))
+        finer = np.maximum(HALVED, np.cbrt(beside / (NEARLY * self.path)))
+        parts = np.maximum(parts, np.where(beside > violated, finer, 1.0))
         parts = np.clip(parts, assessment.growth, self.most)
         if parts.max() <= 1.0:
             return mesh

@@ -30,7 +30,15 @@ def test_a_mesh_that_holds_stays() -> None:
     assert rt.refinement.Equidistribute().refine(mesh, seen([0.9, 0.1, 0.5, 1.0]), TOLERANCE) == mesh
 
 
-@pytest.mark.parametrize(("assessment", "count"), [(seen([0.0] * 4, growth=1.5), 6), (seen([0.0] * 4, broken=1.0), 8)])
+@pytest.mark.parametrize(
+    ("assessment", "count"),
+    [
+        (seen([0.0] * 4, growth=1.5), 6),
+        (seen([0.0] * 4, broken=1.1e-3), 8),
+        (seen([0.0] * 4, broken=8.1e-3), 12),
+        (seen([0.0] * 4, broken=1.0), 16),
+    ],
+)
 def test_objectives_and_path_rows_ask_for_more_intervals(assessment: Assessment, count: int) -> None:
     refined = rt.refinement.Equidistribute().refine(rt.Mesh(4), assessment, TOLERANCE)
     assert refined.knots == pytest.approx(np.linspace(0, 1, count + 1))
@@ -71,6 +79,6 @@ def test_what_refines_nothing_is_refused(wrong: dict[str, float]) -> None:
 def test_intervals_beside_a_violated_one_are_halved_with_it() -> None:
     """Where knots move, the place of the violation may come to lie in the next interval."""
     assessment = seen([0.0] * 8)
-    assessment.broken[3] = 1.0
+    assessment.broken[3] = 1.1e-3
     refined = rt.refinement.Equidistribute().refine(rt.Mesh(8), assessment, TOLERANCE)
     assert refined.knots == pytest.approx([0, 1 / 8, *np.arange(4, 11) / 16, 6 / 8, 7 / 8, 1], abs=1e-9)
