@@ -41,7 +41,7 @@ class Cost:
         require(self.seconds * work, self.bytes * work / MEGA)
 
 
-JACOBIAN, HESSIAN = Cost(5e-7, 80.0), Cost(1.6e-6, 220.0)
+JACOBIAN, HESSIAN = Cost(3e-7, 80.0), Cost(9e-7, 220.0)
 """Costs of scalar graphs; measured with one-step schemes for ur5 and panda."""
 JACOBIAN_OF_CALLS, HESSIAN_OF_CALLS = Cost(6e-9, 1.0), Cost(4.5e-8, 3.0)
 """Costs of graphs that call functions, for which only the calls are written again; with the first evaluation."""
