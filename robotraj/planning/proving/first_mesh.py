@@ -38,7 +38,10 @@ minimised is then lower than the integral by percents. With one more point, and 
 
 
 LINES = HermiteSimpson(control=LinearControl())
-"""Scheme of motions on a path: rows are imposed at three points of an interval, on which s'' is a line."""
+"""Scheme of motions on a path: rows are imposed at three points of an interval, on which s'' is a line.
+
+Other controls become lines where finer meshes are not solved; see ``with_linear_controls``.
+"""
 
 
 @dataclass(frozen=True)
