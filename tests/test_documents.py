@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import codeop
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -21,6 +23,11 @@ SLOW = "<!-- slow -->"
 def place(path: Path) -> str:
     """Name a document by its place in the repository."""
     return str(path.relative_to(ROOT).with_suffix(""))
+
+
+def blocks_of(text: str, language: str) -> list[str]:
+    """Blocks of a document in one language."""
+    return [match[2] for match in FENCE.finditer(text) if match[1] == language]
 
 
 def python_blocks(text: str) -> list[tuple[int, str]]:
@@ -65,6 +72,26 @@ def test_the_blocks_can_be_pasted_into_an_interactive_session(document: Path) ->
                     pending = []
             except SyntaxError:
                 pytest.fail(f"{document.name}, line {number}: {text!r} needs a blank line before it")
+
+
+@pytest.mark.slow
+def test_the_problem_file_of_its_page_is_planned_and_its_commands_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs" / "problem-files.md").read_text()
+    (file,) = blocks_of(text, "toml")
+    Path("page.toml").write_text(file)
+    assert rt.load_problem("page.toml").plan().success
+    (commands,) = blocks_of(text, "sh")
+    lines = [line.split("#")[0].split() for line in commands.splitlines()]
+    assert all(line[0] == "robotraj" for line in lines)
+    for line in lines:
+        subprocess.run([sys.executable, "-m", *line], check=True, stdout=subprocess.DEVNULL)
+    (message,) = blocks_of(text, "text")
+    Path("problem.toml").write_text(file.replace('"tool0"', '"tool1"'))
+    with pytest.raises(rt.InputError, match=f"^{re.escape(message.strip())}"):
+        rt.load_problem("problem.toml")
 
 
 def test_the_first_plan_of_a_newcomer_is_proved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from robotraj._util.paths import whole_file
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
+from robotraj.replay_page.options import check_options
 from robotraj.replay_page.page import Heading, page
 from robotraj.replay_page.run import run_data
 from robotraj.replay_page.verdict import Validation, Verdict, verdict
@@ -104,10 +104,8 @@ def replay(
     """
     solutions = _checked(solution, labels)
     target = html_path(path)
-    if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
-        raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
-    if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
-        raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
+    for each in solutions:
+        check_options(_one_robot(each), speed=speed, fps=fps, traces=traces)
     reports = _reports(solutions, report)
     text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports)
     with whole_file(target) as file:
@@ -129,8 +127,6 @@ def page_of(
     reports = reports or [None] * len(solutions)
     robots = [_one_robot(solution) for solution in solutions]
     names = [traces] if isinstance(traces, str) else traces
-    if names and None in robots:
-        raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; omit traces=.")
     cycles = [gait_cycles(solution, periods) for solution in solutions]
     scenes: list[dict[str, object] | None] = [None] * len(robots)
     commands: bytes | None = None
@@ -182,10 +178,6 @@ def _reports(
                 f"{solution.duration:.6g} s; validate this solution."
             )
     return reports
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def html_path(path: str | os.PathLike[str]) -> Path:

@@ -21,6 +21,7 @@ from robotraj.planning.problem_files.reader import Data, Reader
 from robotraj.planning.problem_files.robots import robots_of
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.replay_page.options import check_options
 from robotraj.replay_page.write import replay
 from robotraj.robot.robot import Robot
 from robotraj.witness.validation import validate
@@ -105,9 +106,18 @@ def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
         problem,
         cast("PlanOptions", reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS)),
         reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
-        reader.arguments(replay, _table(data, "replay"), ("replay",), without=("solution", "path", "report")),
+        narrowed(lambda table: _replay(table, reader), _table(data, "replay"), ("replay",)),
         _output(_table(data, "output"), source.parent),
     )
+
+
+def _replay(table: dict[str, Data], reader: Reader) -> Mapping[str, Any]:
+    """Read the options of ``rt.replay`` and check what can be checked before the plan."""
+    options = reader.arguments(replay, table, ("replay",), without=("solution", "path", "report"))
+    checked = {name: options[name] for name in ("speed", "fps", "traces") if name in options}
+    for robot in reader.robots.values():
+        check_options(robot, **checked)
+    return options
 
 
 def _table(data: Mapping[str, Data], name: str) -> dict[str, Data]:

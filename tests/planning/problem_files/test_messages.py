@@ -49,6 +49,8 @@ FAULTS = [
     (UR5, "[[phases.constraints]]", "[phases.constraints]", "phases[0].constraints", "takes a list of Constraint"),
     (UR5, "html =", "htm =", "output.htm", "Did you mean 'html'"),
     (UR5, "traces =", "trace =", "replay.trace", "Did you mean 'traces'"),
+    (UR5, 'traces = ["tool0"', 'traces = ["tool1"', "replay.traces[0]", "Did you mean 'tool0'"),
+    (UR5, "traces =", "fps = 0\ntraces =", "replay.fps", "give a whole number"),
     (UR5, 'name = "ur5', 'robot = "x"\nname = "ur5', "phases[0].robot", "There is no robot named 'x'"),
     (PICK, '["post"]', '["psot"]', "define.clear.obstacles[0]", "Did you mean 'post'"),
     (PICK, "second = 2", "second = 7", "links[1]", "the problem has phases 0 to 2"),
