@@ -123,7 +123,10 @@ def measure(name: str, runs: int, iterations: int) -> str:
             "compiled": compiled,
             "native": rt.engines.Native(),
         }
-        nlps = {e: rt.transcription.transcribe(problem, mesh, engine=engine) for e, engine in engines.items()}
+        nlps = {
+            e: rt.transcription.transcribe(problem, mesh, rt.guess.default_guess(problem), engine=engine)
+            for e, engine in engines.items()
+        }
         w = nlps["plain"].guess / nlps["plain"].scale
         m = np.random.default_rng(0).standard_normal(len(nlps["plain"].rows))
         lines = points(nlps, engines, w, runs)

@@ -84,7 +84,7 @@ def by_ipopt() -> None:
     iterate = np.full((RUNS, len(CARTPOLE)), np.inf)
     for run in range(RUNS):
         for i, count in enumerate(CARTPOLE):
-            nlp = rt.transcription.transcribe(problem, rt.Mesh(count))
+            nlp = rt.transcription.transcribe(problem, rt.Mesh(count), rt.guess.default_guess(problem))
             _ = nlp.functions
             began = time.process_time()
             outcome = solver.solve(nlp)
@@ -118,6 +118,7 @@ def by_stages() -> None:
             nlp = rt.transcription.transcribe(
                 problem,
                 rt.Mesh(count),
+                rt.guess.default_guess(problem),
                 engine=rt.engines.Native(),
                 interval_limits=rt.interval_limits.BernsteinBounds(),
             )

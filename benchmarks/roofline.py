@@ -121,6 +121,7 @@ def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
     nlp = rt.transcription.transcribe(
         rt.Problem(phase),
         rt.Mesh(intervals),
+        rt.guess.StraightLine(),
         engine=rt.engines.Native(),
         interval_limits=rt.interval_limits.BernsteinBounds(),
     )

@@ -240,7 +240,8 @@ def tasks() -> Iterator[Task]:
         if planned is not None:
             problem, options = planned
             posed = rt.Problem([problem]) if isinstance(problem, rt.Phase) else problem
-            if len(rt.transcription.transcribe(posed, options.get("mesh") or rt.Mesh()).variables) <= LARGEST:
+            mesh = options.get("mesh") or rt.Mesh()
+            if len(rt.transcription.transcribe(posed, mesh, rt.guess.default_guess(posed)).variables) <= LARGEST:
                 yield Task(f"example {example.stem}", kind_of(posed), posed, options, float("nan"))
 
 

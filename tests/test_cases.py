@@ -13,8 +13,8 @@ import pytest
 import yaml
 
 import robotraj as rt
-from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 
 CASES = {case["id"]: case for case in yaml.safe_load((Path(__file__).parent / "cases" / "systems.yaml").read_text())}
 LECTURE = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())

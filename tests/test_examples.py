@@ -16,6 +16,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning import solve as solving
+from tests.programs import nlp_of
 
 OPTIMA = Path(__file__).with_name("optima.json")
 SETTLED = 2e-3
@@ -26,7 +27,7 @@ EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
 def small(problem: rt.Problem, meshes: object) -> rt.transcription.Nlp:
     """Transcribe a problem of an example on meshes of two intervals, with the example's schemes."""
     given = [meshes] * len(problem.phases) if isinstance(meshes, rt.Mesh) else list(meshes)  # type: ignore[call-overload]
-    return rt.transcription.transcribe(problem, [type(mesh)(2, mesh.schemes[0]) for mesh in given])
+    return nlp_of(problem, [type(mesh)(2, mesh.schemes[0]) for mesh in given])
 
 
 def assert_derivatives(nlp: rt.transcription.Nlp) -> None:

@@ -17,27 +17,21 @@ PACKAGE = Path(__file__).parents[1] / "robotraj"
 
 ROOMS = (
     ("_util",),
-    ("native",),
-    ("symbolic",),
-    ("robot",),
+    ("native", "symbolic", "robot"),
     ("dynamics",),
     ("problem",),
-    ("guess",),
-    ("gait",),
-    ("transcription",),
-    ("solvers",),
+    ("guess", "transcription"),
+    ("gait", "solvers"),
     ("solution",),
     ("indirect", "replay_page", "witness"),
     ("planning",),
     ("cli",),
 )
-"""Floors in ascending order; the three readers of a solution are on one floor and do not import each other."""
+"""Floors in ascending order. Rooms on one floor do not import each other, such as the three readers of a solution."""
 
 FLOOR = {room: floor for floor, rooms in enumerate(ROOMS) for room in rooms}
 
 CLOSED = {
-    "symbolic": {"native", "robot"},
-    "robot": {"native"},
     "replay_page": {"transcription", "solvers"},
     "witness": {"transcription", "solvers"},
 }

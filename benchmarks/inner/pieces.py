@@ -61,7 +61,9 @@ def phase(name: str) -> rt.Phase:
 
 @lru_cache(maxsize=8)
 def nlp(name: str, intervals: int, engine: rt.engines.Native | None = None) -> Nlp:
-    return transcribe(rt.Problem([phase(name)]), rt.Mesh(intervals, rt.HermiteSimpson()), engine=engine)
+    return transcribe(
+        rt.Problem([phase(name)]), rt.Mesh(intervals, rt.HermiteSimpson()), rt.guess.StraightLine(), engine=engine
+    )
 
 
 def loading(name: str) -> Call:
@@ -75,7 +77,9 @@ def posing(name: str) -> Call:
 
 def transcribing(name: str, intervals: int, engine: rt.engines.Native | None = None) -> Call:
     # A phase keeps what was differentiated for it: every call has a new one.
-    return lambda: transcribe(rt.Problem([phase(name)]), rt.Mesh(intervals, rt.HermiteSimpson()), engine=engine)
+    return lambda: transcribe(
+        rt.Problem([phase(name)]), rt.Mesh(intervals, rt.HermiteSimpson()), rt.guess.StraightLine(), engine=engine
+    )
 
 
 def assembling(name: str, intervals: int) -> Call:

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 import robotraj as rt
-from robotraj.guess.base import InitialGuess
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.transcription.schemes.collocation import Collocation
 
 TOLERANCE = 1e-6

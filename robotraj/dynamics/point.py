@@ -14,11 +14,25 @@ import casadi as ca
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj.dynamics.variable import Column, Named, Scalar
+from robotraj.robot.per_robot import PerRobot
 
 if TYPE_CHECKING:
     from robotraj.dynamics.design.model import DesignedModel
     from robotraj.robot.robot import Robot
     from robotraj.symbolic import SymbolicModel
+
+_models: PerRobot[SymbolicModel] = PerRobot()
+
+
+def symbolic_model(robot: Robot) -> SymbolicModel:
+    """Return Pinocchio's algorithms on the robot's planning model as CasADi functions, built once a robot."""
+
+    def make() -> SymbolicModel:
+        from robotraj.symbolic import SymbolicModel  # imported on use: it loads the compiled module
+
+        return SymbolicModel(robot.model)
+
+    return _models.get(robot, None, make)
 
 
 AnyPoint: TypeAlias = Any
@@ -142,7 +156,7 @@ class RobotPoint(Point):
     ) -> None:
         super().__init__(t, x, z, u, p)
         self.robot = robot
-        self.symbolic = robot.symbolic if symbolic is None else symbolic
+        self.symbolic = symbolic_model(robot) if symbolic is None else symbolic
         self.damping = robot.damping if damping is None else damping
         self._a = a
         self._tau = tau

@@ -22,7 +22,7 @@ from robotraj.dynamics.contact_expressions import contact_terms_of, correct, hol
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.motors_and_friction import joint_forces
-from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.point import RobotPoint, symbolic_model
 from robotraj.dynamics.variable import Column, Named, Variable
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ class RigidBody(OneLine):
     def _numbers(self, p: ca.SX, names: Sequence[str]) -> tuple[SymbolicModel | DesignedModel, Column]:
         """Pinocchio's algorithms and the damping, with the parameters of the design."""
         if self.design is None:
-            return self.robot.symbolic, self.robot.damping
+            return symbolic_model(self.robot), self.robot.damping
         bodies = self.design.bodies(Named("parameter", names, p))
         return self.design.model(bodies), bodies.damping
 
@@ -160,7 +160,7 @@ class RigidBody(OneLine):
 
     def rates(self, point: RobotPoint) -> ca.SX:
         """State rates (qdot, a), nq + nv: qdot = v, and half the product of a quaternion with (omega, 0)."""
-        moved = self.robot.symbolic.configuration_rate(point.q, point.v) if self._has_quaternion else point.v
+        moved = symbolic_model(self.robot).configuration_rate(point.q, point.v) if self._has_quaternion else point.v
         return ca.vertcat(moved, point.a)
 
     def invariant(self, point: RobotPoint) -> ca.SX:
@@ -188,7 +188,7 @@ class RigidBody(OneLine):
     def along(self, point: RobotPoint, moved: ca.SX, sped: ca.SX) -> ca.SX:
         """Rates (nq + nv,) of a state whose q changes along one tangent vector (nv,) and whose v along another."""
         if self._has_quaternion:
-            moved = self.robot.symbolic.configuration_rate(point.q, moved)
+            moved = symbolic_model(self.robot).configuration_rate(point.q, moved)
         return ca.vertcat(moved, sped)
 
 

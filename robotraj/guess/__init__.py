@@ -1,6 +1,7 @@
 """Initial guesses: arrays, straight lines, keyframes, inverse kinematics, earlier solutions, and walks of legs.
 
-Start with ``base.py``. The room may import ``problem`` and what lies below.
+Guesses subclass ``InitialGuess`` in ``problem/initial_guess.py``. Start with ``straight_line.py``.
+The room may import ``problem`` and what lies below.
 """
 
 from robotraj._util.forks import attach_stub

@@ -1,11 +1,12 @@
-"""Where a solver starts: straight lines, keyframes, inverse kinematics, earlier solutions, and walks of legs.
+"""Initial guesses: arrays, straight lines, keyframes, inverse kinematics, earlier solutions, and walks of legs.
 
-Start with ``guess.py``. The room may import ``problem`` and what lies below.
+Guesses subclass ``InitialGuess`` in ``problem/initial_guess.py``. Start with ``straight_line.py``.
+The room may import ``problem`` and what lies below.
 """
 
-from .base import InitialGuess
 from .default import default_guess
 from .from_solution import FromSolution
+from .guess import InitialGuess
 from .keyframes import Keyframes
 from .legs.inverted_pendulum import InvertedPendulum
 from .minimum_jerk import MinimumJerk

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
-from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
+from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.phase_row import Kind
 
 if TYPE_CHECKING:

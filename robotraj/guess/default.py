@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj.guess.along_path import AlongPath
-from robotraj.guess.base import InitialGuess
 from robotraj.guess.from_solution import FromSolution, is_solution
 from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
+from robotraj.problem.initial_guess import InitialGuess
 
 if TYPE_CHECKING:
     from robotraj.problem.problem import Problem

@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.guess.along_path import check_no_path
-from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.robot_samples import RobotSamples
 from robotraj.guess.samples import Samples, ascending_times, check_samples, named_samples
 from robotraj.guess.straight_line import StraightLine
+from robotraj.problem.initial_guess import Curve, PhaseGuess
+from robotraj.problem.initial_guess import InitialGuess as InitialGuess
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable

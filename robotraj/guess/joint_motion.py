@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.guess.base import Curve, PhaseGuess
+from robotraj.problem.initial_guess import Curve, PhaseGuess
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass, own_fields
 from robotraj.guess.along_path import check_no_path
-from robotraj.guess.base import Curve, InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, guessed_duration, middle_of, normalised_state
 from robotraj.guess.samples import check_samples, named_samples
+from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess, zeros
 from robotraj.problem.state import State
 from robotraj.robot.chart import Chart
 

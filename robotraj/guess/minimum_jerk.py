@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.guess.along_path import check_no_path
-from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.joint_motion import fractions_of, joint_motion, quintic, speeds_of
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess, zeros
 from robotraj.robot.chart import Chart
 
 if TYPE_CHECKING:

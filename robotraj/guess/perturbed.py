@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess, PhaseGuess
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import normalised
 

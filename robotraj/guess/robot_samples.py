@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
-from robotraj.guess.base import Curve
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.support import support
 from robotraj.guess.samples import named_samples
+from robotraj.problem.initial_guess import Curve
 from robotraj.robot.chart import Chart
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.robot import Robot

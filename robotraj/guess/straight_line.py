@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess, PhaseGuess, zeros
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.least_time import fastest_line
 from robotraj.guess.reaching.branches import reached_ends
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess, zeros
 from robotraj.robot.chart import Chart
 
 if TYPE_CHECKING:

@@ -24,9 +24,9 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import AnyPoint
 from robotraj.dynamics.row import Row
-from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.path import PathConstraint
+from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.objectives.base import EndCost

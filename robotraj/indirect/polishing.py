@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, require_solution
-from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.indirect.arcs import Arc, affine_controls, control_bounds, find_arcs
 from robotraj.indirect.boundary import EndData, boundary_value_problem, end_data, potential
 from robotraj.indirect.checks import refuse_active_constraints, violated_conditions
@@ -28,6 +27,7 @@ from robotraj.indirect.flow import Flow, scales
 from robotraj.indirect.newton import NewtonRoot, find_root
 from robotraj.indirect.polished import Polished, PolishFailed
 from robotraj.indirect.pontryagin import Pontryagin
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.phase import Phase
 from robotraj.transcription.extract import PhaseTrajectory, extract
 from robotraj.transcription.schemes.lobatto import LobattoIIIA

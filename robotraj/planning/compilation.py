@@ -9,6 +9,7 @@ from pathlib import Path
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
+from robotraj.guess.default import default_guess
 from robotraj.native.engines.compiled import Compiled
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -78,7 +79,7 @@ def precompile(
     if engine is not None and not isinstance(engine, Compiled):
         raise InputError(f"engine= of rt.planning.precompile is an rt.engines.Compiled(); got {engine!r}.")
     engine = replace(engine or Compiled(), wait=True)
-    nlp = transcribe(problem, mesh or Mesh(), engine=engine)
+    nlp = transcribe(problem, mesh or Mesh(), default_guess(problem), engine)
     cache = engine.open_cache()
     before = set(cache.libraries())
     seconds = nlp.functions.preparing

@@ -11,9 +11,9 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact
-from robotraj.guess.base import InitialGuess
 from robotraj.planning.solve import solve
 from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -12,7 +12,6 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
-from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import ends_of, guessed_duration
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.straight_line import StraightLine
@@ -20,6 +19,7 @@ from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
 from robotraj.problem.constraints.joint_limits import JointEffort
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Lagrange

@@ -13,7 +13,6 @@ import numpy as np
 from robotraj._util.errors import InputError, warn
 from robotraj._util.forks import unforked
 from robotraj._util.time_left import LimitReached, limited
-from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
@@ -22,6 +21,7 @@ from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import solve, solve_on_coarse_mesh
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.guess.base import InitialGuess
 from robotraj.planning.duality_gap import SolverAccuracy
 from robotraj.planning.solve import solve
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import MeshStep, added_times

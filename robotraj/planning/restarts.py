@@ -22,7 +22,6 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import relaxed_motion
@@ -30,6 +29,7 @@ from robotraj.planning.diagnosis.explain import are_certain, completed
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict

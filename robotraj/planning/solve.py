@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.time_left import LimitReached
-from robotraj.guess.base import InitialGuess
-from robotraj.guess.default import as_guess
+from robotraj.guess.default import as_guess, default_guess
+from robotraj.guess.from_solution import FromSolution
 from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
@@ -28,6 +28,7 @@ from robotraj.planning.warm_start import (
     lengthened,
     separated_form,
 )
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
 from robotraj.solution.settings import Restarts, Settings
@@ -114,14 +115,15 @@ def _solve_once(
     began = time.perf_counter()
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine
     interval_limits = settings.interval_limits
+    start = as_guess(guess) or default_guess(problem)
     nlp = earlier_program(problem, mesh, guess, engine, interval_limits) or transcribe(
-        problem, mesh, as_guess(guess), engine, interval_limits
+        problem, mesh, start, engine, interval_limits
     )
     added, same = earlier_rows(problem, mesh, guess) if interval_limits.rounds else ([], False)
     plain = nlp
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
-    clearing, margins = Clearing(nlp, as_guess(guess)), LoweredLimits()
+    clearing, margins = Clearing(nlp, start), LoweredLimits()
     without_clearance, nlp = nlp, clearing.rows(nlp)
     multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
     if (clearing or (added and not same)) and multipliers is not None:
@@ -164,7 +166,7 @@ def _solve_once(
             began = time.perf_counter()
             if moving:
                 # Knots start again from those of the mesh, since moved knots stay on the arcs that they have reached.
-                without_clearance = transcribe(problem, mesh, as_guess(solution), engine, interval_limits)
+                without_clearance = transcribe(problem, mesh, FromSolution(solution), engine, interval_limits)
                 without_clearance = with_added_rows(without_clearance, [*added, *new], without_clearance.guess)
             else:
                 without_clearance = (

@@ -16,9 +16,9 @@ from functools import partial
 
 import numpy as np
 
-from robotraj.guess.base import InitialGuess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.many.starts import Start
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times

@@ -12,7 +12,7 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
 from robotraj.dynamics.path_body import PathBody, PathPoint
-from robotraj.dynamics.point import AnyPoint, Point
+from robotraj.dynamics.point import AnyPoint, Point, symbolic_model
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.variable import Variable
@@ -220,7 +220,7 @@ class Jerks(Augmented):
         tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)
         p = ca.SX.sym("p", len(names))
         point = body.point(ca.SX(0), ca.vertcat(q, v), a, tau, p, names)
-        moved = v if robot.nq == robot.nv else robot.symbolic.configuration_rate(q, v)
+        moved = v if robot.nq == robot.nv else symbolic_model(robot).configuration_rate(q, v)
         along = ca.jtimes(body.residual(point), ca.vertcat(q, v, a, tau), ca.vertcat(moved, a, j, rate))
         return ca.Function("balance_rate", [q, v, a, tau, j, rate, p], [along])
 

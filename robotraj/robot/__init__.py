@@ -1,6 +1,6 @@
 """A robot from its URDF: loading, limits, charts of its configuration space, and the robots known by name.
 
-Start with ``robot.py``. The room may import ``symbolic`` and ``_util``.
+Start with ``robot.py``. The room may import ``_util``.
 """
 
 from robotraj._util.forks import attach_stub

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field, fields
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -22,9 +21,6 @@ from robotraj.robot.loading.assembly import units
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.root import QUATERNION, root_of
-
-if TYPE_CHECKING:
-    from robotraj.symbolic import SymbolicModel
 
 Array = npt.NDArray[np.float64]
 
@@ -230,13 +226,6 @@ class Robot:
     def collision_model(self) -> pin.GeometryModel:
         """Collision shapes, read on first use as those of ``visual_model``."""
         return self.geometry.build(self.model, pin.GeometryType.COLLISION)
-
-    @cached_property
-    def symbolic(self) -> SymbolicModel:
-        """Pinocchio's algorithms on the planning model as CasADi functions."""
-        from robotraj.symbolic import SymbolicModel  # imported on use: it loads the compiled module
-
-        return SymbolicModel(self.model)
 
     def frame(self, name: str) -> int:
         """Id of a frame in the model.

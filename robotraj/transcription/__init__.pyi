@@ -1,6 +1,6 @@
 """Transcription: a problem on meshes becomes a nonlinear program with named rows.
 
-Start with ``transcribe.py``. The room may import ``guess``, ``problem`` and what lies below.
+Start with ``transcribe.py``. The room may import ``problem`` and what lies below.
 """
 
 from . import interval_limits, refinement, schemes

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.guess.base import InitialGuess
 from robotraj.native.engines.base import Engine
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.collocation.end_functions import fixed_values
 from robotraj.transcription.collocation.index_reduction import determined_at_ends

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.guess.base import InitialGuess, PhaseGuess, with_copies
-from robotraj.guess.default import default_guess
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.problem.constraints.base import Where
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess, with_copies
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import collocate
@@ -56,7 +55,7 @@ INSIDE = 1e-9
 def transcribe(
     problem: Problem,
     mesh: Mesh | Sequence[Mesh],
-    guess: InitialGuess | None = None,
+    guess: InitialGuess,
     engine: Engine | None = None,
     interval_limits: ConstraintGeneration | None = None,
 ) -> Nlp:
@@ -67,8 +66,8 @@ def transcribe(
     problem : Problem
     mesh : Mesh or sequence of Mesh
         One mesh for all phases, or one for each.
-    guess : InitialGuess, optional
-        Start of the solver; ``default_guess`` by default.
+    guess : InitialGuess
+        Start of the solver, such as ``rt.guess.StraightLine()``. Rows and variables are scaled there.
     engine : Engine, optional
         Engine that evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
     interval_limits : ConstraintGeneration, optional
@@ -129,7 +128,7 @@ def transcribe(
     for block in every:
         block.stage.as_tapes = as_tapes
     matrix = linear.matrix(shape)
-    start = start_of(problem, layouts, unknowns, variables, guess or default_guess(problem))
+    start = start_of(problem, layouts, unknowns, variables, guess)
     systems = [layout for layout, phase in zip(layouts, problem.phases, strict=True) if phase.robot is None]
     of_states = [run.states.ravel() for layout in systems for run in layout.runs]
     of_others = [*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns]

@@ -13,6 +13,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers.base import Solver
+from tests.programs import nlp_of
 
 LEGS = {"left_hip": "right_hip", "left_foot": "right_foot"}
 LOBATTO = rt.Mesh(10, rt.schemes.LobattoIIIA(4))
@@ -101,7 +102,7 @@ def test_longer_steps_cost_more(level: rt.Solution) -> None:
 @pytest.mark.parametrize("solver", [rt.Ipopt(), rt.InteriorPoint(fallback=None)], ids=["ipopt", "interior point"])
 def test_redundant_rows_leave_a_unique_solution(level: rt.Solution, solver: Solver) -> None:
     """No motor turns the hip, and the impact keeps its rate: one row is redundant."""
-    nlp = rt.transcription.transcribe(step(0.0, 0.4), LOBATTO)
+    nlp = nlp_of(step(0.0, 0.4), LOBATTO)
     rng = np.random.default_rng(3)
     iterations = set()
     for size in (0.0, 1e-12, 1e-9):

@@ -7,7 +7,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError, UnknownName
-from robotraj.guess.base import InitialGuess
+from robotraj.problem.initial_guess import InitialGuess
 
 S = np.linspace(0.0, 1.0, 41)
 

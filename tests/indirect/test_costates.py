@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.point import symbolic_model
 
 TIGHT = rt.Ipopt(tolerance=1e-11)
 LECTURE = rt.HermiteSimpson(control=rt.schemes.LinearControl(), quadrature=rt.schemes.TrapezoidalQuadrature())
@@ -209,7 +210,7 @@ def test_multipliers_of_the_torque_balance_are_those_of_virtual_work(swing_up: A
     # Stationarity in the accelerations: lambda_v + M nu = 0.
     solution = rt.plan(swing_up(), rt.Mesh(40, rt.schemes.GaussLegendre(points=3)), solver=TIGHT)
     part = rt.indirect.costates(solution).phases[0]
-    mass = solution.phases[0].phase.robot.symbolic.mass_matrix
+    mass = symbolic_model(solution.phases[0].phase.robot).mass_matrix
     for t in solution.phases[0].points[1:-1:7]:
         sample = part.at(t)
         nu = np.array([sample.z[name] for name in sample.z])

@@ -12,6 +12,7 @@ from robotraj.indirect.arcs import Side, _bang_bang, find_arcs
 from robotraj.indirect.newton import find_root
 from robotraj.solution.costates.densities import split
 from robotraj.solution.costates.hamiltonian import Hamiltonian
+from tests.programs import nlp_of
 
 SEED = 20261121
 
@@ -46,10 +47,10 @@ def test_gradients_of_the_hamiltonian_are_its_differences(swing_up: Any) -> None
 
 def test_newton_solves_a_problem_without_freedom_and_refuses_one_with_some(kirk: Any) -> None:
     fall = rt.System(["x"], [], lambda p: [-(p.x["x"] ** 2)])
-    closed = rt.transcription.transcribe(rt.Problem([rt.Phase(fall, 3.0)]), rt.Mesh(4, rt.schemes.FifthDegree()))
+    closed = nlp_of(rt.Problem([rt.Phase(fall, 3.0)]), rt.Mesh(4, rt.schemes.FifthDegree()))
     root = find_root(closed, 1e-12)
     assert "equations" in root.trouble
-    freed = find_root(rt.transcription.transcribe(rt.Problem([kirk.phase()]), rt.Mesh(4)), 1e-12)
+    freed = find_root(nlp_of(rt.Problem([kirk.phase()]), rt.Mesh(4)), 1e-12)
     assert not np.isfinite(freed.residual)
 
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
+from robotraj.dynamics.point import symbolic_model
 from robotraj.indirect.arcs import Arc, Side
 from robotraj.indirect.boundary import end_data
 from robotraj.indirect.polishing import _solve
@@ -79,7 +80,7 @@ def arrives(polished: Any, rates: Any, start: Any) -> Any:
 
 
 def robot_rates(robot: rt.Robot) -> Any:
-    nv, forward = robot.nv, robot.symbolic.forward_dynamics
+    nv, forward = robot.nv, symbolic_model(robot).forward_dynamics
 
     def rates(t: float, x: Any, u: Any) -> Any:
         a = forward(x[:nv], x[nv:], robot.actuation @ u, np.zeros((6, robot.model.njoints)))
@@ -180,7 +181,7 @@ def test_end_constraints_on_the_pose_of_a_robot() -> None:
     solution = rt.plan(phase, rt.Mesh(40))
     polished = rt.indirect.polish(solution)
     q = polished.at(2.0).q
-    reached = np.array(arm.symbolic.frame_placement("tip")(q)[0]).ravel()[:2]
+    reached = np.array(symbolic_model(arm).frame_placement("tip")(q)[0]).ravel()[:2]
     assert reached == pytest.approx(goal, abs=1e-9)
     assert polished.objective == pytest.approx(solution.objective, rel=1e-6)
 

@@ -17,6 +17,7 @@ from robotraj.planning.settings import RULES, SETTINGS, resolve, table
 from robotraj.problem.objectives.base import Objective
 from robotraj.solvers.base import Solver
 from robotraj.solvers.stagewise.reduction import reduce
+from tests.programs import nlp_of
 
 
 def chain(states: int, controls: int, **options: object) -> rt.Problem:
@@ -75,7 +76,7 @@ def test_an_integral_over_an_arms_motion_widens_every_stage() -> None:
     bounded = rt.Problem([rt.Phase(arm, 1.0, objective=rt.Duration(), constraints=[budget])])
     assert isinstance(resolve(bounded, {"mesh": rt.Mesh()}).interval_limits, rt.interval_limits.ConstraintGeneration)
     # Every later stage carries the value of the integral so far.
-    carried = [reduce(rt.transcription.transcribe(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
+    carried = [reduce(nlp_of(bounded, rt.Mesh(n))).program.nx.max() for n in (5, 10)]
     assert carried[1] > 1.8 * carried[0]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], units={"x": "m", "v": "m/s", "u": "N"})
 
@@ -44,7 +45,7 @@ def test_a_phase_prints_every_row_with_when_bounds_and_unit() -> None:
 
 def test_what_is_printed_is_what_is_imposed() -> None:
     """As many kinds of rows and bounds as lines."""
-    nlp = rt.transcription.transcribe(rt.Problem([cartpole()]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([cartpole()]), rt.Mesh(3))
     printed = {(line[0], line[1]) for line in table_of(cartpole()) if "throughout" in line}
     rows = {(entry.name, entry.label.removeprefix("q.")) for entry in nlp.rows.entries}
     assert {("torque balance", "pole"), ("torque balance", "slider")} <= printed & rows
@@ -121,7 +122,7 @@ def test_durations_are_fixed_or_bounded(duration: Any, bounds: tuple[float, floa
 def test_an_end_outside_a_limit_by_round_off_is_let_through_and_kept() -> None:
     for where in (2.0 + 1e-9, -2.0 - 1e-9):
         phase = cartpole(start=rt.State(q=[where, 0], v=0), end=None)
-        nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(2))
+        nlp = nlp_of(rt.Problem([phase]), rt.Mesh(2))
         column = nlp.layouts[0].knots[0, 0]
         assert nlp.variables.lower[column] == nlp.variables.upper[column] == where
 
@@ -131,7 +132,7 @@ def test_two_bounds_on_one_variable_hold_both() -> None:
         rt.constraints.JointPosition({"slider": rt.between(-1, 5)}),
         rt.constraints.JointPosition({"slider": rt.between(-9, 1.5)}),
     ]
-    nlp = rt.transcription.transcribe(rt.Problem([cartpole(constraints=more)]), rt.Mesh(2))
+    nlp = nlp_of(rt.Problem([cartpole(constraints=more)]), rt.Mesh(2))
     column = nlp.layouts[0].knots[1, 0]
     assert (nlp.variables.lower[column], nlp.variables.upper[column]) == (-1, 1.5)
 

@@ -189,14 +189,6 @@ def test_limits_are_overridden_when_loading(arm):
     assert rt.load(arm, limits=limits).limits is limits
 
 
-def test_the_symbolic_model_is_that_of_the_planning_model_and_kept():
-    robot = rt.load("kinova")
-    assert robot.symbolic is robot.symbolic
-    q, v, tau = np.random.default_rng(8).normal(size=(3, robot.nv))
-    a = np.array(robot.symbolic.forward_dynamics(q, v, tau, np.zeros((6, robot.model.njoints)))).ravel()
-    np.testing.assert_allclose(a, pin.aba(robot.model, robot.model.createData(), q, v, tau), rtol=1e-9)
-
-
 def test_printing_shows_joints_units_limits_motors_damping_and_decisions(arm):
     robot = rt.load(arm, actuated=["shoulder"], limits={"velocity": {"elbow": np.inf}})
     title, _, head, shoulder, elbow, units, *notes = str(robot).splitlines()

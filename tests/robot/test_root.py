@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.point import symbolic_model
 from robotraj.robot.known_robots.catalogue import catalogue, find
 from robotraj.robot.known_robots.example_robots import folder
 
@@ -69,7 +70,7 @@ def test_the_symbolic_algorithms_know_the_root():
         model, data = robot.model, robot.model.createData()
         q = pin.integrate(model, robot.neutral, rng.normal(size=model.nv))
         v, a = rng.normal(size=(2, model.nv))
-        tau = np.array(robot.symbolic.inverse_dynamics(q, v, a, np.zeros((6, model.njoints)))).ravel()
+        tau = np.array(symbolic_model(robot).inverse_dynamics(q, v, a, np.zeros((6, model.njoints)))).ravel()
         np.testing.assert_allclose(tau, pin.rnea(model, data, q, v, a), atol=1e-11)
 
 
@@ -203,7 +204,7 @@ def test_a_body_without_joints_can_be_thrown(urdf):
         rt.load(path)
     robot = rt.load(path, root="floating")
     assert (robot.nq, robot.nv, robot.nu) == (7, 6, 0)
-    assert robot.symbolic.mass == 2.0
+    assert symbolic_model(robot).mass == 2.0
     held = rt.load("pendulum", root="planar", locked={"pivot": 0.4})
     assert held.joint_names == ("root_x", "root_z", "root_pitch")
 

@@ -11,14 +11,14 @@ import robotraj as rt
 from robotraj.solvers.assembled.program import Assembled, assemble
 from robotraj.solvers.formulation import formulate
 from robotraj.solvers.stagewise.native import native_program, refresh
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
 MESH = rt.Mesh(6)
 
 
 def whole(name: str) -> Assembled:
-    return assemble(transcribe(EVERY[name](), MESH, None, None))
+    return assemble(nlp_of(EVERY[name](), MESH))
 
 
 @pytest.mark.parametrize("name", ["step", "arm", "two phases", "pendulum"])
@@ -86,7 +86,7 @@ def test_other_bounds_refresh_the_program() -> None:
 
 
 def test_what_joins_distant_intervals_is_assembled() -> None:
-    forms = {name: formulate(transcribe(EVERY[name](), MESH, None, None)) for name in ("arm", "two phases", "step")}
+    forms = {name: formulate(nlp_of(EVERY[name](), MESH)) for name in ("arm", "two phases", "step")}
     assert {name: isinstance(form, Assembled) for name, form in forms.items()} == {
         "arm": False,
         "two phases": False,

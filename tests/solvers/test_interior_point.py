@@ -15,6 +15,7 @@ import robotraj as rt
 from robotraj.solvers import interior_point as module
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.transcription.nlp import Nlp
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
 MESH = rt.Mesh(8)
@@ -234,7 +235,7 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     monkeypatch.setattr(module, "native_program", lambda *given: Stalls(make(*given)))
     monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
     problem = EVERY["arm"]()
-    nlp = rt.transcription.transcribe(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
+    nlp = nlp_of(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
     few, more = (rt.InteriorPoint(max_iterations=n, fallback=None).solve(nlp) for n in (7, 10))
     assert few.iterations == 7 and few.status is rt.solvers.Status.STALLED
     assert more.iterations == 10 and more.status is rt.solvers.Status.ITERATION_LIMIT
@@ -261,7 +262,7 @@ def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
     monkeypatch.setattr(module, "native_program", lambda *given: Seen(make(*given)))
     monkeypatch.setattr(module, "of_program", lambda *given: 1.0)
     problem = EVERY[name]()
-    nlp = rt.transcription.transcribe(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
+    nlp = nlp_of(problem if isinstance(problem, rt.Problem) else rt.Problem([problem]), MESH)
     solver = rt.InteriorPoint(fallback=None, max_iterations=200)
     before, known = getattr(module, patience), solver.solve(nlp)
     monkeypatch.setattr(module, patience, 5)

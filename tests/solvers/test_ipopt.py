@@ -10,6 +10,7 @@ import pytest
 import robotraj as rt
 from robotraj.solvers.base import Iteration
 from robotraj.solvers.ipopt import LINEAR_SOLVERS
+from tests.programs import nlp_of
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 MOVE = rt.Phase(BLOCK, (0.1, 20), rt.State([0, 0]), rt.State([10, 0]), rt.Duration(), controls={"u": rt.between(-1, 1)})
@@ -57,7 +58,7 @@ def test_both_barriers_find_the_minimum_time(barrier: str) -> None:
 
 def test_progress_reports_every_iteration_in_order() -> None:
     seen: list[Iteration] = []
-    nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    nlp = nlp_of(rt.Problem([MOVE]), rt.Mesh(10))
     outcome = rt.Ipopt().solve(nlp, seen.append)
     assert [iteration.number for iteration in seen] == list(range(outcome.iterations + 1))
     assert seen[0].infeasibility > 1e-2 > 1e-7 > seen[-1].infeasibility
@@ -66,7 +67,7 @@ def test_progress_reports_every_iteration_in_order() -> None:
 
 def test_its_answer_is_a_stationary_point_in_physical_units() -> None:
     """Gradient plus the rows' and the bounds' multipliers is zero: grad f + J' lam_g + lam_x = 0."""
-    nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    nlp = nlp_of(rt.Problem([MOVE]), rt.Mesh(10))
     outcome = rt.Ipopt(tolerance=1e-10).solve(nlp)
     rows, bounds = outcome.multipliers.rows, outcome.multipliers.bounds
     residual = nlp.gradient(outcome.w) + nlp.jacobian(outcome.w).T @ rows + bounds
@@ -89,7 +90,7 @@ def test_bounds_hold_exactly_at_the_answer() -> None:
 
 
 def test_every_factorisation_takes_the_same_steps() -> None:
-    nlp = rt.transcription.transcribe(rt.Problem([MOVE]), rt.Mesh(10))
+    nlp = nlp_of(rt.Problem([MOVE]), rt.Mesh(10))
     own, *others = (rt.Ipopt(linear_solver=name).solve(nlp) for name in LINEAR_SOLVERS)
     for other in others:
         assert own.iterations == other.iterations

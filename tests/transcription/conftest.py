@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 HALF = [0, 0.4, 1]
 
@@ -198,7 +199,7 @@ PROBLEMS = {
 @pytest.fixture(params=PROBLEMS)
 def nlp(request: pytest.FixtureRequest) -> rt.transcription.Nlp:
     """Every problem in turn, transcribed."""
-    return rt.transcription.transcribe(*PROBLEMS[request.param]())
+    return nlp_of(*PROBLEMS[request.param]())
 
 
 @pytest.fixture

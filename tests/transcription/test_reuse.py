@@ -12,6 +12,7 @@ import pytest
 import robotraj as rt
 from robotraj.solvers.base import Origin
 from robotraj.transcription.reuse import sharing, transcribed_again
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, two_phases
 
 MESH = rt.Mesh(12)
@@ -157,9 +158,9 @@ def test_steps_of_another_length_have_the_rows_of_a_new_transcription(gait: str)
     shared = replace(second, phases=list(map(sharing, second.phases, first.phases)))
     assert shared.phases[0].dae is first.phases[0].dae
     mesh, limits, engine = rt.Mesh(3), rt.interval_limits.BernsteinBounds(), rt.engines.VirtualMachine()
-    known = rt.transcription.transcribe(first, mesh, None, engine, limits)
+    known = nlp_of(first, mesh, engine, limits)
     again = transcribed_again(known, shared, mesh, engine, limits, known.guess)
-    fresh = rt.transcription.transcribe(second, mesh, None, engine, limits)
+    fresh = nlp_of(second, mesh, engine, limits)
     assert again is not None
     w = known.guess + 0.01 * np.random.default_rng(0).standard_normal(len(known.guess))
     np.testing.assert_allclose(again.values(w), fresh.values(w), rtol=1e-12, atol=1e-12)

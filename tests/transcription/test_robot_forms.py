@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 
 def rest(*q: float) -> rt.State:
@@ -58,7 +59,7 @@ def test_rows_of_a_robot_name_joint_unit_and_time() -> None:
     start, end, duration = TASKS["cartpole"]
     tip = rt.GroundClearance("tip", -0.6)
     phase = rt.Phase(rt.load("cartpole"), duration, start, end, rt.Effort(), [tip], name="swing")
-    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(2, rt.schemes.Trapezoidal()))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(2, rt.schemes.Trapezoidal()))
     assert "swing: torque balance, pole, t = 1 s" in nlp.row_names
     assert "swing: defect, q.slider, t = 2 s" in nlp.row_names
     assert "swing: ground clearance, tip, t = 0 s" in nlp.row_names

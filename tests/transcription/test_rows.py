@@ -12,6 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 PENDULUM = rt.System(
     ["q", "w"],
@@ -40,7 +41,7 @@ def random_point(nlp: rt.transcription.Nlp) -> np.ndarray:
 
 
 def test_rows_and_cost_are_those_of_the_trapezoidal_rule() -> None:
-    nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh([0, 0.3, 1], rt.schemes.Trapezoidal()))
+    nlp = nlp_of(rt.Problem([phase_of()]), rt.Mesh([0, 0.3, 1], rt.schemes.Trapezoidal()))
     w = random_point(nlp)
     layout = nlp.layouts[0]
     x = w[layout.knots]
@@ -55,7 +56,7 @@ def test_rows_and_cost_are_those_of_the_trapezoidal_rule() -> None:
 
 def test_hermite_simpson_rows_and_cost_are_those_of_the_separated_form() -> None:
     """x_m = (x_0 + x_1)/2 + h/8 (f_0 - f_1) and x_1 = x_0 + h/6 (f_0 + 4 f_m + f_1) span the same rows."""
-    nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh(1))
+    nlp = nlp_of(rt.Problem([phase_of()]), rt.Mesh(1))
     w = random_point(nlp)
     interval = nlp.layouts[0].intervals[0]
     x, u = w[interval.states], w[interval.controls]
@@ -86,7 +87,7 @@ def test_rows_and_columns_are_named_with_phase_meaning_and_time() -> None:
 
 def test_fixed_ends_and_bounds_of_single_variables_are_bounds_not_rows() -> None:
     phase = phase_of(states={"w": rt.between(-4, 4)}, controls={"u": rt.between(-1, 2)})
-    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(2))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(2))
     layout = nlp.layouts[0]
     assert {entry.name for entry in nlp.rows.entries} == {"defect"}
     np.testing.assert_array_equal(nlp.variables.lower[layout.knots[0]], [0, 0])
@@ -99,7 +100,7 @@ def test_fixed_ends_and_bounds_of_single_variables_are_bounds_not_rows() -> None
 
 def test_one_end_is_bounded_alone() -> None:
     slow = rt.AtEnd(rt.PathConstraint(lambda point: point.x["w"], upper=0.5, name="slow"))
-    nlp = rt.transcription.transcribe(rt.Problem([phase_of(end=None, constraints=[slow])]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([phase_of(end=None, constraints=[slow])]), rt.Mesh(3))
     names = [name for name in nlp.row_names if "slow" in name]
     assert names == ["phase: slow, t = 2 s"]
 
@@ -107,17 +108,15 @@ def test_one_end_is_bounded_alone() -> None:
 def test_a_phase_has_one_stage_on_every_mesh_that_frees_the_same_scalars() -> None:
     phase = phase_of()
     meshes = (rt.Mesh(3), rt.Mesh(8, rt.schemes.RadauIIA(3)), rt.schemes.MovingMesh(3), rt.schemes.MovingMesh(8))
-    fixed, finer, moving, more = (
-        rt.transcription.transcribe(rt.Problem([phase]), mesh).blocks[0].stage for mesh in meshes
-    )
+    fixed, finer, moving, more = (nlp_of(rt.Problem([phase]), mesh).blocks[0].stage for mesh in meshes)
     assert fixed is finer
     assert moving is more is not fixed
-    assert rt.transcription.transcribe(rt.Problem([phase_of()]), meshes[0]).blocks[0].stage is not fixed
+    assert nlp_of(rt.Problem([phase_of()]), meshes[0]).blocks[0].stage is not fixed
 
 
 def test_stages_are_freed_with_their_phase() -> None:
     phase = phase_of()
-    stage = weakref.ref(rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(3)).blocks[0].stage)
+    stage = weakref.ref(nlp_of(rt.Problem([phase]), rt.Mesh(3)).blocks[0].stage)
     assert stage() is not None
     del phase
     gc.collect()
@@ -125,7 +124,7 @@ def test_stages_are_freed_with_their_phase() -> None:
 
 
 def test_spy_draws_both_matrices(problems: dict) -> None:
-    figure = rt.transcription.transcribe(*problems["two phases"]()).spy()
+    figure = nlp_of(*problems["two phases"]()).spy()
     assert isinstance(figure, Figure)
     titles = [axes.get_title() for axes in figure.axes]
     assert "Jacobian" in titles[0] and "Hessian" in titles[1]
@@ -134,7 +133,7 @@ def test_spy_draws_both_matrices(problems: dict) -> None:
 @pytest.mark.parametrize("name", ["ode", "free duration", "dae", "ends", "cartpole"])
 def test_scaling_does_not_change_the_answer(name: str, problems: dict) -> None:
     problem, mesh = problems[name]()
-    nlp = rt.transcription.transcribe(problem, mesh)
+    nlp = nlp_of(problem, mesh)
     plain = dataclasses.replace(nlp, scale=np.ones_like(nlp.scale), row_scale=np.ones_like(nlp.row_scale))
     assert np.any(nlp.scale != 1) and np.any(nlp.row_scale != 1)
     scaled, unscaled = (rt.Ipopt(tolerance=1e-10).solve(each) for each in (nlp, plain))
@@ -159,7 +158,7 @@ def test_the_guess_is_inside_all_bounds_that_hold_throughout(
 ) -> None:
     """The straight line has controls of zero, where a reciprocal of the control is infinite."""
     phase = phase_of(controls={"u": rt.between(2.0, 3.0)}, states={"w": rt.between(-4.0, 1.2)})
-    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4), interval_limits=interval_limits)
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4), interval_limits=interval_limits)
     (layout,) = nlp.layouts
     for run in layout.runs:
         np.testing.assert_array_equal(nlp.guess[run.controls], 2.0)

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 
 @pytest.fixture(scope="module")
 def nlp() -> rt.transcription.Nlp:
     robot = rt.load("solo12", root="floating")
-    return rt.transcription.transcribe(rt.gait.trot(robot, step_length=0.1, duration=0.25, clearance=0.03), rt.Mesh(4))
+    return nlp_of(rt.gait.trot(robot, step_length=0.1, duration=0.25, clearance=0.03), rt.Mesh(4))
 
 
 def columns(nlp: rt.transcription.Nlp, name: str, unit: str) -> np.ndarray:
@@ -40,7 +41,7 @@ def test_states_of_a_system_keep_their_own() -> None:
         ["near", "far"], ["u"], lambda point: [point.u["u"], point.x["near"]], units={"near": "m", "far": "m"}
     )
     phase = rt.Phase(system, 1.0, rt.State([0.0, 0.0]), rt.State([0.01, 50.0]), rt.Lagrange(lambda p: p.u["u"] ** 2))
-    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4))
     assert set(nlp.scale[columns(nlp, "state", "m")].tolist()) == {0.01, 50.0}
 
 
@@ -51,7 +52,7 @@ def test_defects_are_scaled_alike_in_every_unit_of_the_states() -> None:
         system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"] * unit - 1e3 * p.x["v"]])
         ends = rt.State([0.0, 0.0]), rt.State([unit, 2.0 * unit])
         phase = rt.Phase(system, 1.0, *ends, rt.Lagrange(lambda p: p.u["u"] ** 2))
-        nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4))
+        nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4))
         defects = [i for i, entry in enumerate(nlp.rows.entries) if entry.name == "defect"]
         scaled = nlp.row_scale[:, None] * nlp.jacobian(nlp.guess).toarray() * nlp.scale
         return scaled[np.isin(nlp.rows.meaning, defects)]

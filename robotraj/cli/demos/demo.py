@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess
 from robotraj.planning.many.multistart import multistart
 from robotraj.planning.plan import plan
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution

@@ -14,12 +14,12 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.splines import through
 from robotraj._util.values import dataclass
-from robotraj.guess.base import Curve, InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.legs.footsteps import Footsteps
 from robotraj.guess.legs.schedule import schedule_of
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.support import support
+from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.links.base import BoundLink
 from robotraj.problem.problem import Problem
 from robotraj.robot.chart import Chart

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.least_time import LineLimits
@@ -23,6 +22,7 @@ from robotraj.guess.paths.scene import PathScene
 from robotraj.guess.paths.timed_path import timed_path
 from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.guess.ends import default_parameters, ends_of
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.minimum_jerk import through
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.objectives.terminal_pose import target_of
 from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION

@@ -25,10 +25,10 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
-from robotraj.guess.base import InitialGuess
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.follow_path import FollowPath
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Mayer

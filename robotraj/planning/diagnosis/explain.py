@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from robotraj.guess.base import InitialGuess
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.solution import Solution

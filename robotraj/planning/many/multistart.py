@@ -14,13 +14,13 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess
 from robotraj.guess.default import as_guess, default_guess, other_guess
 from robotraj.planning.many.local_optima import equal_objectives, same_optimum
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import attach, check_options, detach
 from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution

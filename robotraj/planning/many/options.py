@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
-    from robotraj.guess.base import InitialGuess
     from robotraj.native.engines.base import Engine
     from robotraj.planning.continuation import ContinuationStep
+    from robotraj.problem.initial_guess import InitialGuess
     from robotraj.replay_page.live.live_window import LiveWindow
     from robotraj.solution.proof import Goals
     from robotraj.solution.settings import Restarts, Settings

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess, PhaseGuess
 from robotraj.native.engines.base import Engine
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.solvers.base import Multipliers
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj.guess.base import InitialGuess
-from robotraj.guess.default import default_guess
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
@@ -48,11 +47,11 @@ class Clearing:
     ----------
     nlp : Nlp
         The NLP before its first solve.
-    guess : InitialGuess or None
-        Guess of the problem; None for the default guess.
+    guess : InitialGuess
+        Guess of the problem.
     """
 
-    def __init__(self, nlp: Nlp, guess: InitialGuess | None) -> None:
+    def __init__(self, nlp: Nlp, guess: InitialGuess) -> None:
         self._every: list[Clearances] = []
         self._on_paths: list[Clearances] = []
         if any(each.avoids_collisions for phase in nlp.problem.phases for each in phase.constraints):
@@ -63,7 +62,7 @@ class Clearing:
             self._every = [own for own in every if own not in self._on_paths]
         self._motions: list[Motion] = []
         if self._every:
-            start = (guess or default_guess(nlp.problem)).prepared(nlp.problem)
+            start = guess.prepared(nlp.problem)
             self._motions = [_guessed(start, nlp.problem.phases, own) for own in self._every]
         self._kept: list[dict[tuple[int, int], Raised]] = [{} for _ in self._every]
         self._round = 0

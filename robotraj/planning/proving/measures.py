@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.guess.base import InitialGuess
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof

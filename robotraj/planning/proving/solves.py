@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from robotraj.guess.base import InitialGuess
 from robotraj.planning.proving.measures import is_motion
 from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import MeshStep, added_times
 from robotraj.solution.settings import Settings

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.guess.default import as_guess
+from robotraj.guess.from_solution import FromSolution
 from robotraj.native.build import load_native
 from robotraj.planning.plan import plan
 from robotraj.planning.replanning.replan import Replan
@@ -33,8 +33,8 @@ from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
     from robotraj.dynamics.obstacles.base import Obstacle
-    from robotraj.guess.base import InitialGuess
     from robotraj.native import Options
+    from robotraj.problem.initial_guess import InitialGuess
     from robotraj.problem.phase import Phase
     from robotraj.solvers.formulation import Formulation
     from robotraj.transcription.clearance.plane_rows import PlaneRows
@@ -223,7 +223,7 @@ def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
 
     settings, problem = first.settings, first.problem
     assert settings is not None
-    nlp = transcribe(problem, settings.mesh, as_guess(first), settings.engine, settings.interval_limits)
+    nlp = transcribe(problem, settings.mesh, FromSolution(first), settings.engine, settings.interval_limits)
     rows = PlaneRows(nlp)
     found = InteriorPoint(fallback=None).solve(rows.added(nlp))
     return rows, origin_of(found.multipliers)

@@ -12,7 +12,7 @@ import numpy as np
 from robotraj._util.errors import InputError, called
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
-from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.point import RobotPoint, symbolic_model
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Column, Scalar
 from robotraj.problem.constraints.base import symbols_of
@@ -123,5 +123,5 @@ class Tracking(Integral):
             parts["v"] = [f"v.{name}" for name in robot.velocity_names]
         states = symbolic_states(self.reference, [column for columns in parts.values() for column in columns], t)
         known = {part: ca.vertcat(*(states[column] for column in columns)) for part, columns in parts.items()}
-        placed = {f: robot.symbolic.frame_placement(f)(known["q"])[0] for f in names if f not in parts}
+        placed = {f: symbolic_model(robot).frame_placement(f)(known["q"])[0] for f in names if f not in parts}
         return known | placed

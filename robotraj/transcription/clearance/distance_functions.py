@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.point import symbolic_model
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.robot import Robot
@@ -154,5 +155,5 @@ def _stage(
 def _world(robot: Robot, joint: int, q: ca.SX, centre: ca.SX) -> ca.SX:
     if joint == 0:
         return centre
-    position, rotation = robot.symbolic.frame_placement(str(robot.model.names[joint]))(q)
+    position, rotation = symbolic_model(robot).frame_placement(str(robot.model.names[joint]))(q)
     return position + ca.mtimes(rotation, centre)

@@ -13,6 +13,7 @@ import robotraj as rt
 from robotraj.native.engines.base import Mapped
 from robotraj.native.engines.compiler import find_compiler, points_at_once
 from robotraj.native.engines.source import Source, write_source
+from tests.programs import nlp_of
 
 Posed = tuple[rt.Problem, rt.Mesh]
 
@@ -144,7 +145,7 @@ def test_contacts_of_which_a_row_reads_no_force_are_the_same() -> None:
     )
     mesh = rt.Mesh(3, rt.schemes.RadauIIA(1))
     plain, native = (
-        rt.transcription.transcribe(rt.Problem([phase]), mesh, engine=engine)
+        nlp_of(rt.Problem([phase]), mesh, engine=engine)
         for engine in (rt.engines.VirtualMachine(), rt.engines.Native())
     )
     w = plain.guess + 0.1 * np.random.default_rng(3).standard_normal(len(plain.guess))

@@ -13,7 +13,7 @@ import robotraj as rt
 from robotraj.planning.proving.clearing import Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.solvers import interior_point
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 
 START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
 
@@ -78,8 +78,8 @@ def test_a_box_that_moves_in_time_is_avoided_when_it_is_there() -> None:
 
 def first_rows(problem: rt.Problem) -> np.ndarray:
     """Return the values at the guess of the rows on distances of the first solve."""
-    nlp = transcribe(problem, rt.Mesh(10))
-    longer = Clearing(nlp, None).rows(nlp)
+    nlp = nlp_of(problem, rt.Mesh(10))
+    longer = Clearing(nlp, rt.guess.default_guess(problem)).rows(nlp)
     return longer.values(longer.guess)[len(nlp.rows) :]
 
 
@@ -96,7 +96,8 @@ def test_rows_of_a_later_phase_meet_obstacles_when_the_phase_runs() -> None:
 
 def test_an_objective_that_rows_increased_is_not_settled() -> None:
     """Further planes may reduce it again, at less expense than a finer mesh."""
-    clearing = Clearing(transcribe(rt.Problem([reach(rt.obstacles.Sphere(0.05, (0.5, 0.0, 0.5)))]), rt.Mesh(10)), None)
+    problem = rt.Problem([reach(rt.obstacles.Sphere(0.05, (0.5, 0.0, 0.5)))])
+    clearing = Clearing(nlp_of(problem, rt.Mesh(10)), rt.guess.StraightLine())
     histories = {(2.0,): (False, True), (2.0, 2.001): (True, True), (2.0, 2.2): (False, False)}
     histories |= {(2.0, 2.2, 2.1): (False, False), (2.0, 2.2, 2.199): (True, True), (2.2, 2.0): (False, True)}
     histories |= {(-np.inf, 2.0): (False, True), (2.0, -np.inf): (True, True)}

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 Array = NDArray[np.float64]
 
@@ -55,7 +56,7 @@ def problem() -> tuple[rt.Problem, list[rt.Mesh]]:
 
 @pytest.fixture(scope="module")
 def nlp() -> rt.transcription.Nlp:
-    return rt.transcription.transcribe(*problem())
+    return nlp_of(*problem())
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 OTHER = rt.System(["y"], ["u"], lambda point: [point.u["u"]])
 
@@ -99,7 +100,7 @@ def test_the_rows_of_links_are_printed_and_named(push: Any) -> None:
     assert "link equal duration    equal duration    = 0  s" in printed
     closed = rt.links.Linkage((0,), lambda a: a.end.x["x"] - a.start.x["x"], name="closed")
     assert str(rt.Problem([push.phase()], [closed])).endswith("link closed  closed  = 0")  # no unit in the whole table
-    names = rt.transcription.transcribe(problem, rt.Mesh(2)).row_names
+    names = nlp_of(problem, rt.Mesh(2)).row_names
     assert sum("continuity" in name for name in names) == 3
     assert sum("equal duration" in name for name in names) == 1
 

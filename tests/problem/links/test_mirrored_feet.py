@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,6 @@ def test_it_is_refused_where_a_flight_closes_the_gait(walker: rt.Robot) -> None:
 
 def test_feet_that_are_named_are_imposed_where_they_newly_stand(walker: rt.Robot) -> None:
     problem = rt.Problem([standing(walker, "left_foot")], [rt.Touchdown(0, 0, repeat=legs(left_foot="right_foot"))])
-    rows = rt.transcription.transcribe(problem, rt.Mesh(2)).rows
+    rows = nlp_of(problem, rt.Mesh(2)).rows
     held = [rows.entries[k].name for k, fraction in zip(rows.meaning, rows.fraction, strict=True) if fraction == 0.0]
     assert [held.count(f"contact {level}") for level in ("position", "velocity")] == [2, 2]

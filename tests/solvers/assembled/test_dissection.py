@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 import robotraj as rt
 from robotraj.native.build import load_native
 from robotraj.solvers.assembled.program import Assembled, assemble
+from tests.programs import nlp_of
 
 PUSH = rt.Phase(
     rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]]),
@@ -31,12 +32,12 @@ def walk(intervals: int) -> Assembled:
     robot = rt.load("five_link", root="planar")
     feet = ("left_foot", "right_foot")
     problem = rt.gait.walk(robot, feet=feet, step_length=0.3, duration=0.6)
-    return assemble(rt.transcription.transcribe(problem, rt.Mesh(intervals)))
+    return assemble(nlp_of(problem, rt.Mesh(intervals)))
 
 
 def budget(intervals: int) -> Assembled:
     """A block that moves in least time with a budget of effort."""
-    return assemble(rt.transcription.transcribe(rt.Problem([PUSH]), rt.Mesh(intervals)))
+    return assemble(nlp_of(rt.Problem([PUSH]), rt.Mesh(intervals)))
 
 
 def newton_system(made: Assembled) -> tuple[Any, np.ndarray]:

@@ -14,7 +14,7 @@ from robotraj.solvers.stagewise.program import Program
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ CASES = [
 
 
 def reduced(problem: str, mesh: str, interval_limits: rt.interval_limits.ConstraintGeneration = PLAIN) -> Reduction:
-    return reduce(transcribe(EVERY[problem](), MESHES[mesh], None, None, interval_limits))
+    return reduce(nlp_of(EVERY[problem](), MESHES[mesh], None, interval_limits))
 
 
 def columns_of_states(program: Program) -> NDArray[np.bool_]:
@@ -228,7 +228,7 @@ def test_rows_on_torques_between_the_points_keep_torques_eliminated(mesh: str) -
 
 
 def test_shooting_is_refused() -> None:
-    nlp = transcribe(EVERY["pendulum"](), rt.Mesh(4, rt.schemes.MultipleShooting()), None, None)
+    nlp = nlp_of(EVERY["pendulum"](), rt.Mesh(4, rt.schemes.MultipleShooting()))
     with pytest.raises(NotStagewise, match="MultipleShooting"):
         reduce(nlp)
 
@@ -243,7 +243,7 @@ def test_an_added_row_of_a_path_constraint_stays_in_its_interval(
     away = rt.PathConstraint(lambda point: point.x["x"] ** 2 + point.x["y"] ** 2, lower=0.1, name="away")
     ends = rt.State([-1, 0, 0]), rt.State([1, 1, 0])
     objective = rt.Lagrange(lambda point: point.u["a"] ** 2 + point.u["w"] ** 2)
-    plain = transcribe(rt.Problem([rt.Phase(system, duration, *ends, objective, [away])]), MESHES[mesh])
+    plain = nlp_of(rt.Problem([rt.Phase(system, duration, *ends, objective, [away])]), MESHES[mesh])
     last = MESHES[mesh].count - 1
     nlp = with_added_rows(plain, [AddedRow(0, k, 0, 0.4) for k in range(last + 1)], plain.guess)
     reduction, without = reduce(nlp), reduce(plain)

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 import robotraj as rt
 from robotraj.solvers.stagewise.reduction import reduce
 from robotraj.transcription.reuse import transcribed_again
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 
 Array = NDArray[np.float64]
 HEIGHT = 0.3
@@ -57,7 +57,7 @@ def solve(problem: rt.Problem, solver: rt.solvers.Solver, guess: rt.Solution | N
 
 def test_rows_of_fixed_columns_are_no_equations(robot: rt.Robot) -> None:
     held = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
-    program = reduce(transcribe(held, MESH, None, None)).program
+    program = reduce(nlp_of(held, MESH)).program
     # A stage has the height of its first knot and its rate. The fixed joint positions and the rest at both ends imply
     # them; the first stage has the height's acceleration.
     assert program.equalities.tolist() == [1, *[2] * 11, 12]
@@ -80,7 +80,7 @@ def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objecti
 def test_a_goal_that_repeats_the_height_is_one_row(robot: rt.Robot) -> None:
     goal = rt.AtEnd(rt.FramePosition("tool0", [0.1, 0.5, HEIGHT]))
     problem = level(robot, rt.State(v=0), goal)
-    program = reduce(transcribe(problem, MESH, None, None)).program
+    program = reduce(nlp_of(problem, MESH)).program
     # Rest, x and y, and one height.
     assert program.equalities.tolist() == [1, *[2] * 11, 9]
     staged = solve(problem, rt.InteriorPoint(fallback=None))
@@ -95,7 +95,7 @@ def test_a_goal_that_repeats_the_height_is_one_row(robot: rt.Robot) -> None:
 def test_a_goal_at_another_height_stays_a_contradiction(robot: rt.Robot) -> None:
     goal = rt.AtEnd(rt.FramePosition("tool0", [0.4, -0.3, HEIGHT + 0.01]))
     problem = level(robot, rt.State(v=0), goal)
-    assert reduce(transcribe(problem, MESH, None, None)).program.equalities[-1] == 10
+    assert reduce(nlp_of(problem, MESH)).program.equalities[-1] == 10
     solution = solve(problem, rt.InteriorPoint(fallback=None, max_iterations=200))
     assert not solution.success
     assert any("frame position" in violation.name for violation in solution.violations())
@@ -103,7 +103,7 @@ def test_a_goal_at_another_height_stays_a_contradiction(robot: rt.Robot) -> None
 
 def test_another_goal_that_holds_the_row_refreshes_the_program(robot: rt.Robot) -> None:
     problem = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
-    first = transcribe(problem, MESH, None, None)
+    first = nlp_of(problem, MESH)
     moved = problem.with_(end=rt.State(q=reaching(robot, 0.4, -0.25), v=0))
     other = transcribed_again(first, moved, MESH, None, rt.interval_limits.ConstraintGeneration(), first.guess)
     assert other is not None

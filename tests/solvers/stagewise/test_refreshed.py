@@ -13,7 +13,7 @@ from robotraj.native import Csr, Stacked
 from robotraj.solvers.stagewise.native import native_program, refresh
 from robotraj.solvers.stagewise.reduction import Reduction, reduce
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
 MESH = rt.Mesh(4, rt.HermiteSimpson())
@@ -61,7 +61,7 @@ def speed_limits_scale(problem: str) -> bool:
 
 @pytest.mark.parametrize("problem", [p for p in EVERY if not speed_limits_scale(p)])
 def test_a_refreshed_reduction_is_the_one_made_anew(problem: str) -> None:
-    nlp = transcribe(EVERY[problem](), MESH, None, None)
+    nlp = nlp_of(EVERY[problem](), MESH)
     first = reduce(nlp)
     other = moved(nlp)
     refreshed = first.refreshed(other)
@@ -74,7 +74,7 @@ def test_a_refreshed_reduction_is_the_one_made_anew(problem: str) -> None:
 
 
 def test_a_refreshed_program_gives_the_numbers_of_one_made_anew() -> None:
-    nlp = transcribe(EVERY["arm"](), MESH, None, None)
+    nlp = nlp_of(EVERY["arm"](), MESH)
     first, other = reduce(nlp), moved(nlp)
     native = native_program(first.program, nlp.engine, 1)
     refreshed = first.refreshed(other)
@@ -110,7 +110,7 @@ def test_constants_of_curved_functions_are_refreshed_and_coefficients_are_not() 
         end=rt.State({"angle": 1, "rate": 0}),
         objective=rt.Lagrange(lambda p: p.u["torque"] ** 2),
     )
-    nlp = transcribe(rt.Problem([phase]), MESH, None, None)
+    nlp = nlp_of(rt.Problem([phase]), MESH)
     first = reduce(nlp)
     later = with_constants(nlp, 1, 0.3)
     refreshed = first.refreshed(later)
@@ -141,18 +141,18 @@ def rescaled(nlp: Nlp) -> Nlp:
 
 @pytest.mark.parametrize("change", [loosened, limited, rescaled])
 def test_another_structure_is_not_refreshed(change: object) -> None:
-    nlp = transcribe(EVERY["pendulum"](), MESH, None, None)
+    nlp = nlp_of(EVERY["pendulum"](), MESH)
     assert reduce(nlp).refreshed(change(nlp)) is None  # type: ignore[operator]
 
 
 def test_another_mesh_or_problem_is_not_refreshed() -> None:
-    first = reduce(transcribe(EVERY["pendulum"](), MESH, None, None))
-    assert first.refreshed(transcribe(EVERY["pendulum"](), rt.Mesh(5, rt.HermiteSimpson()), None, None)) is None
-    assert first.refreshed(transcribe(EVERY["block"](), MESH, None, None)) is None
+    first = reduce(nlp_of(EVERY["pendulum"](), MESH))
+    assert first.refreshed(nlp_of(EVERY["pendulum"](), rt.Mesh(5, rt.HermiteSimpson()))) is None
+    assert first.refreshed(nlp_of(EVERY["block"](), MESH)) is None
 
 
 def test_speed_limits_of_a_free_duration_are_coefficients() -> None:
-    nlp = transcribe(EVERY["hurried arm"](), MESH, None, None)
+    nlp = nlp_of(EVERY["hurried arm"](), MESH)
     assert reduce(nlp).refreshed(moved(nlp)) is None
     same = reduce(nlp).refreshed(replace(nlp, guess=nlp.guess.copy()))
     assert same is not None
@@ -172,7 +172,7 @@ def another_goal(nlp: Nlp, duration: float) -> Nlp:
 @pytest.mark.parametrize("problem", ["hurried arm", "acrobot"])
 def test_a_free_duration_keeps_its_unit_near_the_first_guess(problem: str) -> None:
     """A plan to another goal begins at the last one, whose duration is not the first guess's."""
-    nlp = transcribe(EVERY[problem](), MESH, None, None)
+    nlp = nlp_of(EVERY[problem](), MESH)
     first, other = reduce(nlp), another_goal(nlp, 0.8)
     refreshed, anew = first.refreshed(other), reduce(other)
     assert refreshed is not None

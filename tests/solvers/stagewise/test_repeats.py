@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import robotraj as rt
 from robotraj.native.build import load_native
 from robotraj.solvers.stagewise.reduction import reduce
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
 Array = NDArray[np.float64]
@@ -24,13 +24,13 @@ ALL_APART = rt.Mesh(np.linspace(0, 1, 25) ** 1.1)
 
 
 def hessians(name: str, mesh: rt.Mesh) -> list[Any]:
-    reduction = reduce(transcribe(EVERY[name](), mesh, None, None))
+    reduction = reduce(nlp_of(EVERY[name](), mesh))
     return [part.hessian for part in reduction.program.blocks if part.hessian.entries]
 
 
 def chained(name: str, mesh: rt.Mesh) -> list[tuple[Any, Any]]:
     """Of every block, what is kept of its Hessian's combination, and the chain rule written out by SciPy."""
-    reduction = reduce(transcribe(EVERY[name](), mesh, None, None))
+    reduction = reduce(nlp_of(EVERY[name](), mesh))
     rows, columns = (side.astype(np.int64) for side in reduction.program.hessian)
     width = reduction.program.linear.columns
     pairs = []

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import robotraj as rt
 from robotraj.transcription.assembly.callbacks import NlpFunction
+from tests.programs import nlp_of
 
 Array = NDArray[np.float64]
 STEP = 1e-5
@@ -78,7 +79,7 @@ def graph(nlp: rt.transcription.Nlp) -> tuple[ca.MX, ca.MX, ca.MX]:
 
 @pytest.mark.parametrize("name", ["ends", "two phases", "mixed schemes", "cartpole"])
 def test_derivatives_are_those_of_the_whole_graph(name: str, problems: dict) -> None:
-    nlp = rt.transcription.transcribe(*problems[name]())
+    nlp = nlp_of(*problems[name]())
     w, f, g = graph(nlp)
     lam = ca.MX.sym("lam", len(nlp.rows))
     hessian, _ = ca.hessian(0.7 * f + ca.dot(lam, g), w)
@@ -123,7 +124,7 @@ def test_only_requested_results_are_evaluated_and_a_failure_is_reported() -> Non
 
 def test_the_jacobian_has_no_entry_that_cannot_be_nonzero(problems: dict) -> None:
     """Rows depend on their interval, the duration and the parameters alone."""
-    nlp = rt.transcription.transcribe(*problems["ode"]())
+    nlp = nlp_of(*problems["ode"]())
     w, _ = somewhere(nlp)
     jacobian = nlp.jacobian(w)
     dense = np.abs(jacobian.toarray()) > 0

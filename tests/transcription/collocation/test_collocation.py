@@ -12,6 +12,7 @@ import robotraj as rt
 from robotraj.transcription.collocation.symbols import phase_scalars, point_symbols
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 
 DRIFT = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
 
@@ -36,7 +37,7 @@ def test_each_integral_has_its_own_row(scheme: Any) -> None:
     powers = [rt.constraints.IntegralConstraint(lambda p, k=k: p.t**k, upper=9.0, name=f"power {k}") for k in range(3)]
     seen = rt.PathConstraint(lambda p: p.x["x"] * p.u["u"], upper=50.0, name="power")
     cost = rt.Lagrange(lambda p: 1.0 + 0.0 * p.u["u"] ** 2)
-    nlp = transcribe(rt.Problem([driven(constraints=[seen, *powers], objective=cost)]), rt.Mesh(3, scheme))
+    nlp = nlp_of(rt.Problem([driven(constraints=[seen, *powers], objective=cost)]), rt.Mesh(3, scheme))
     w = somewhere(nlp)
     values = nlp.values(w)
     for k in range(3):
@@ -49,7 +50,7 @@ def test_terms_of_the_objective_are_weighted_and_added(weight: float) -> None:
     """The integrals of t and t^2 over 2 s, and the duration."""
     terms = [rt.Lagrange(lambda p, k=k: p.t**k + 0.0 * p.u["u"]) for k in (1, 2)]
     cost = weight * terms[0] + 2.0 * terms[1] + weight * rt.Duration()
-    nlp = transcribe(rt.Problem([driven(objective=cost)]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([driven(objective=cost)]), rt.Mesh(3))
     assert nlp.objective(somewhere(nlp)) == pytest.approx(2.0 * weight + 2.0 * 8 / 3 + 2.0 * weight)
 
 
@@ -58,7 +59,7 @@ def test_corrections_move_the_state_of_their_own_point_only() -> None:
     hopper = rt.load("hopper", root="planar")
     contact = [rt.PointContact("foot")]
     phase = rt.Phase(hopper, 0.5, contacts=contact, parameters={"foot.x": 0.0})
-    nlp = transcribe(rt.Problem([phase]), rt.Mesh(2))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(2))
     w, (layout,) = somewhere(nlp), nlp.layouts
     s, c = point_symbols(phase, phase_scalars(layout)), ca.SX.sym("c", len(phase.dae.invariants))
     point = phase.dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
@@ -97,7 +98,7 @@ def test_constraints_at_the_ends_read_the_time_and_state_of_their_end() -> None:
 
 def test_a_mayer_term_reads_both_ends_in_the_order_given() -> None:
     cost = 3.0 * rt.Mayer(lambda start, end: 10 * start.x["x"] + end.x["v"] + 100 * (end.t - start.t)) + rt.Duration()
-    nlp = transcribe(rt.Problem([driven(start=rt.State(), end=rt.State(), objective=cost)]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([driven(start=rt.State(), end=rt.State(), objective=cost)]), rt.Mesh(3))
     w = somewhere(nlp)
     (first, *_), last = nlp.layouts[0].knots, nlp.layouts[0].knots[-1]
     assert nlp.objective(w) == pytest.approx(3.0 * (10 * w[first[0]] + w[last[1]] + 200.0) + 2.0)
@@ -105,7 +106,7 @@ def test_a_mayer_term_reads_both_ends_in_the_order_given() -> None:
 
 def test_defects_are_those_of_the_rule_of_simpson() -> None:
     """x_1 - x_0 = h / 6 (f_0 + 4 f_m + f_1), and x_m = x_0 + h / 24 (5 f_0 + 8 f_m - f_1)."""
-    nlp = transcribe(rt.Problem([driven(start=rt.State(), end=rt.State())]), rt.Mesh([0, 0.25, 1]))
+    nlp = nlp_of(rt.Problem([driven(start=rt.State(), end=rt.State())]), rt.Mesh([0, 0.25, 1]))
     w = somewhere(nlp)
     layout, values = nlp.layouts[0], nlp.values(w)
     defects, found = rows(nlp, "v"), {}
@@ -168,7 +169,7 @@ def test_moving_intervals_follow_each_other_and_fill_the_phase(duration: Any) ->
 
 def test_links_join_the_end_of_one_phase_to_the_start_of_the_next() -> None:
     first, last = (driven(start=rt.State(), end=rt.State(), name=name) for name in ("first", "last"))
-    nlp = transcribe(rt.Problem([first, last], [rt.Continuity(0, 1)]), rt.Mesh(2))
+    nlp = nlp_of(rt.Problem([first, last], [rt.Continuity(0, 1)]), rt.Mesh(2))
     w = somewhere(nlp)
     before, after = nlp.layouts
     jump = np.append(after.t0.of(w) - 2.0, w[after.knots[0]] - w[before.knots[-1]])

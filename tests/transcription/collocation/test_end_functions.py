@@ -11,7 +11,7 @@ import pytest
 import robotraj as rt
 from robotraj.native.engines.base import VirtualMachine
 from robotraj.transcription.collocation.end_functions import _FUNCTIONS
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 
 
 def hop() -> rt.Problem:
@@ -30,15 +30,15 @@ def stages_at_ends(nlp: rt.transcription.nlp.Nlp) -> list[object]:
 
 def test_a_finer_mesh_has_the_functions_of_the_first() -> None:
     problem = hop()
-    coarse, fine = (transcribe(problem, rt.Mesh(count, rt.HermiteSimpson())) for count in (3, 7))
+    coarse, fine = (nlp_of(problem, rt.Mesh(count, rt.HermiteSimpson())) for count in (3, 7))
     assert len(stages_at_ends(coarse)) >= 3
     assert all(a is b for a, b in zip(stages_at_ends(coarse), stages_at_ends(fine), strict=True))
 
 
 def test_functions_on_a_finer_mesh_are_those_of_a_new_problem() -> None:
     problem = hop()
-    transcribe(problem, rt.Mesh(3))
-    again, fresh = transcribe(problem, rt.Mesh(7)), transcribe(hop(), rt.Mesh(7))
+    nlp_of(problem, rt.Mesh(3))
+    again, fresh = nlp_of(problem, rt.Mesh(7)), nlp_of(hop(), rt.Mesh(7))
     w = np.random.default_rng(0).normal(size=len(again.variables))
     np.testing.assert_array_equal(again.values(w), fresh.values(w))
     assert again.objective(w) == fresh.objective(w)
@@ -48,14 +48,14 @@ def test_another_set_of_free_scalars_has_functions_of_its_own() -> None:
     problem = hop()
     fixed = rt.Problem([problem.phases[0], problem.phases[1].with_(duration=1.0)], links=problem.links)
     for each in (problem, fixed, problem):
-        nlp, fresh = transcribe(each, rt.Mesh(4)), transcribe(each, rt.Mesh(4), engine=VirtualMachine())
+        nlp, fresh = nlp_of(each, rt.Mesh(4)), nlp_of(each, rt.Mesh(4), engine=VirtualMachine())
         assert len(nlp.rows) == len(fresh.rows)
         assert rt.plan(each, rt.Mesh(4), progress=False).success
 
 
 def test_functions_end_with_their_problem() -> None:
     problem = hop()
-    transcribe(problem, rt.Mesh(3))
+    nlp_of(problem, rt.Mesh(3))
     owners = [weakref.ref(each) for each in (*problem.phases, *problem.bound_links) if each in _FUNCTIONS]
     assert len(owners) >= 3
     del problem
@@ -67,6 +67,6 @@ def test_a_scheme_without_a_point_at_the_end_is_refused_after_one_that_has_it() 
     ends = rt.constraints.AtStart(rt.PathConstraint(lambda point: point.tau[0], upper=1.0, name="push"))
     phase = rt.Phase(rt.load("block"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort(), constraints=[ends])
     problem = rt.Problem([phase])
-    transcribe(problem, rt.Mesh(3, rt.HermiteSimpson()))
+    nlp_of(problem, rt.Mesh(3, rt.HermiteSimpson()))
     with pytest.raises(rt.InputError, match="no collocation point there"):
-        transcribe(problem, rt.Mesh(3, rt.schemes.GaussLegendre(3)))
+        nlp_of(problem, rt.Mesh(3, rt.schemes.GaussLegendre(3)))

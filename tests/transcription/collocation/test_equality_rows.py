@@ -10,7 +10,7 @@ import pytest
 import robotraj as rt
 from robotraj.dynamics.row import Row
 from robotraj.transcription.collocation.index_reduction import carried_equalities, rate_row
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 from tests.transcription.collocation.test_index_reduction import ALONE, diagonal, effort, moved, places, plane
 
 
@@ -19,7 +19,7 @@ def test_an_equality_with_another_value_has_its_rows_at_the_same_places(value: f
     """Ends at rest on x - y = value determine the rate there, whatever the value."""
     ends = {"start": (value, 0, 0, 0), "end": (1 + value, 1, 0, 0)}
     nlp, zero = (
-        transcribe(rt.Problem([each]), rt.Mesh(3)) for each in (moved(diagonal(value=value), **ends), moved(diagonal()))
+        nlp_of(rt.Problem([each]), rt.Mesh(3)) for each in (moved(diagonal(value=value), **ends), moved(diagonal()))
     )
     for name in ("diagonal", "rate of diagonal", "rate 2 of diagonal"):
         np.testing.assert_allclose(places(nlp, name), places(zero, name))
@@ -70,7 +70,7 @@ RADAU, SIMPSON, GAUSS, TRAPEZOID = (
 def test_the_last_scheme_decides_which_rows_the_end_determines(
     schemes: tuple[Any, ...], held: list[float], rates: list[float]
 ) -> None:
-    nlp = transcribe(rt.Problem([moved(diagonal())]), rt.Mesh([0, 0.3, 0.6, 1], schemes))
+    nlp = nlp_of(rt.Problem([moved(diagonal())]), rt.Mesh([0, 0.3, 0.6, 1], schemes))
     np.testing.assert_allclose(places(nlp, "diagonal"), held, atol=1e-3)
     np.testing.assert_allclose(places(nlp, "rate of diagonal"), rates, atol=1e-3)
 
@@ -110,7 +110,7 @@ def test_an_equality_is_carried_over_a_knot_where_both_phases_hold_the_same(seco
     problem = rt.Problem(parts, [rt.Continuity(0, 1)])
     assert carried_equalities(parts, 1, problem.bound_links) == (frozenset({0}) if runs_on else frozenset())
     assert carried_equalities(parts, 0, problem.bound_links) == frozenset()
-    nlp = transcribe(problem, rt.Mesh(2))
+    nlp = nlp_of(problem, rt.Mesh(2))
     entries = [nlp.rows.entries[m] for m in nlp.rows.meaning]
     at_start = {
         str(entry)

@@ -16,7 +16,7 @@ import robotraj as rt
 from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.ob
     phase = drawing(ur5, objective)
     assert [equality.order for equality in path_equalities(phase)] == [2] * 4
     # Where rates of torques are chosen, the accelerations that the phase starts with follow from the torques.
-    nlp = transcribe(rt.Problem([phase]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(3))
     assert places(nlp, "rate 2 of frame position x, tool0") == ([0.0] if isinstance(objective, rt.Effort) else [])
 
 
@@ -144,16 +144,16 @@ def test_poses_are_of_the_order_of_accelerations(ur5: rt.Robot, objective: rt.ob
     ids=str,
 )
 def test_rows_are_imposed_at_knots_with_their_rates(scheme: Any, held: list[float], rates: list[float]) -> None:
-    nlp = transcribe(rt.Problem([moved(diagonal())]), rt.Mesh(3, scheme))
+    nlp = nlp_of(rt.Problem([moved(diagonal())]), rt.Mesh(3, scheme))
     np.testing.assert_allclose(places(nlp, "diagonal"), held)
     np.testing.assert_allclose(places(nlp, "rate of diagonal"), rates)
 
 
 @pytest.mark.parametrize(("end", "last"), [((1, 1, 0, 0), 2 / 3), ((1, 1, None, 0), 1.0), ((1, 1, 1, 0), 1.0)], ids=str)
 def test_a_rate_is_imposed_at_an_end_that_does_not_determine_it(end: Any, last: float) -> None:
-    nlp = transcribe(rt.Problem([moved(diagonal(), end=end)]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([moved(diagonal(), end=end)]), rt.Mesh(3))
     assert places(nlp, "rate of diagonal")[-1] == pytest.approx(last)
-    free = transcribe(rt.Problem([moved(diagonal(), start=(0, 0, None, None))]), rt.Mesh(3))
+    free = nlp_of(rt.Problem([moved(diagonal(), start=(0, 0, None, None))]), rt.Mesh(3))
     assert places(free, "rate of diagonal")[0] == 0.0
 
 
@@ -246,7 +246,7 @@ def test_a_figure_followed_in_time_needs_no_ends(ur5: rt.Robot) -> None:
 def test_accelerations_do_not_oscillate_from_knot_to_knot(ur5: rt.Robot) -> None:
     """Least time does not determine them; along the line they are those of a spline through the tool's positions."""
     solution = rt.plan(drawing(ur5, rt.Duration()), rt.Mesh(40), solver=ALONE, progress=False)
-    nlp = transcribe(rt.Problem([drawing(ur5, rt.Duration())]), rt.Mesh(40))
+    nlp = nlp_of(rt.Problem([drawing(ur5, rt.Duration())]), rt.Mesh(40))
     assert places(nlp, "rate 2 of frame position x, tool0") == [0.0]
     model, data, frame = ur5.model, ur5.model.createData(), ur5.frame("tool0")
     found = []
@@ -273,7 +273,7 @@ def test_another_goal_takes_the_transcription_over_where_its_rows_are_the_same()
         solution = rt.plan(other, mesh, first, solver=ALONE, progress=False)
         alone = rt.plan(other, mesh, solver=ALONE, progress=False)
         assert solution.objective == pytest.approx(alone.objective, rel=1e-7)
-        known = transcribe(problem, mesh)
+        known = nlp_of(problem, mesh)
         assert (
             transcribed_again(known, other, mesh, None, rt.interval_limits.ConstraintGeneration(), known.guess)
             is not None

@@ -8,6 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.transcription.collocation.invariants import determined_invariants, start_invariants
+from tests.programs import nlp_of
 
 STAND = {"root_x": 0.0, "root_pitch": 0.0, "hip": 0.0, "root_z": 0.6, "leg": 0.6}
 
@@ -58,7 +59,7 @@ def test_rest_determines_velocities_of_contacts_in_any_pose(hopper: rt.Robot) ->
 def test_a_squat_keeps_its_foot_in_place_at_every_knot(hopper: rt.Robot) -> None:
     low = STAND | {"root_z": 0.45, "leg": 0.45}
     squat = phase(hopper, rt.State(q=STAND, v=0), rt.State(q=low, v=0), objective=rt.Effort())
-    nlp = rt.transcription.transcribe(rt.Problem([squat]), rt.Mesh(4))
+    nlp = nlp_of(rt.Problem([squat]), rt.Mesh(4))
     held = np.isin([nlp.rows.entries[k].name for k in nlp.rows.meaning], ["contact position", "contact velocity"])
     assert held.any() and not nlp.rows.lower[held].any() and not nlp.rows.upper[held].any()
     solution = rt.plan(squat, rt.Mesh(4))

@@ -10,6 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
+from tests.programs import nlp_of
 
 
 def boat(**more: Any) -> rt.Phase:
@@ -30,7 +31,7 @@ def headings(nlp: rt.transcription.Nlp) -> np.ndarray:
     "scheme", [rt.HermiteSimpson(), rt.schemes.RadauIIA(3), rt.schemes.GaussLegendre(2), rt.schemes.MultipleShooting()]
 )
 def test_turns_without_effect_on_rows_are_removed(scheme: rt.HermiteSimpson) -> None:
-    nlp = rt.transcription.transcribe(rt.Problem([boat()]), rt.Mesh(5, scheme))
+    nlp = nlp_of(rt.Problem([boat()]), rt.Mesh(5, scheme))
     rng = np.random.default_rng(0)
     columns = headings(nlp)
     smooth = nlp.guess.copy()
@@ -46,14 +47,14 @@ def test_turns_without_effect_on_rows_are_removed(scheme: rt.HermiteSimpson) -> 
 def test_turns_that_rows_depend_on_or_bounds_forbid_stay() -> None:
     seen = rt.PathConstraint(lambda point: point.u["heading"], upper=100.0, name="heading")
     for phase in (boat(constraints=[seen]), boat(controls={"heading": rt.between(3, 8)})):
-        nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(5))
+        nlp = nlp_of(rt.Problem([phase]), rt.Mesh(5))
         w = nlp.guess.copy()
         w[headings(nlp)] = np.tile([3.1, 7.9], 6)[:11]
         assert unwrapped(nlp, w) == pytest.approx(w, abs=0)
 
 
 def test_a_control_that_is_no_angle_may_jump() -> None:
-    nlp = rt.transcription.transcribe(rt.Problem([boat()]), rt.Mesh(5))
+    nlp = nlp_of(rt.Problem([boat()]), rt.Mesh(5))
     w = nlp.guess.copy()
     w[headings(nlp) + 1] = np.tile([0.0, 2 * np.pi], 6)[:11]
     assert unwrapped(nlp, w) is w

@@ -18,6 +18,7 @@ from robotraj.transcription.interval_limits.added_rows import (
 )
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
+from tests.programs import nlp_of
 
 
 def tip(point: Any) -> Any:
@@ -113,7 +114,7 @@ def test_a_row_is_added_at_its_worst_place_and_the_second_time_on_the_whole_inte
 def test_an_equality_between_the_points_is_added_once_only() -> None:
     turn = rt.PathConstraint(lambda point: point.v[0] - point.v[1], 0, 0, name="same speed")
     phase = rt.Phase(rt.load("cartpole"), 1.0, rt.State(q=0, v=0), objective=rt.Effort(), constraints=[turn])
-    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4))
     (number,) = (row.number for row in phase.rows.rows if row.name == "same speed")
     added = [AddedRow(0, 1, number, 0.3)]
     assert rows_to_add(nlp, [violated(nlp, number, 1, 0.6)], added) == [AddedRow(0, 1, number, 0.6)]
@@ -137,7 +138,7 @@ def test_states_at_added_rows_of_a_contact_are_on_the_corrected_polynomial() -> 
     hopper = rt.load("hopper", root="planar")
     high = rt.PathConstraint(lambda point: point.q[1] ** 2, upper=5.0, name="tip")
     phase = rt.Phase(hopper, 0.5, contacts=[rt.PointContact("foot")], constraints=[high])
-    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(3))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(3))
     w = nlp.guess + 0.1 * np.random.default_rng(3).normal(size=len(nlp.guess))
     more = with_added_rows(nlp, [AddedRow(0, 1, tip_row(nlp), 0.3)], w)
     x = extract(nlp, w)[0].x

@@ -17,6 +17,7 @@ from robotraj.planning.nlp_violations import violations
 from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, coefficients, control_weights
 from robotraj.transcription.schemes.collocation import Scheme
+from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import block, hurried_arm
 from tests.transcription.assembly.test_derivatives import assert_close, differences, somewhere
 
@@ -110,9 +111,7 @@ def test_the_parabola_of_hermite_simpson_has_the_published_coefficient() -> None
 @pytest.mark.parametrize("control", [rt.schemes.LinearControl(), rt.schemes.ConstantControl()])
 def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
     plain, hull = (
-        rt.transcription.transcribe(
-            drive(), rt.Mesh(4, rt.HermiteSimpson(control=control)), interval_limits=interval_limits
-        )
+        nlp_of(drive(), rt.Mesh(4, rt.HermiteSimpson(control=control)), interval_limits=interval_limits)
         for interval_limits in (rt.interval_limits.ConstraintGeneration(), HULL)
     )
     assert "u" not in {entry.label for nlp in (plain, hull) for entry in nlp.rows.entries}
@@ -122,10 +121,7 @@ def test_linear_and_constant_controls_need_no_rows(control: Any) -> None:
 
 def test_controls_have_rows_only_with_controls_true() -> None:
     """Without them, the optimum of a scheme is the published one; states have rows in both cases."""
-    held, plain = (
-        rt.transcription.transcribe(drive(), rt.Mesh(4), interval_limits=b)
-        for b in (HULL, rt.interval_limits.BernsteinBounds())
-    )
+    held, plain = (nlp_of(drive(), rt.Mesh(4), interval_limits=b) for b in (HULL, rt.interval_limits.BernsteinBounds()))
     bounded = [{str(entry) for entry in nlp.rows.entries if "bound" in str(entry)} for nlp in (held, plain)]
     assert bounded == [{"state bound, v", "control bound, u"}, {"state bound, v"}]
 
@@ -191,7 +187,7 @@ def test_torques_of_an_arm_hold_in_minimum_time_by_both_solvers() -> None:
 
 @pytest.mark.parametrize("scheme", ["Hermite-Simpson", "Radau 2", "Gauss 2", "fifth degree"])
 def test_derivatives_of_the_rows(scheme: str) -> None:
-    nlp = rt.transcription.transcribe(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), interval_limits=HULL)
+    nlp = nlp_of(stop_and_go(), rt.Mesh(2, SCHEMES[scheme]), interval_limits=HULL)
     w, multipliers = somewhere(nlp)
     assert_close(nlp.jacobian(w).toarray(), differences(nlp.values, w, nlp.scale))
 
@@ -202,7 +198,7 @@ def test_derivatives_of_the_rows(scheme: str) -> None:
 
 
 def test_a_violation_names_its_control_and_time() -> None:
-    nlp = rt.transcription.transcribe(drive(duration=4.0), rt.Mesh(4), interval_limits=HULL)
+    nlp = nlp_of(drive(duration=4.0), rt.Mesh(4), interval_limits=HULL)
     w = np.zeros(len(nlp.variables))
     # Knots at the limit, 0.1 above it in the middle of the third interval: the coefficient is 0.2 above.
     for interval in nlp.layouts[0].intervals:
@@ -226,11 +222,9 @@ def test_positions_are_covered_where_asked_and_without_contacts() -> None:
 
 
 def test_bounds_that_fix_a_control_or_leave_it_free_are_no_rows() -> None:
-    fixed = rt.transcription.transcribe(
-        drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), interval_limits=HULL
-    )
-    free = rt.transcription.transcribe(drive(controls={}), rt.Mesh(3), interval_limits=HULL)
-    upper = rt.transcription.transcribe(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), interval_limits=HULL)
+    fixed = nlp_of(drive(controls={"u": rt.between(0.5, 0.5)}, end=None), rt.Mesh(3), interval_limits=HULL)
+    free = nlp_of(drive(controls={}), rt.Mesh(3), interval_limits=HULL)
+    upper = nlp_of(drive(controls={"u": rt.between(None, 0.5)}), rt.Mesh(3), interval_limits=HULL)
     for nlp, rows in ((fixed, 0), (free, 0), (upper, 3)):
         labels = [nlp.rows.entries[meaning].label for meaning in nlp.rows.meaning]
         assert labels.count("u") == rows
@@ -276,7 +270,7 @@ def test_coefficients_are_those_of_the_polynomial_through_the_values(degree: int
 def test_rows_are_relaxed_beside_ends_that_are_fixed_at_a_limit_alone(ends: tuple[float, float]) -> None:
     start, end = (rt.State({"x": x, "v": v}) for x, v in zip((0, 3), ends, strict=True))
     problem = drive(start=start, end=end)
-    nlp = rt.transcription.transcribe(problem, rt.Mesh(4, rt.schemes.RadauIIA(3)), interval_limits=HULL)
+    nlp = nlp_of(problem, rt.Mesh(4, rt.schemes.RadauIIA(3)), interval_limits=HULL)
     chosen = np.array([nlp.rows.entries[k].name == "state bound" for k in nlp.rows.meaning])
     interval = np.minimum((4 * nlp.rows.fraction[chosen]).astype(int), 3)
     beyond = nlp.rows.upper[chosen] > 1.1

@@ -9,7 +9,7 @@ import robotraj as rt
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.margins import LimitedInterval, with_margins
-from robotraj.transcription.transcribe import transcribe
+from tests.programs import nlp_of
 
 
 def pushed() -> rt.Phase:
@@ -28,7 +28,7 @@ def test_a_control_keeps_a_margin_on_its_interval_alone() -> None:
     phase = pushed()
     place = next(LimitedInterval(0, 2, row.number) for row in phase.rows if row.variable == "u")
     limits = rt.interval_limits.BernsteinBounds(controls=True)
-    nlp = with_margins(transcribe(rt.Problem([phase]), rt.Mesh(8), interval_limits=limits), {place: 0.25})
+    nlp = with_margins(nlp_of(rt.Problem([phase]), rt.Mesh(8), interval_limits=limits), {place: 0.25})
     (trajectory,) = extract(nlp, rt.Ipopt().solve(nlp).w)
     inside = trajectory.u.inside(np.linspace(0, 1, 21))[:, :, 0]
     assert np.max(np.abs(inside[2])) <= 0.75 + 1e-6
@@ -38,7 +38,7 @@ def test_a_control_keeps_a_margin_on_its_interval_alone() -> None:
 def test_margins_do_not_add_up_and_share_the_functions() -> None:
     problem = rt.Problem([pushed()])
     limits = rt.interval_limits.BernsteinBounds(controls=True)
-    nlp = transcribe(problem, rt.Mesh(4), interval_limits=limits)
+    nlp = nlp_of(problem, rt.Mesh(4), interval_limits=limits)
     phase = problem.phases[0]
     number = next(row.number for row in phase.rows if row.variable == "u")
     once = with_margins(nlp, {LimitedInterval(0, 1, number): 0.1})
@@ -52,7 +52,7 @@ def test_margins_do_not_add_up_and_share_the_functions() -> None:
 def test_a_margin_bounds_no_column_that_had_no_bound() -> None:
     """A solver that works by stages keeps its program: middles of intervals are bounded by coefficients alone."""
     limits = rt.interval_limits.BernsteinBounds(controls=True)
-    nlp = transcribe(rt.Problem([pushed()]), rt.Mesh(4, rt.HermiteSimpson()), interval_limits=limits)
+    nlp = nlp_of(rt.Problem([pushed()]), rt.Mesh(4, rt.HermiteSimpson()), interval_limits=limits)
     number = next(row.number for row in nlp.problem.phases[0].rows if row.variable == "u")
     tight = with_margins(nlp, {LimitedInterval(0, 1, number): 0.1})
     assert np.array_equal(np.isfinite(tight.variables.upper), np.isfinite(nlp.variables.upper))
@@ -70,7 +70,7 @@ def jerky(duration: float | tuple[float, float]) -> rt.Phase:
 @pytest.mark.parametrize("duration", [2.0, (1.0, 3.0)])
 def test_a_margin_of_a_rate_holds_in_its_unit_whether_or_not_rows_are_multiplied_by_the_duration(duration) -> None:
     """With T free, rows sum D y / L <= u T are shifted by the margin times T of the guess."""
-    nlp = transcribe(rt.Problem([jerky(duration)]), rt.Mesh(6))
+    nlp = nlp_of(rt.Problem([jerky(duration)]), rt.Mesh(6))
     phase, layout = nlp.problem.phases[0], nlp.layouts[0]
     row = next(row for row in phase.rows.rows if row.kind is Kind.RATE)
     tight = with_margins(nlp, {LimitedInterval(0, 2, row.number): 0.5})
@@ -87,7 +87,7 @@ def test_a_margin_of_a_rate_holds_in_its_unit_whether_or_not_rows_are_multiplied
 
 def test_no_margin_and_a_margin_as_wide_as_the_limits_change_nothing() -> None:
     limits = rt.interval_limits.BernsteinBounds(controls=True)
-    nlp = transcribe(rt.Problem([pushed()]), rt.Mesh(4), interval_limits=limits)
+    nlp = nlp_of(rt.Problem([pushed()]), rt.Mesh(4), interval_limits=limits)
     number = next(row.number for row in nlp.problem.phases[0].rows if row.variable == "u")
     assert with_margins(nlp, {}) is nlp
     wide = with_margins(nlp, {LimitedInterval(0, 1, number): 1.0})
@@ -97,7 +97,7 @@ def test_no_margin_and_a_margin_as_wide_as_the_limits_change_nothing() -> None:
 
 def test_a_margin_of_a_state_tightens_the_knots_of_its_interval_and_its_coefficients() -> None:
     phase = pushed().with_(states={"v": rt.between(-2, 2)})
-    nlp = transcribe(rt.Problem([phase]), rt.Mesh(4), interval_limits=rt.interval_limits.BernsteinBounds())
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4), interval_limits=rt.interval_limits.BernsteinBounds())
     number = next(row.number for row in phase.rows if row.variable == "v")
     tight = with_margins(nlp, {LimitedInterval(0, 1, number): 0.25})
     layout = nlp.layouts[0]
@@ -113,7 +113,7 @@ def test_a_margin_of_a_state_tightens_the_knots_of_its_interval_and_its_coeffici
 
 def test_given_ends_beyond_a_margin_stay_as_they_are() -> None:
     phase = pushed().with_(states={"v": rt.between(-1, 1)}, end=rt.State({"x": 1, "v": 0.9}))
-    nlp = transcribe(rt.Problem([phase]), rt.Mesh(4))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4))
     number = next(row.number for row in phase.rows if row.variable == "v")
     tight = with_margins(nlp, {LimitedInterval(0, 3, number): 0.25})
     last = nlp.layouts[0].knots[-1, 1]
@@ -123,7 +123,7 @@ def test_given_ends_beyond_a_margin_stay_as_they_are() -> None:
 
 def test_the_guess_is_within_tighter_bounds() -> None:
     phase = pushed().with_(states={"v": rt.between(-1, 1)})
-    nlp = transcribe(rt.Problem([phase]), rt.Mesh(4))
+    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4))
     number = next(row.number for row in phase.rows if row.variable == "v")
     at = nlp.layouts[0].knots[1:3, 1]
     nlp.guess[at] = [1.0, -1.0]

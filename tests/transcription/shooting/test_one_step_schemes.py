@@ -14,6 +14,7 @@ import robotraj as rt
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from tests.programs import nlp_of
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def differences(function: Callable[[Array], Array], w: Array, scale: Array, step
     ids=[*SCHEMES, *ADAPTIVE],
 )
 def test_derivatives_agree_with_finite_differences(scheme: rt.schemes.MultipleShooting, within: float) -> None:
-    nlp = rt.transcription.transcribe(rt.Problem([phase_of()]), rt.Mesh(KNOTS, scheme))
+    nlp = nlp_of(rt.Problem([phase_of()]), rt.Mesh(KNOTS, scheme))
     w, multipliers = somewhere(nlp)
     step = 1e-4 if within < 1e-7 else 1e-3
 
@@ -99,7 +100,7 @@ def test_derivatives_agree_with_finite_differences(scheme: rt.schemes.MultipleSh
 def test_bounds_between_knots_are_the_interpolants_and_share_an_evaluation(scheme: rt.schemes.OneStep) -> None:
     """Of two bounds in one interval and one in another; each once had a place of its own."""
     problem = rt.Problem([phase_of()])
-    plain = rt.transcription.transcribe(problem, rt.Mesh(KNOTS, scheme))
+    plain = nlp_of(problem, rt.Mesh(KNOTS, scheme))
     places = [(0, 0.3), (0, 0.7), (2, 0.4)]
     bound = next(row.number for row in problem.phases[0].rows.rows if row.name == "state bound")
     nlp = with_added_rows(plain, [AddedRow(0, k, bound, tau) for k, tau in places], plain.guess)
@@ -146,7 +147,7 @@ def test_trajectories_and_costs_are_the_initial_value_problem_s(
 
 
 def test_a_runge_kutta_defect_is_that_of_the_method() -> None:
-    nlp = rt.transcription.transcribe(
+    nlp = nlp_of(
         rt.Problem([phase_of(constraints=[])]), rt.Mesh(KNOTS, rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(3)))
     )
     w, _ = somewhere(nlp)
@@ -191,7 +192,7 @@ def test_single_shooting_has_no_states_between_the_ends_but_holds_their_rows() -
             )
         ]
     )
-    nlp = rt.transcription.transcribe(problem, rt.Mesh(8, rt.schemes.SingleShooting()))
+    nlp = nlp_of(problem, rt.Mesh(8, rt.schemes.SingleShooting()))
     names = nlp.variable_names
     assert sum("state, w" in name for name in names) == 2
     held = [row.split(", t")[0] for row in nlp.row_names]
@@ -323,7 +324,7 @@ def test_bounds_of_accelerations_point_to_the_constraint() -> None:
     joint = robot.joint_names[0]
     phase = rt.Phase(robot, 1.0, algebraic={f"a.{joint}": rt.between(-1, 1)})
     with pytest.raises(rt.InputError, match="rt.constraints.JointAcceleration"):
-        rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4, rt.schemes.SingleShooting()))
+        nlp_of(rt.Problem([phase]), rt.Mesh(4, rt.schemes.SingleShooting()))
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import symbolic_model
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.robot.carried_body import CarriedBody, carrying
@@ -74,6 +75,6 @@ def _inverse_dynamics(robot: Robot, point: RobotPoint) -> ca.SX | np.ndarray:
     """Return RNEA(q, v, a) (nv,), symbolic or numeric as the point is."""
     if isinstance(point.q, ca.SX):
         no_force = ca.SX(6, robot.model.njoints)
-        return robot.symbolic.inverse_dynamics(point.q, point.v, point.a, no_force)
+        return symbolic_model(robot).inverse_dynamics(point.q, point.v, point.a, no_force)
     q, v, a = (np.array(each, dtype=float).ravel() for each in (point.q, point.v, point.a))
     return np.array(pin.rnea(robot.model, robot.model.createData(), q, v, a))
