@@ -78,10 +78,11 @@ class Limits(OneLine):
             given = np.array(getattr(self, name), dtype=float).reshape(-1)
             if given.size != len(self.joints):
                 raise InputError(f"Limits.{name} has {given.size} values; give one per joint, {len(self.joints)}.")
-            given = np.where(np.abs(given) > UNLIMITED, np.copysign(np.inf, given), given)
+            beyond = np.abs(given) > UNLIMITED
+            given[beyond] = np.copysign(np.inf, given[beyond])
             given.setflags(write=False)
             object.__setattr__(self, name, given)
-        if self._floating and np.any(np.isfinite(np.append(self.position_lower[:6], self.position_upper[:6]))):
+        if self._floating and np.any(np.isfinite([self.position_lower[:6], self.position_upper[:6]])):
             raise InputError(
                 "The limits bound positions of a floating root, which are no joint positions. Bound them by "
                 "name, with rt.constraints.JointPosition({'root_z': rt.between(0.1, 0.5)})."
@@ -108,19 +109,14 @@ class Limits(OneLine):
         negative is ignored.
         """
         about = root_of(root)
-        free, unlimited = len(about.velocities), np.full(len(about.velocities), np.inf)
-        further = slice(len(about.positions), None)
-        velocity = _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit)
-        effort = _magnitude(model.lowerEffortLimit, model.upperEffortLimit)
-        return cls(
-            (*about.velocities, *names_of(model)[1 + len(about.joints) :]),
-            np.append(-unlimited, model.lowerPositionLimit[further]),
-            np.append(unlimited, model.upperPositionLimit[further]),
-            np.append(unlimited, velocity[free:]),
-            np.full(model.nv, np.inf),
-            np.append(unlimited, effort[free:]),
-            free,
-        )
+        first, free = len(about.positions), len(about.velocities)
+        unlimited = np.full(model.nv, np.inf)
+        lower, upper, velocity, effort = -unlimited, unlimited.copy(), unlimited.copy(), unlimited.copy()
+        lower[free:], upper[free:] = model.lowerPositionLimit[first:], model.upperPositionLimit[first:]
+        velocity[free:] = _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit)[free:]
+        effort[free:] = _magnitude(model.lowerEffortLimit, model.upperEffortLimit)[free:]
+        joints = (*about.velocities, *names_of(model)[1 + len(about.joints) :])
+        return cls(joints, lower, upper, velocity, unlimited, effort, free)
 
     def with_(
         self,
@@ -263,7 +259,6 @@ _EXAMPLE = {"position": "(lower, upper)", **dict.fromkeys(MAGNITUDES, "largest")
 
 
 def _magnitude(lower: Array, upper: Array) -> Array:
-    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     return np.where((lower < 0) & (-lower < upper), -lower, upper)
 
 

@@ -37,9 +37,10 @@ def reference(model: pin.Model, srdf: Path | None, root: str = "fixed") -> tuple
     copy = model if root == "fixed" and srdf is None else with_root(model, "fixed" if root == "fixed" else "floating")
     if srdf is not None:
         pin.loadReferenceConfigurations(copy, str(srdf), False)
-    known = {entry.key(): np.array(entry.data()) for entry in copy.referenceConfigurations}
+    references = copy.referenceConfigurations
+    known = {entry.key(): np.array(entry.data()) for entry in references} if len(references) else {}
     name = next((name for name in REFERENCES if name in known), next(iter(known), ""))
-    q = known.get(name, pin.neutral(copy))
+    q = known[name] if known else pin.neutral(copy)
     if not np.all(np.isfinite(q)):
         raise InputError(
             f"The reference configuration {name!r} of {model.name!r} holds values that are no numbers; correct it."

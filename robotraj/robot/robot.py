@@ -17,7 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
 from robotraj.robot.joint_table import Joints, joint_html, joint_table, number
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.assembly import units
+from robotraj.robot.loading.assembly import units_of
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.root import QUATERNION, root_of
@@ -200,7 +200,7 @@ class Robot:
     @cached_property
     def units(self) -> tuple[str, ...]:
         """``"rad"`` or ``"m"``: units of the entries of v times seconds, and of the positions of joints."""
-        return units(self.model, self.root)
+        return units_of(self.model, self.root)
 
     @cached_property
     def position_units(self) -> tuple[str, ...]:

@@ -98,16 +98,17 @@ def _at(node: Node, time: float) -> OpenEnd | Array | None:
     """Return the search at a node, its only configuration (nq,), or None if no row applies."""
     robot = node[0][0].robot
     assert robot is not None
+    for phase, where in node:
+        bounds = phase.joint_ends[where]
+        if (bounds.lower[: robot.nq] == bounds.upper[: robot.nq]).all():
+            return bounds.lower[: robot.nq]
     lower, upper = np.full(robot.nq, -np.inf), np.full(robot.nq, np.inf)
     parts = []
     for phase, where in node:
-        bounds = phase.joint_ends[where]
-        limits = phase.rows.limits()
+        bounds, limits = phase.joint_ends[where], phase.rows.limits()
         throughout = np.array([limits.get(f"q.{name}", (-np.inf, np.inf)) for name in robot.position_names])
         lower = np.maximum(lower, np.maximum(bounds.lower[: robot.nq], throughout[:, 0]))
         upper = np.minimum(upper, np.minimum(bounds.upper[: robot.nq], throughout[:, 1]))
-        if (bounds.lower[: robot.nq] == bounds.upper[: robot.nq]).all():
-            return bounds.lower[: robot.nq]
         parts.append((phase, _rows_of_positions(phase, where)))
     if (lower > upper).any() or not any(rows for _, rows in parts):
         return None

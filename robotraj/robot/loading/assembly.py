@@ -76,14 +76,16 @@ def assemble(
     )
     model = reduced(whole, ids, at)
     renamed = rename_ambiguous_frames(model)
-    own = Limits.of(model, root)
+    # Nothing was removed where no joint is locked.
+    own = Limits.of(model, root) if ids else every
     wanted = own if limits is None else own.override(limits)
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
     _check_dissipation(model, own.joints)
     motors = _actuated(actuated, about.actuated, own.joints[own.free :])
-    found = weightless_note(weightless_joints(model)), strength_note(model, wanted, units(model, root), motors)
+    units = units_of(model, root)
+    found = weightless_note(weightless_joints(model)), strength_note(model, wanted, units, motors)
     findings = (*about.findings, *filter(None, found))
-    doubt = other_unit_note(own, wanted, units(model, root))
+    doubt = "" if limits is None else other_unit_note(own, wanted, units)
     warned = [text for text in (*(() if about.known else (*findings, *wanted.warnings(motors))), doubt) if text]
     if warned:
         warn(f"{about.name!r}: {' '.join(warned)}")
@@ -94,9 +96,9 @@ def assemble(
         renamed_frames_note(renamed),
         armature_note,
         dissipation_note(model),
-        friction_note(friction, wanted, units(model, root), motors),
-        locked_note(outside(at, every, partial(units, whole, root)), held),
-        neutral_note(outside(kept, wanted, partial(units, model, root)), reference_name),
+        friction_note(friction, wanted, units, motors),
+        locked_note(outside(at, every, partial(units_of, whole, root)), held),
+        neutral_note(outside(kept, wanted, lambda: units), reference_name),
     )
     return {
         "name": about.name,
@@ -114,7 +116,7 @@ def assemble(
     }
 
 
-def units(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
+def units_of(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
     """Return the unit of each joint's position: ``"m"`` for a prismatic joint, else ``"rad"``."""
     about = root_of(root)
     result = list(about.units)

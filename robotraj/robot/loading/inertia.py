@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.robot.loading.planning_model import names_of, parents_of
 
 NEGATIVE = 1e-6
 """Negative moments up to this fraction of the largest one are attributed to rounding."""
@@ -58,13 +59,16 @@ def check_bodies(name: str, model: pin.Model) -> None:
     InputError
         Names the joints that move them: the mass matrix could lose its positive definiteness.
     """
-    bodies = [(model.names[i], np.array(body.inertia), body.mass) for i, body in enumerate(model.inertias) if i]
+    bodies, joints = model.inertias.tolist()[1:], names_of(model)[1:]
+    inertias = np.array([body.inertia for body in bodies]).reshape(-1, 3, 3)
     # Finite entries of links far apart overflow where their inertias are summed.
-    faults = [f"{joint!r} (larger than any number)" for joint, inertia, _ in bodies if not np.isfinite(inertia).all()]
+    finite = np.isfinite(inertias).all(axis=(1, 2))
+    faults = [f"{joint!r} (larger than any number)" for joint, fine in zip(joints, finite, strict=True) if not fine]
+    every = principal_moments(np.where(finite[:, None, None], inertias, 0.0))
     faults += [
-        f"{joint!r} ({triangle_fault(moments, mass)})"
-        for joint, inertia, mass in bodies
-        if np.isfinite(inertia).all() and is_indefinite(moments := principal_moments(inertia), mass)
+        f"{joint!r} ({triangle_fault(moments, body.mass)})"
+        for joint, body, moments in zip(joints, bodies, every, strict=True)
+        if is_indefinite(moments, body.mass)
     ]
     if faults:
         raise InputError(
@@ -74,10 +78,10 @@ def check_bodies(name: str, model: pin.Model) -> None:
 
 def weightless_joints(model: pin.Model) -> tuple[str, ...]:
     """Return the joints behind which there is neither mass nor inertia, and which have no armature."""
-    carried = [body.mass + float(np.abs(body.inertia).sum()) for body in list(model.inertias)]
-    parents = list(model.parents)
+    carried = [float(body.mass + np.abs(body.inertia).sum()) for body in model.inertias.tolist()]
+    parents = parents_of(model)
     for i in range(model.njoints - 1, 0, -1):
         carried[parents[i]] += carried[i]
     joints = enumerate(model.joints.tolist()[1:], start=1)
     armature = np.array(model.armature)
-    return tuple(model.names[i] for i, joint in joints if carried[i] == 0 and not armature[joint.idx_v])
+    return tuple(model.names[i] for i, joint in joints if carried[i] == 0.0 and not armature[joint.idx_v])

@@ -34,9 +34,15 @@ PER_VELOCITY = (
 
 
 def names_of(model: pin.Model) -> list[str]:
-    """Return the names of all joints, the universe first; Pinocchio's iterator ends by a C++ exception."""
+    """Return the names of all joints, the universe first; Pinocchio's iterators end by a slow C++ exception."""
     names = model.names
     return [names[joint] for joint in range(model.njoints)]
+
+
+def parents_of(model: pin.Model) -> list[int]:
+    """Return the number of every joint's parent; that of the universe is 0."""
+    parents = model.parents
+    return [int(parents[joint]) for joint in range(model.njoints)]
 
 
 def check_joints(model: pin.Model) -> None:
@@ -47,7 +53,7 @@ def check_joints(model: pin.Model) -> None:
     InputError
         Names the joints and the remedy.
     """
-    mimic = [model.names[joint] for joint in model.mimicking_joints]
+    mimic = [model.names[model.mimicking_joints[i]] for i in range(len(model.mimicking_joints))]
     if mimic:
         raise InputError(
             f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics does not "
