@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.planning.duality_gap import SolverAccuracy
+from robotraj.planning.linear_controls import on_lines
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -19,6 +20,7 @@ from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment, Refinement
+from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -47,6 +49,10 @@ FALL = 0.25
 
 An excess of a smooth control falls faster. Where a control switches inside an interval, its excess does not fall.
 """
+CALM = Equidistribute()
+"""Refinement of meshes whose controls are lines; it keeps their scheme."""
+ENDING = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
+"""Statuses after which nothing else is tried."""
 SMALL = 1e-2
 """Least size of an objective to which the tolerance is relative."""
 
@@ -131,6 +137,13 @@ def adapt(
             splitting = accurate and MOST_EXCESS < excess < FALL * before
             reached = adding_rows and accurate and not splitting
             tighter = accuracy.tighten_if_needed(solution, tolerance * max(abs(solution.objective), SMALL))
+            if not solution.success and steps[:-1] and solution.status not in ENDING:
+                assert isinstance(start, Solution)
+                # The program of this mesh leads astray from the motion on the last one.
+                calmer = on_lines(problem, tuple(part.mesh for part in start.phases))
+                if refinement != CALM and calmer != tuple(meshes):
+                    meshes, refinement, steps = list(calmer), CALM, []
+                    continue
             if not solution.success or (reached and not tighter):
                 return solution
             if reached:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import field
 
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.planning.linear_controls import LINES
 from robotraj.problem.problem import Problem
-from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.schemes.collocation import Scheme
-from robotraj.transcription.schemes.control import LinearControl
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
@@ -34,13 +33,6 @@ STICKING = RadauIIA(3)
 
 A joint may start and stop inside every interval, and Simpson's rule has only its middle inside. The sum that is
 minimised is then lower than the integral by percents. With one more point, and none shared, the two agree.
-"""
-
-
-LINES = HermiteSimpson(control=LinearControl())
-"""Scheme of motions on a path: rows are imposed at three points of an interval, on which s'' is a line.
-
-Other controls become lines where finer meshes are not solved; see ``with_linear_controls``.
 """
 
 
@@ -72,7 +64,10 @@ class ProportionalMeshes:
 
 @dataclass(frozen=True)
 class MeshesOnPaths:
-    """Meshes of phases of which some are on a path: those on a path have ``PATH`` intervals with ``LINES``."""
+    """Meshes of phases of which some are on a path: those on a path have ``PATH`` intervals with ``LINES``.
+
+    Rows are imposed at three points of such an interval, on which s'' is a line.
+    """
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
         """Return the mesh of each phase."""
@@ -88,20 +83,3 @@ def graded(count: int, scheme: Scheme | None = None) -> Mesh:
     knots = 0.5 * (1.0 + (1.0 - CROWDING) * x + CROWDING * np.sin(0.5 * np.pi * x))
     knots[0], knots[-1] = 0.0, 1.0
     return Mesh(tuple(knots.tolist()), scheme or HermiteSimpson())
-
-
-def with_linear_controls(problem: Problem, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
-    """Replace Hermite-Simpson by ``LINES`` where controls are unknowns of their own.
-
-    On a singular arc, the free control in the middle of every interval alternates with those at the knots, and no finer
-    mesh ends that.
-    """
-    return tuple(
-        mesh if is_exact(phase, mesh.given) else replace(mesh, scheme=_linear(mesh.given))
-        for phase, mesh in zip(problem.phases, meshes, strict=True)
-    )
-
-
-def _linear(schemes: tuple[Scheme, ...]) -> Scheme | tuple[Scheme, ...]:
-    replaced = tuple(LINES if scheme == HermiteSimpson() else scheme for scheme in schemes)
-    return replaced if len(replaced) > 1 else replaced[0]

@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.planning.diagnosis.explain import are_certain
+from robotraj.planning.linear_controls import with_linear_controls
 from robotraj.planning.plan_limits import PlanLimits
-from robotraj.planning.proving.first_mesh import with_linear_controls
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
 from robotraj.planning.proving.soft_friction import is_of_arms, needs_softening, softened, softenings
 from robotraj.planning.proving.solves import Solves

@@ -1,0 +1,59 @@
+"""Where finer meshes lead astray, controls become lines on every interval."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import fsolve
+
+import robotraj as rt
+from robotraj.planning.linear_controls import LINES, on_lines
+
+LENGTH = 4.0
+
+
+def hanging_chain() -> rt.Phase:
+    """A chain of 4 m between the heights 1 and 3 m, 1 m apart, whose centre of mass is as low as possible."""
+    slope = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+
+    def arc(point):
+        return ca.sqrt(1 + point.u["u"] ** 2)
+
+    return rt.Phase(
+        slope,
+        1.0,
+        rt.State([1]),
+        rt.State([3]),
+        objective=rt.Lagrange(lambda point: point.x["x"] * arc(point)),
+        constraints=[rt.constraints.IntegralConstraint(arc, LENGTH, LENGTH)],
+    )
+
+
+def catenary() -> float:
+    """The integral of x ds along x = a cosh((t - b) / a) + c."""
+
+    def off(unknowns):
+        a, b, c = unknowns
+        length = a * (np.sinh((1 - b) / a) + np.sinh(b / a))
+        return a * np.cosh(b / a) + c - 1, a * np.cosh((1 - b) / a) + c - 3, length - LENGTH
+
+    a, b, c = fsolve(off, [0.2, 0.3, 0.0], xtol=1e-13)
+    return quad(lambda t: (a * np.cosh((t - b) / a) + c) * np.cosh((t - b) / a), 0, 1, epsabs=1e-12)[0]
+
+
+@pytest.mark.parametrize("options", [{}, {"tolerance": 1e-6}])
+def test_a_chain_hangs_as_a_catenary(options):
+    """The quadrature of its length is exact for small slopes alone; free controls in the middles exploit that."""
+    solution = rt.plan(hanging_chain(), progress=False, **options)
+    assert solution.objective == pytest.approx(catenary(), rel=2e-6)
+    assert solution.phases[0].mesh.given == (LINES,)
+
+
+def test_an_exact_motion_and_shooting_keep_their_schemes():
+    arm, system = rt.Phase(rt.load("ur5"), 1.0), hanging_chain()
+    meshes = (rt.Mesh(4, rt.schemes.RadauIIA(3)), rt.Mesh(5, rt.schemes.RadauIIA(3)))
+    assert on_lines(rt.Problem([arm, system]), meshes) == (meshes[0], rt.Mesh(5, LINES))
+    shooting = (rt.Mesh(5, rt.schemes.MultipleShooting()),)
+    assert on_lines(rt.Problem([system]), shooting) == shooting
