@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.planning.duality_gap import SolverAccuracy
-from robotraj.planning.linear_controls import on_lines
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -21,6 +20,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
+from robotraj.transcription.refinement.linear_controls import on_lines
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh

@@ -7,8 +7,8 @@ from dataclasses import field
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.planning.linear_controls import LINES
 from robotraj.problem.problem import Problem
+from robotraj.transcription.refinement.linear_controls import LINES
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh

@@ -14,7 +14,6 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.planning.diagnosis.explain import are_certain
-from robotraj.planning.linear_controls import with_linear_controls
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
 from robotraj.planning.proving.soft_friction import is_of_arms, needs_softening, softened, softenings
@@ -28,6 +27,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
+from robotraj.transcription.refinement.linear_controls import with_linear_controls
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.linear_controls import with_linear_controls
 from robotraj.planning.proving import solves
 from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
 from robotraj.solution.settings import Settings
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
+from robotraj.transcription.refinement.linear_controls import with_linear_controls
 
 
 def reach(objective: rt.objectives.Objective, duration: object) -> rt.Phase:

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import fsolve
 
 import robotraj as rt
-from robotraj.planning.linear_controls import LINES, on_lines
+from robotraj.transcription.refinement.linear_controls import LINES, on_lines
 
 LENGTH = 4.0
 
