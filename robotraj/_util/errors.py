@@ -8,7 +8,9 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import TypeVar
+
+Result = TypeVar("Result")
 
 
 class RobotrajError(Exception):
@@ -93,7 +95,7 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     return UnknownName(f"There is no {kind} named {name!r}.{guess} Valid names: {shown or 'none'}.{end}")
 
 
-def called(what: str, function: Callable[..., Any], *arguments: object) -> Any:
+def called(what: str, function: Callable[..., Result], *arguments: object) -> Result:
     """Call a user's function; an error names the function and the remedy.
 
     Parameters

@@ -7,7 +7,7 @@ a row are sorted and unique. Matrices may share their arrays (``data``, ``indice
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, overload
+from typing import TYPE_CHECKING, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,10 @@ Indices = NDArray[np.int_]
 Shape = tuple[int, int]
 Index: TypeAlias = "int | slice | Sequence[int] | NDArray[np.int_] | NDArray[np.bool_]"
 """Rows or columns to take."""
+Given: TypeAlias = (
+    "csr_array | csc_array | Shape | tuple[Array, tuple[Indices, Indices]] | tuple[Array, Indices, Indices]"
+)
+"""What a matrix is made from."""
 
 
 class csr_array:
@@ -42,19 +46,27 @@ class csr_array:
     indptr: Indices
     shape: Shape
 
-    def __init__(self, given: Any, shape: Shape | None = None) -> None:
+    def __init__(self, given: Given, shape: Shape | None = None) -> None:
         if isinstance(given, csc_array):
-            given, shape = (given.data, (given.row, given.col)), given.shape
+            shape = given.shape
+            given = given.data, (given.row, given.col)
         elif isinstance(given, csr_array):
-            given, shape = (given.data, given.indices, given.indptr), given.shape
-        elif not isinstance(given[0], np.ndarray):
-            given, shape = (np.empty(0), np.empty(0, dtype=int), np.zeros(given[0] + 1, dtype=int)), given
-        assert shape is not None
-        self.shape = int(shape[0]), int(shape[1])
-        if len(given) == 2:
-            data, (rows, columns) = given
-            given = _compressed(data, rows, columns, self.shape)
-        self.data, self.indices, self.indptr = given
+            shape = given.shape
+            given = given.data, given.indices, given.indptr
+        if len(given) == 3:
+            assert shape is not None
+            self.shape = int(shape[0]), int(shape[1])
+            self.data, self.indices, self.indptr = given
+            return
+        data, places = given
+        if isinstance(places, tuple):
+            assert shape is not None
+            self.shape = int(shape[0]), int(shape[1])
+            self.data, self.indices, self.indptr = _compressed(np.asarray(data), *places, self.shape)
+        else:
+            self.shape = int(data), int(places)
+            self.data, self.indices = np.empty(0), np.empty(0, dtype=int)
+            self.indptr = np.zeros(self.shape[0] + 1, dtype=int)
 
     @property
     def nnz(self) -> int:

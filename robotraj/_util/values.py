@@ -13,9 +13,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from reprlib import recursive_repr
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+
+T = TypeVar("T")
 
 if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
@@ -23,7 +25,7 @@ else:
 
     def dataclass(
         cls: type | None = None, /, *, frozen: bool = False, eq: bool = True, repr: bool = True, init: bool = True
-    ) -> Any:
+    ) -> object:
         """Return a dataclass; methods that the class defines are kept, as in the standard library."""
 
         def make(cls: type) -> type:
@@ -43,7 +45,7 @@ else:
         return make if cls is None else make(cls)
 
 
-def own(value: Any) -> Any:
+def own(value: T) -> T:
     """Return a deep copy of arrays, tuples, lists and dicts, so that later changes to the originals have no effect.
 
     Copies of arrays are read-only. Every other value, functions included, is returned unchanged.
@@ -54,8 +56,8 @@ def own(value: Any) -> Any:
         return copy
     kind = type(value)
     if kind is tuple or kind is list:
-        return kind([own(entry) for entry in value])
-    return {key: own(entry) for key, entry in value.items()} if kind is dict else value
+        return kind([own(entry) for entry in value])  # type: ignore[attr-defined, call-arg]
+    return {key: own(entry) for key, entry in value.items()} if kind is dict else value  # type: ignore
 
 
 def own_fields(value: object) -> None:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import field
 from pathlib import Path
-from typing import Any
 
 import typer
 
@@ -14,11 +13,12 @@ from robotraj._util.paths import whole_file
 from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json
+from robotraj.replay_page.options import ReplayOptions
 from robotraj.replay_page.write import replay
 from robotraj.solution.errors import NoSolutionFound
 from robotraj.solution.solution import Solution
 from robotraj.witness.report import Report
-from robotraj.witness.validation import validate
+from robotraj.witness.validation import ValidationOptions, validate
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Files:
     html: Path | None = None
     save: Path | None = None
     plot: Path | None = None
-    replay: Mapping[str, Any] = field(default_factory=dict)
+    replay: ReplayOptions = field(default_factory=lambda: ReplayOptions())
 
     def write(self, solution: Solution, report: Report | None = None) -> list[Path]:
         """Write the files and list their absolute paths; the page shows the report."""
@@ -45,7 +45,7 @@ class Files:
 
 
 def conclude(
-    solution: Solution, files: Files, *, as_json: bool = False, validation: Mapping[str, Any] | None = None
+    solution: Solution, files: Files, *, as_json: bool = False, validation: ValidationOptions | None = None
 ) -> None:
     """Print a solution and its proof, write its files, and exit with 4 if the proof failed.
 

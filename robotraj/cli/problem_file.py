@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, cast
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path
 from robotraj.cli.options import PLOTS
 from robotraj.cli.terminal import say
+
+if TYPE_CHECKING:
+    from robotraj.planning.many.options import PlanOptions
 
 SUFFIXES: Mapping[str, Sequence[str]] = {"html": (".html", ".htm"), "save": (".npz",), "plot": PLOTS}
 
@@ -22,7 +25,7 @@ def is_problem_file(given: str) -> bool:
 def plan_problem_file(
     path: str,
     given: Mapping[str, Path | None],
-    options: Mapping[str, Any],
+    options: PlanOptions,
     time_limit: float | None,
     as_json: bool,
 ) -> None:
@@ -45,7 +48,8 @@ def plan_problem_file(
     written = load_problem(path)
     outputs = {name: output_path(each, SUFFIXES[name], f"{name} of [output]") for name, each in written.output.items()}
     files = Files(**{**outputs, **{name: each for name, each in given.items() if each}}, replay=written.replay)
-    chosen: dict[str, Any] = {**written.options, **{name: each for name, each in options.items() if each is not None}}
+    given_here = cast("PlanOptions", {name: each for name, each in options.items() if each is not None})
+    chosen: PlanOptions = {**written.options, **given_here}
     if time_limit is not None:
         chosen["time_limit"] = time_limit
     if not as_json:

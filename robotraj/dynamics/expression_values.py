@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -44,7 +44,7 @@ def rows_of(what: str, function: Callable[..., object], *arguments: object) -> l
     return rows
 
 
-def as_rows(values: Any, what: str) -> list[ca.SX]:
+def as_rows(values: object, what: str) -> list[ca.SX]:
     """Flatten a scalar, a list or a CasADi/NumPy column that a user expression returned into a list of SX.
 
     Raises
@@ -58,7 +58,7 @@ def as_rows(values: Any, what: str) -> list[ca.SX]:
             return [column[i] for i in range(column.numel())]
         # The ravel of a NumPy scalar returns an array of that scalar: the recursion would not end.
         if isinstance(values, Sequence) or (hasattr(values, "ravel") and not isinstance(values, np.generic)):
-            parts = values.ravel() if hasattr(values, "ravel") else values
+            parts = cast("Iterable[object]", values.ravel() if hasattr(values, "ravel") else values)
             return [row for part in parts for row in as_rows(part, what)]
         # float() discards the imaginary part of a complex number; CasADi converts a generator to an empty matrix.
         row = ca.SX(float(values) if isinstance(values, np.number | np.bool_) and np.isrealobj(values) else values)

@@ -60,14 +60,14 @@ class PathPoint(RobotPoint):
     softening: float
 
     @property
-    def u(self) -> Named:
+    def u(self) -> Named[Scalar]:
         """The torques by name; they depend on ``inverse_dynamics``, which may become symbols later."""
         if not self.moves:
             return Named("control", [], None)
         return Named("control", [f"tau.{joint}" for joint in self.robot.actuated], self.tau)
 
     @u.setter
-    def u(self, value: Named) -> None:
+    def u(self, value: Named[Scalar]) -> None:
         """Ignore the value of the base class."""
 
     @property

@@ -108,7 +108,7 @@ class Point:
         Variables that the phase's objective adds (``robotraj.problem.augmentation``), by name.
     """
 
-    def __init__(self, t: Scalar, x: Named, z: Named, u: Named, p: Named) -> None:
+    def __init__(self, t: Scalar, x: Named[Scalar], z: Named[Scalar], u: Named[Scalar], p: Named[Scalar]) -> None:
         self.t = t
         self.x = x
         self.z = z
@@ -142,10 +142,10 @@ class RobotPoint(Point):
     def __init__(
         self,
         t: Scalar,
-        x: Named,
-        z: Named,
-        u: Named,
-        p: Named,
+        x: Named[Scalar],
+        z: Named[Scalar],
+        u: Named[Scalar],
+        p: Named[Scalar],
         robot: Robot,
         q: ca.SX,
         v: ca.SX,
@@ -163,7 +163,7 @@ class RobotPoint(Point):
         self._frames: dict[str, FrameView] = {}
         self.q = q
         self.v = v
-        self.forces = Named("contact", (), ())
+        self.forces: Named[Column] = Named("contact", (), ())
         self.contact_terms: dict[str, SymbolicContactTerms] = {}
 
     @property

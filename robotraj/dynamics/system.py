@@ -14,10 +14,10 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import rows_of
-from robotraj.dynamics.point import AnyPoint, Point
+from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Column, Named, Scalar, Variable
 
-Expression: TypeAlias = "Callable[[AnyPoint], Column | Sequence[Scalar] | Scalar]"
+Expression: TypeAlias = "Callable[[Point], Column | Sequence[Scalar] | Scalar]"
 """A function of a point."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ Scalar: TypeAlias = "ca.SX | float"
 """An expression of symbols in the NLP, a number in the witness."""
 Column: TypeAlias = "ca.SX | NDArray[np.float64]"
 """A vector or matrix of expressions or numbers."""
+Entry = TypeVar("Entry", covariant=True)
+"""What one name of a ``Named`` stands for: a scalar, its values at several times, or the force of a contact."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ class Variable(OneLine):
         return self.joint if self.joint is not None else self.name
 
 
-class Named(Mapping[str, Any]):
+class Named(Mapping[str, Entry]):
     """A vector read by name: ``point.x["v"]``; an unknown name raises an error that lists the valid ones.
 
     Parameters
@@ -58,22 +60,22 @@ class Named(Mapping[str, Any]):
         Kind of the entries, for messages: ``"state"``, ``"control"`` ...
     names : sequence of str
         One name an entry.
-    values : indexable of len(names)
-        A CasADi column or a NumPy array.
+    values : sequence of len(names) or None
+        A CasADi column, a NumPy array or a sequence; None where the entries are not known, at the ends of a phase.
     """
 
-    def __init__(self, kind: str, names: Sequence[str], values: Any) -> None:
+    def __init__(self, kind: str, names: Sequence[str], values: Column | Sequence[Entry] | None) -> None:
         self.kind = kind
         self._index = {name: i for i, name in enumerate(names)}
-        self._values = values  # a column, a sequence of scalars, or None at the ends of a phase
+        self._values = values
 
     @property
-    def column(self) -> Any:  # a column of either kind, or None at the ends of a phase
+    def column(self) -> Column | Sequence[Entry] | None:
         """All entries, as passed to the constructor."""
         return self._values
 
-    def __getitem__(self, name: str) -> Any:
-        if name not in self._index:
+    def __getitem__(self, name: str) -> Entry:
+        if name not in self._index or self._values is None:
             # Points at the ends of a phase, for links and Mayer terms, have neither controls nor algebraic variables.
             advice = "The ends of a phase have only times, states and parameters." if self._values is None else ""
             raise unknown_name(self.kind, name, self._index, advice)

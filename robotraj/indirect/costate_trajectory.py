@@ -48,9 +48,9 @@ class CostateSample(OneLine):
     """
 
     t: float | Array
-    x: Named
-    z: Named
-    path: Named
+    x: Named[float | Array]
+    z: Named[float | Array]
+    path: Named[float | Array]
     hamiltonian: float | Array
 
 

@@ -60,9 +60,9 @@ class PolishedSample(OneLine):
     """
 
     t: float | Array
-    x: Named
-    u: Named
-    costate: Named
+    x: Named[float | Array]
+    u: Named[float | Array]
+    costate: Named[float | Array]
     hamiltonian: float | Array
     q: Array | None = None
     v: Array | None = None
@@ -162,9 +162,9 @@ class Polished(OneLine):
         if np.ndim(t) == 0:
             y, u = y[0], u[0]
         names = [s.name for s in dae.states]
-        x = Named("state", names, y[..., :nx].T)
-        costate = Named("state", names, y[..., nx : 2 * nx].T)
-        controls = Named("control", [c.name for c in dae.controls], u.T)
+        x: Named[float | Array] = Named("state", names, y[..., :nx].T)
+        costate: Named[float | Array] = Named("state", names, y[..., nx : 2 * nx].T)
+        controls: Named[float | Array] = Named("control", [c.name for c in dae.controls], u.T)
         given = times if np.ndim(t) else float(times[0])
         robot = self.equations.phase.robot
         if robot is None:

@@ -158,6 +158,6 @@ class Pontryagin(OneLine):
         return expression
 
 
-def columns(named: Named, names: Sequence[str]) -> ca.SX:
+def columns(named: Named[Scalar], names: Sequence[str]) -> ca.SX:
     """Return named scalars as a column."""
     return ca.vertcat(*(ca.SX(named[name]) for name in names)) if names else ca.SX(0, 1)

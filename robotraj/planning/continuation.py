@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
-from typing import Any
+from typing import TypeVar, cast
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
@@ -33,6 +33,7 @@ class Same(Enum):
 
 
 SAME = Same.SAME
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -93,11 +94,19 @@ class ContinuationStep(OneLine):
             for name in value if isinstance(value, Mapping) else ():
                 if name not in names:
                     raise unknown_name("phase", name, names, "A continuation step changes phases by name.")
-        changes = [_changes(given, phase) for phase in problem.phases]
-        if not any(changes):
+        if not any(_changes(value, phase) for value in given.values() for phase in problem.phases):
             return problem
-        pairs = zip(problem.phases, changes, strict=True)
-        return Problem([replace(phase, **change) for phase, change in pairs], problem.links)
+        phases = [
+            replace(
+                phase,
+                objective=_chosen(self.objective, phase, phase.objective),
+                constraints=_chosen(self.constraints, phase, phase.constraints),
+                limits=_chosen(self.limits, phase, phase.limits),
+                contacts=_chosen(self.contacts, phase, phase.contacts),
+            )
+            for phase in problem.phases
+        ]
+        return Problem(phases, problem.links)
 
 
 def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[ContinuationStep]:
@@ -141,9 +150,15 @@ def tightening(problem: Problem | Phase, relaxations: Sequence[float]) -> list[C
     ]
 
 
-def _changes(given: Mapping[str, Any], phase: Phase) -> dict[str, Any]:
-    own = {key: value.get(phase.name, SAME) if isinstance(value, Mapping) else value for key, value in given.items()}
-    return {key: value for key, value in own.items() if value is not SAME}
+def _changes(given: object, phase: Phase) -> bool:
+    return phase.name in given if isinstance(given, Mapping) else given is not SAME
+
+
+def _chosen(given: object, phase: Phase, own: T) -> T:
+    """Return the value for a phase, its own where the step does not change it."""
+    if not _changes(given, phase):
+        return own
+    return cast("T", given[phase.name] if isinstance(given, Mapping) else given)
 
 
 def run_steps(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Real
+from typing import TypedDict
 
 import numpy as np
 
@@ -11,8 +12,19 @@ from robotraj._util.errors import InputError
 from robotraj.robot.robot import Robot
 
 
+class ReplayOptions(TypedDict, total=False):
+    """Options of ``rt.replay`` that need no solution."""
+
+    speed: float
+    fps: int
+    traces: Sequence[str] | str | None
+    periods: int
+    title: str | None
+    labels: Sequence[str] | None
+
+
 def check_options(
-    robot: Robot | None, *, speed: float = 1.0, fps: int = 30, traces: Sequence[str] | str | None = None
+    robot: Robot | None, speed: float = 1.0, fps: int = 30, traces: Sequence[str] | str | None = None
 ) -> None:
     """Check the playback speed, the keys per second and the traced frames of a robot, None for a system.
 

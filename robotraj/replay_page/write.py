@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.paths import whole_file
-from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
 from robotraj.replay_page.options import check_options
@@ -146,7 +145,7 @@ def page_of(
 
 def _checked(solution: Solution | Sequence[Solution], labels: Sequence[str] | None) -> list[Solution]:
     """Return the solutions as a list."""
-    solutions: list[Any] = list(solution) if isinstance(solution, list | tuple) else [solution]
+    solutions = list(solution) if isinstance(solution, list | tuple) else [cast("Solution", solution)]
     for each in solutions:
         require_solution(each, "rt.replay")
     if not 1 <= len(solutions) <= MOST:
@@ -162,7 +161,7 @@ def _reports(
     """Return one report or None for each solution."""
     if report is None:
         return [None] * len(solutions)
-    reports: list[Any] = list(report) if isinstance(report, list | tuple) else [report]
+    reports = list(report) if isinstance(report, list | tuple) else [cast("Validation", report)]
     if len(reports) != len(solutions):
         raise InputError(
             f"replay: report= has one report for each of the {len(solutions)} solutions; got {len(reports)}."
@@ -200,7 +199,7 @@ def html_path(path: str | os.PathLike[str]) -> Path:
 
 def _one_robot(solution: Solution) -> Robot | None:
     """Return the robot of all phases, in the dimensions of its design, or None if all are systems."""
-    robots = [realised(result) for result in solution.phases]
+    robots = [result.robot for result in solution.phases]
     if not robots:
         raise InputError("replay: the solution has no phase, so there is nothing to show.")
     first = robots[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Protocol, TypeAlias, cast
+from typing import Protocol, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -146,13 +146,15 @@ class Limits(OneLine):
         --------
         >>> robot.limits.with_(position={"elbow": (-1, 1)}, velocity=3.0)
         """
-        new: dict[str, Any] = {}
-        if position is not None:
-            new["position_lower"], new["position_upper"] = self._positions(position)
-        for name, value in zip(MAGNITUDES, (velocity, acceleration, effort), strict=True):
-            if value is not None:
-                new[name] = self._magnitudes(name, value)
-        return replace(self, **new)
+        lower, upper = (self.position_lower, self.position_upper) if position is None else self._positions(position)
+        return replace(
+            self,
+            position_lower=lower,
+            position_upper=upper,
+            velocity=self._magnitudes("velocity", velocity),
+            acceleration=self._magnitudes("acceleration", acceleration),
+            effort=self._magnitudes("effort", effort),
+        )
 
     def override(self, changes: Limits | Mapping[str, PositionLimits | MagnitudeLimits]) -> Limits:
         """Return the limits after ``limits=`` of ``rt.load``: a mapping by quantity, see ``with_``, or Limits."""
@@ -169,7 +171,8 @@ class Limits(OneLine):
         for name in changes:
             if name not in QUANTITIES:
                 raise unknown_name("limited quantity", name, QUANTITIES)
-        return self.with_(**cast("dict[str, Any]", changes))
+        velocity, acceleration, effort = (cast("MagnitudeLimits | None", changes.get(name)) for name in MAGNITUDES)
+        return self.with_(cast("PositionLimits | None", changes.get("position")), velocity, acceleration, effort)
 
     def warnings(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
         """Return a sentence for each joint that its limits lock or contradict, with the remedy.
@@ -228,8 +231,10 @@ class Limits(OneLine):
             lower[i], upper[i] = _pair(joint, pair)
         return lower, upper
 
-    def _magnitudes(self, name: str, value: MagnitudeLimits) -> Array:
+    def _magnitudes(self, name: str, value: MagnitudeLimits | None) -> Array:
         magnitudes = np.array(getattr(self, name))
+        if value is None:
+            return magnitudes
         if isinstance(value, Mapping):
             for joint, magnitude in value.items():
                 magnitudes[self._index(joint)] = _number(f"{name} limit of {joint!r}", magnitude)
@@ -269,17 +274,20 @@ def _number(what: str, value: object) -> float:
         raise InputError(f"The {what} is no number: {value!r}.") from error
 
 
-def _pair(joint: object, value: Any) -> tuple[float, float]:
-    """Read 2.0, (lower, upper) or an object with ``lower`` and ``upper``, such as ``rt.between`` makes."""
+def _pair(joint: object, value: object) -> tuple[float, float]:
+    """Read ``Ends``: 2.0, (lower, upper) or an object with ``lower`` and ``upper``, such as ``rt.between`` makes."""
+    ends: Sequence[object]
     if not isinstance(value, str) and hasattr(value, "lower") and hasattr(value, "upper"):
-        value = (value.lower, value.upper)
-    if np.ndim(value) == 0:
+        ends = (value.lower, value.upper)
+    elif np.ndim(cast("npt.ArrayLike", value)) == 0:
         size = _number(f"position limit of {joint!r}", value)
-        value = (-size, size)
-    if len(value) != 2:
+        ends = (-size, size)
+    else:
+        ends = cast("Sequence[object]", value)
+    if len(ends) != 2:
         raise InputError(f"The position limits of {joint!r} are a pair (lower, upper); got {value!r}.")
-    low = -np.inf if value[0] is None else _number(f"lower position limit of {joint!r}", value[0])
-    high = np.inf if value[1] is None else _number(f"upper position limit of {joint!r}", value[1])
+    low = -np.inf if ends[0] is None else _number(f"lower position limit of {joint!r}", ends[0])
+    high = np.inf if ends[1] is None else _number(f"upper position limit of {joint!r}", ends[1])
     if not low <= high:
         raise InputError(
             f"The position limits of {joint!r} are [{low:g}, {high:g}]: the lower must be below the upper."

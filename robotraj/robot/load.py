@@ -83,7 +83,7 @@ def load(
     to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
     limits.
     """
-    robot = Robot(**assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root))
+    robot = assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root)
     if gravity is None and base is None and rotors is None:
         return robot
     return mounted(robot, gravity, base, rotors)

@@ -17,10 +17,9 @@ from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
 from robotraj.robot.joint_table import Joints, joint_html, joint_table, number
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.assembly import units_of
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
 from robotraj.robot.loading.planning_model import names_of
-from robotraj.robot.root import QUATERNION, root_of
+from robotraj.robot.root import QUATERNION, root_of, units_of
 
 Array = npt.NDArray[np.float64]
 

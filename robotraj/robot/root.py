@@ -74,6 +74,17 @@ def root_of(name: str) -> Root:
     return ROOTS[name]
 
 
+def units_of(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
+    """Return the unit of each joint's position: ``"m"`` for a prismatic joint, else ``"rad"``."""
+    about = root_of(root)
+    result = list(about.units)
+    for joint in model.joints.tolist()[1 + len(about.joints) :]:
+        data = joint.createData()
+        joint.calc(data, np.zeros(joint.nq))
+        result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")
+    return tuple(result)
+
+
 def with_root(model: pin.Model, root: str) -> pin.Model:
     """Return a copy in which the joints of the root move the root link and the bodies fixed to it.
 

@@ -43,7 +43,7 @@ def values_of(part: PhaseSolution, times: Array, interval: int | None = None) ->
     With ``interval`` the polynomial of that interval is evaluated, for one-sided values at its knots.
     """
     sample = part.at(times, interval)
-    values = {**sample.x, **sample.z, **sample.u}
+    values = {name: np.asarray(each) for name, each in (*sample.x.items(), *sample.z.items(), *sample.u.items())}
     robot = part.phase.robot
     if robot is not None and sample.a is not None:
         values |= {f"a.{joint}": a for joint, a in zip(robot.velocity_names, sample.a.T, strict=True)}

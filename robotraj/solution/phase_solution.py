@@ -82,8 +82,7 @@ class PhaseSolution(OneLine):
         """The robot with the values of the phase's design parameters; None for a System."""
         from robotraj.dynamics.design.binding import realised
 
-        robot: Robot | None = realised(self)
-        return robot
+        return None if self.phase.robot is None else realised(self)
 
     @cached_property
     def exact(self) -> bool:
@@ -156,9 +155,9 @@ class PhaseSolution(OneLine):
                 np.stack([known[v.name] for v in kind], axis=-1) if kind else np.empty((*times.shape, 0))
                 for kind in (controls, algebraics)
             )
-        states = Named("state", [v.name for v in dae.states], x.T)
-        algebraic = Named("algebraic variable", [v.name for v in algebraics], z.T)
-        named_controls = Named("control", [v.name for v in controls], u.T)
+        states: Named[float | Array] = Named("state", [v.name for v in dae.states], x.T)
+        algebraic: Named[float | Array] = Named("algebraic variable", [v.name for v in algebraics], z.T)
+        named_controls: Named[float | Array] = Named("control", [v.name for v in controls], u.T)
         known_times = times if times.ndim else float(times)
         robot = self.phase.robot
         sample = Sample(known_times, states, algebraic, named_controls)
@@ -186,7 +185,7 @@ class PhaseSolution(OneLine):
             sample, x=states, z=algebraic, u=_joined(body.free.controls, tau, sample.u), q=q, v=v, a=a, tau=tau
         )
 
-    def _forces(self, algebraic: Named) -> Named:
+    def _forces(self, algebraic: Named[float | Array]) -> Named[Array]:
         """Return contact forces in world axes, (3,) or (6,) each, or (m, 3) or (m, 6) for m times."""
         contacts = self.phase.bound_contacts
         vectors = []
@@ -205,7 +204,7 @@ class PhaseSolution(OneLine):
         return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]
 
 
-def _joined(variables: Sequence[Variable], values: Array, known: Named) -> Named:
+def _joined(variables: Sequence[Variable], values: Array, known: Named[float | Array]) -> Named[float | Array]:
     """Return variables with their values, (n,) or (m, n), before known ones."""
     every = {v.name: values[..., i] for i, v in enumerate(variables)} | dict(known)
     return Named(known.kind, list(every), list(every.values()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,14 +40,14 @@ class Sample(OneLine):
     """
 
     t: float | Array
-    x: Named
-    z: Named
-    u: Named
+    x: Named[float | Array]
+    z: Named[float | Array]
+    u: Named[float | Array]
     q: Array | None = None
     v: Array | None = None
     a: Array | None = None
     tau: Array | None = None
-    forces: Named = field(default_factory=lambda: Named("contact", (), ()))
+    forces: Named[Array] = field(default_factory=lambda: Named("contact", (), ()))
 
     def with_contacts(self, sizes: Mapping[str, int]) -> Sample:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
@@ -61,13 +61,25 @@ class Sample(OneLine):
 def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
     """Stack samples of array times, then reorder them; of named variables, those that all of them have."""
 
-    def stack(parts: list[Any]) -> Any:
-        return None if parts[0] is None else np.concatenate(parts)[order]
+    def stack(parts: Sequence[float | Array]) -> Array:
+        return np.concatenate([np.asarray(part) for part in parts])[order]
 
-    def stack_named(parts: list[Named]) -> Named:
+    def stack_vectors(parts: Sequence[Array | None]) -> Array | None:
+        known = [part for part in parts if part is not None]
+        return stack(known) if known else None
+
+    def stack_named(parts: Sequence[Named[float | Array]]) -> Named[Array]:
         names = [name for name in parts[0] if all(name in part for part in parts)]
         return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
 
-    x, z, u, forces = (stack_named([getattr(s, key) for s in samples]) for key in ("x", "z", "u", "forces"))
-    vectors = {key: stack([getattr(s, key) for s in samples]) for key in ("q", "v", "a", "tau")}
-    return Sample(stack([s.t for s in samples]), x, z, u, **vectors, forces=forces)
+    return Sample(
+        stack([s.t for s in samples]),
+        stack_named([s.x for s in samples]),
+        stack_named([s.z for s in samples]),
+        stack_named([s.u for s in samples]),
+        stack_vectors([s.q for s in samples]),
+        stack_vectors([s.v for s in samples]),
+        stack_vectors([s.a for s in samples]),
+        stack_vectors([s.tau for s in samples]),
+        stack_named([s.forces for s in samples]),
+    )

@@ -27,8 +27,8 @@ class RobotSample(NamedTuple):
     v: Array
     a: Array
     tau: Array
-    z: Named
-    forces: Named
+    z: Named[float | Array]
+    forces: Named[Array]
 
 
 def robot_sample(

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from robotraj._util.lazy_values import cached_property
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.variable import Named
+from robotraj.dynamics.variable import Column, Named
 from robotraj.witness.protocols import Array, RobotLike, SystemLike
 
 
@@ -87,7 +87,7 @@ class NumericPoint(Point):
         self.a = self._vector(self._a)
         self.tau = self._vector(tau)
         pushes = [self._vector(np.array(force, dtype=float)) for force in forces.values()]
-        self.forces = Named("contact", list(forces), pushes)
+        self.forces: Named[Column] = Named("contact", list(forces), pushes)
         self._frames: dict[str, NumericFrame] = {}
 
     @cached_property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypedDict, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,23 @@ LOCAL_RTOL, LOCAL_ATOL = 1e-6, 1e-6
 
 TIME_LIMIT = 60.0
 """Processor time [s] that a validation may take by default."""
+
+
+class ValidationOptions(TypedDict, total=False):
+    """Options of ``rt.validate`` by name, for functions that pass them on."""
+
+    rtol: float
+    atol: float
+    samples_per_interval: int
+    local: float | None
+    tracking: float | None
+    limits: float
+    contact: float | None
+    forces: float | None
+    energy: float | None
+    residual: float | None
+    drift: float | None
+    time_limit: float | None
 
 
 def validate(

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,8 @@ from robotraj.dynamics.variable import Scalar, Variable
 from robotraj.robot.per_robot import PerRobot
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -40,8 +42,7 @@ def of_impulses(row: Row) -> Row | None:
 
 def copied(contact: Contact, **fields: object) -> Contact:
     """Return a contact with other values of some fields, such as its ``frame``, ``name`` or ``ground``."""
-    changed: Contact = replace(cast(Any, contact), **fields)
-    return changed
+    return cast("Contact", replace(cast("DataclassInstance", contact), **fields))
 
 
 class Contact(OneLine, ABC):
@@ -207,9 +208,9 @@ def keep(contact: Contact, **values: object) -> None:
         object.__setattr__(contact, name, value)
 
 
-def _number(value: Any) -> float:
+def _number(value: object) -> float:
     try:
-        return float(value)
+        return float(value)  # type: ignore[arg-type]  # a TypeError becomes NaN, which is refused
     except (TypeError, ValueError):
         return np.nan
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 import casadi as ca
 import numpy as np
@@ -127,12 +127,20 @@ class Design(OneLine):
         return replace(self.robot, model=model, damping=damping)
 
 
+class MovingPhase(Protocol):
+    """A phase, and the robot that it moves, if any."""
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot of the phase; None for a System."""
+
+
 class PlannedRobot(Protocol):
     """A planned phase: what it moves, and the values of its parameters."""
 
     @property
-    def phase(self) -> Any:
-        """A phase of a robot."""
+    def phase(self) -> MovingPhase:
+        """The phase that was planned."""
 
     @property
     def parameters(self) -> Mapping[str, float]:
@@ -141,5 +149,6 @@ class PlannedRobot(Protocol):
 
 def realised(planned: PlannedRobot) -> Robot:
     """Return the robot of a planned phase with its design evaluated at ``planned.parameters``."""
-    design = getattr(planned.phase, "bound_design", None)
-    return planned.phase.robot if design is None else design.realise(planned.parameters)
+    robot, design = planned.phase.robot, cast("Design | None", getattr(planned.phase, "bound_design", None))
+    assert robot is not None, "a System moves no robot"
+    return robot if design is None else design.realise(planned.parameters)

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+from typing import Any, TypeAlias
 
 from robotraj._util.errors import InputError
+
+Data: TypeAlias = Any
+"""A value as ``tomllib`` reads it; its readers check it."""
 
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value: ``("phases", 0, "end", "q")``."""

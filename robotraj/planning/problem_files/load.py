@@ -5,26 +5,26 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.planning.plan import plan
 from robotraj.planning.problem_files.kinds import GAITS
-from robotraj.planning.problem_files.lines import Misplaced, Place, line_of, lines_of, named
+from robotraj.planning.problem_files.lines import Data, Misplaced, Place, line_of, lines_of, named
 from robotraj.planning.problem_files.narrowing import narrowed
 from robotraj.planning.problem_files.parameters import parameters_of
 from robotraj.planning.problem_files.problem_file import ProblemFile
-from robotraj.planning.problem_files.reader import Data, Reader
+from robotraj.planning.problem_files.reader import Reader
 from robotraj.planning.problem_files.robots import robots_of
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.replay_page.options import check_options
+from robotraj.replay_page.options import ReplayOptions, check_options
 from robotraj.replay_page.write import replay
 from robotraj.robot.robot import Robot
-from robotraj.witness.validation import validate
+from robotraj.witness.validation import ValidationOptions, validate
 
 if TYPE_CHECKING or sys.version_info >= (3, 11):
     import tomllib
@@ -33,6 +33,7 @@ else:
 
 if TYPE_CHECKING:
     from robotraj.planning.many.options import PlanOptions
+    from robotraj.problem.links.base import Link
 
 _PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 
@@ -105,18 +106,22 @@ def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
         source,
         problem,
         cast("PlanOptions", reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS)),
-        reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
+        cast(
+            "ValidationOptions",
+            reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
+        ),
         narrowed(lambda table: _replay(table, reader), _table(data, "replay"), ("replay",)),
         _output(_table(data, "output"), source.parent),
     )
 
 
-def _replay(table: dict[str, Data], reader: Reader) -> Mapping[str, Any]:
+def _replay(table: dict[str, Data], reader: Reader) -> ReplayOptions:
     """Read the options of ``rt.replay`` and check what can be checked before the plan."""
-    options = reader.arguments(replay, table, ("replay",), without=("solution", "path", "report"))
-    checked = {name: options[name] for name in ("speed", "fps", "traces") if name in options}
+    options = cast(
+        "ReplayOptions", reader.arguments(replay, table, ("replay",), without=("solution", "path", "report"))
+    )
     for robot in reader.robots.values():
-        check_options(robot, **checked)
+        check_options(robot, options.get("speed", 1.0), options.get("fps", 30), options.get("traces"))
     return options
 
 
@@ -148,7 +153,7 @@ def _problem(data: Mapping[str, Data], reader: Reader, robots: Mapping[str, Robo
     accepted = parameters_of(Problem)["links"].accepted
 
     def make(data: Data) -> Problem:
-        return Problem(phases, reader.value(data, accepted, ("links",)))
+        return Problem(phases, cast("Sequence[Link]", reader.value(data, accepted, ("links",))))
 
     return narrowed(make, data.get("links", []), ("links",) if "links" in data else ("phases",))
 
@@ -167,10 +172,14 @@ def _gait(data: dict[str, Data], reader: Reader, robots: Mapping[str, Robot]) ->
     place: Place = ("gait",)
     robot, rest = _robot(data, place, robots)
     own, name = reader.for_robot(robot), data.get("type")
-    write: Any = GAITS.get(name) if isinstance(name, str) else None
+    write = GAITS.get(name) if isinstance(name, str) else None
     if write is None:
         raise Misplaced((*place, "type") if "type" in data else place, str(unknown_name("gait", name, GAITS)))
-    return narrowed(lambda data: write(robot, **own.arguments(write, data, place, without=("robot",))), rest, place)
+
+    def make(data: Data) -> Problem:
+        return cast("Problem", write(robot, **own.arguments(write, data, place, without=("robot",))))
+
+    return narrowed(make, rest, place)
 
 
 def _output(data: dict[str, Data], folder: Path) -> dict[str, Path]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from robotraj._util.errors import InputError, UnknownName
-from robotraj.planning.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.lines import Data, Misplaced, Place
 
 SECONDS = 5.0
 """Processor time after which no smaller place is searched for."""
@@ -19,7 +19,7 @@ LABELS = ("name", "type", "robot")
 T = TypeVar("T")
 
 
-def narrowed(make: Callable[[Any], T], data: Any, place: Place) -> T:
+def narrowed(make: Callable[[Data], T], data: Data, place: Place) -> T:
     """Make a value from data; an error names the smallest part of the data that causes it.
 
     A part causes an error if its text is an unknown name or the message mentions its key. It also does if the value can
@@ -42,7 +42,7 @@ def narrowed(make: Callable[[Any], T], data: Any, place: Place) -> T:
         raise Misplaced((*place, *cause), message) from error
 
 
-def _quoted(data: Any, message: str) -> Place:
+def _quoted(data: Data, message: str) -> Place:
     """Return the first key or text that the message quotes."""
     quoted = set(re.findall(r"'([^']+)'", message))
     for place, value in _leaves(data):
@@ -51,7 +51,7 @@ def _quoted(data: Any, message: str) -> Place:
     return ()
 
 
-def _removable(make: Callable[[Any], object], data: Any) -> Place:
+def _removable(make: Callable[[Data], object], data: Data) -> Place:
     """Return the innermost part without which the value can be made."""
     place: Place = ()
     began = time.process_time()
@@ -69,7 +69,7 @@ def _removable(make: Callable[[Any], object], data: Any) -> Place:
     return place
 
 
-def _can_be_made(make: Callable[[Any], object], data: Any) -> bool:
+def _can_be_made(make: Callable[[Data], object], data: Data) -> bool:
     try:
         make(data)
     except (InputError, TypeError, ValueError):
@@ -77,14 +77,14 @@ def _can_be_made(make: Callable[[Any], object], data: Any) -> bool:
     return True
 
 
-def _mentioned(data: Any, message: str) -> Place:
+def _mentioned(data: Data, message: str) -> Place:
     """Return the first key that the message mentions as a word."""
     words = set(re.findall(r"\w+", message))
     keys = [key for key in data if key in words and key not in LABELS] if isinstance(data, dict) else []
     return (keys[0],) if keys else ()
 
 
-def _leaves(data: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
+def _leaves(data: Data, place: Place = ()) -> Iterator[tuple[Place, Data]]:
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _leaves(value, (*place, key))
@@ -95,7 +95,7 @@ def _leaves(data: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
         yield place, data
 
 
-def _without(data: Any, place: Place) -> Any:
+def _without(data: Data, place: Place) -> Data:
     """Return a copy of data that lacks one part."""
     key, rest = place[0], place[1:]
     if isinstance(data, list):

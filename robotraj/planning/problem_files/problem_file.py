@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from robotraj.planning.many.options import PlanOptions
+    from robotraj.replay_page.options import ReplayOptions
+    from robotraj.witness.validation import ValidationOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +40,8 @@ class ProblemFile(OneLine):
     path: Path
     problem: Problem
     options: PlanOptions
-    validation: Mapping[str, Any]
-    replay: Mapping[str, Any]
+    validation: ValidationOptions
+    replay: ReplayOptions
     output: Mapping[str, Path]
 
     def plan(self, **options: Unpack[PlanOptions]) -> Solution:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.values import dataclass
 from robotraj.planning.problem_files.kinds import EXPRESSIONS, KINDS, kind_named, names_for, only_kind
-from robotraj.planning.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.lines import Data, Misplaced, Place
 from robotraj.planning.problem_files.narrowing import narrowed
 from robotraj.planning.problem_files.parameters import (
     ANYTHING,
@@ -32,11 +32,11 @@ from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import fits, mismatch
 from robotraj.solution.storage.load import load_solution
 
+if TYPE_CHECKING:
+    from robotraj.problem.objectives.base import Objective
+
 NONE = "none"
 """Text of Python's None, which TOML lacks."""
-
-Data = Any
-"""A value as ``tomllib`` reads it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +98,11 @@ class Reader:
             raise Misplaced(place, f"takes {described(parameter.accepted)}; got {data!r}.")
         return value
 
-    def value(self, data: Data, accepted: Accepted, place: Place) -> Any:
+    def value(self, data: Data, accepted: Accepted, place: Place) -> object:
         """Read one value."""
         if accepted.has("Objective") and isinstance(data, list):
-            return sum(self.value(each, accepted, (*place, i)) for i, each in enumerate(data))
+            terms = (self.value(each, accepted, (*place, i)) for i, each in enumerate(data))
+            return sum(cast("Iterator[Objective]", terms))
         if isinstance(data, dict):
             return self._table(data, accepted, place)
         if isinstance(data, list):
@@ -110,14 +111,14 @@ class Reader:
             return self._text(data, accepted, place)
         return data
 
-    def _list(self, data: list[Data], accepted: Accepted, place: Place) -> Any:
+    def _list(self, data: list[Data], accepted: Accepted, place: Place) -> object:
         entries = [self.value(each, accepted.entry(i), (*place, i)) for i, each in enumerate(data)]
         if accepted.has("ndarray", "ArrayLike") and not accepted.has(*SEQUENCES):
             return np.array(entries, dtype=float)
         as_tuple = accepted.has("tuple") and not accepted.has("Sequence", "list", ANYTHING)
         return tuple(entries) if as_tuple else entries
 
-    def _text(self, text: str, accepted: Accepted, place: Place) -> Any:
+    def _text(self, text: str, accepted: Accepted, place: Place) -> object:
         if text == NONE and accepted.has("None"):
             return None
         if text in self.robots and accepted.has("Robot"):
@@ -139,7 +140,7 @@ class Reader:
             return kind
         return self._of(kind, {}, place)
 
-    def _table(self, data: dict[str, Data], accepted: Accepted, place: Place) -> Any:
+    def _table(self, data: dict[str, Data], accepted: Accepted, place: Place) -> object:
         if set(data) == {"between"}:
             ends = data["between"]
             if not isinstance(ends, list) or len(ends) != 2:
@@ -171,7 +172,7 @@ class Reader:
             return self._made((*place, "weight"), data["weight"], lambda: data["weight"] * value)
         return value
 
-    def _of(self, kind: Maker, data: dict[str, Data], place: Place) -> Any:
+    def _of(self, kind: Maker, data: dict[str, Data], place: Place) -> object:
         """Make a value of a class or function of the table of kinds."""
 
         def make(data: Data) -> object:
@@ -199,7 +200,7 @@ class Reader:
             raise Misplaced(place, "it needs a robot, and the phase has none.")
         return self.robot
 
-    def _made(self, place: Place, data: Data, make: Callable[[], Any]) -> Any:
+    def _made(self, place: Place, data: Data, make: Callable[[], object]) -> object:
         return narrowed(lambda _: make(), data, place)
 
     def for_robot(self, robot: Robot) -> Reader:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import cast
 
 from robotraj._util.errors import unknown_name
 from robotraj.planning.problem_files.kinds import KINDS
-from robotraj.planning.problem_files.lines import Misplaced, Place
+from robotraj.planning.problem_files.lines import Data, Misplaced, Place
 from robotraj.planning.problem_files.narrowing import narrowed
 from robotraj.planning.problem_files.parameters import Maker, parameters_of
-from robotraj.planning.problem_files.reader import Data, Reader
-from robotraj.robot.carried_body import carrying
+from robotraj.planning.problem_files.reader import Reader
+from robotraj.robot.carried_body import CarriedBody, carrying
 from robotraj.robot.join import join
 from robotraj.robot.load import load
 from robotraj.robot.mobile import on_wheels
@@ -51,11 +51,13 @@ def _robot(data: dict[str, Data], place: Place, reader: Reader) -> Robot:
     if kind not in MAKERS:
         raise Misplaced((*place, "type"), str(unknown_name("function of rt.robot", kind, MAKERS)))
     rest = {key: entry for key, entry in data.items() if key != "payload"}
-    made: Any = MAKERS[kind]
-    robot: Robot = narrowed(lambda data: made(**reader.arguments(made, data, place)), rest, place)
+    made = MAKERS[kind]
+    robot = cast("Robot", narrowed(lambda data: made(**reader.arguments(made, data, place)), rest, place))
     if "payload" not in data:
         return robot
     several = data["payload"] if isinstance(data["payload"], list) else [data["payload"]]
-    return narrowed(
-        lambda data: carrying(robot, *reader.value(data, _BODIES, (*place, "payload"))), several, (*place, "payload")
-    )
+
+    def carry(data: Data) -> Robot:
+        return carrying(robot, *cast("Sequence[CarriedBody]", reader.value(data, _BODIES, (*place, "payload"))))
+
+    return narrowed(carry, several, (*place, "payload"))

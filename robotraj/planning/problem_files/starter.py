@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -134,7 +133,7 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     """
     fixed, locked = robot.root == "fixed", robot.limits.faults(robot.actuated)
     free = _lifted(robot, locked)
-    robot = replace(robot, limits=robot.limits.with_(**free))
+    robot = replace(robot, limits=robot.limits.override(free))
     limits = GIVEN_LIMITS + "".join(_limit(name, values) for name, values in free.items()) if locked else ASKED_LIMITS
     joint = _key(robot.joint_names[0])
     root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
@@ -144,10 +143,10 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     return head + middle + TAIL.format(limit=60.0 if fixed else 600.0, page=page)
 
 
-def _lifted(robot: Robot, locked: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, Any]]:
+def _lifted(robot: Robot, locked: Mapping[str, Mapping[str, str]]) -> dict[str, dict[str, float | list[float]]]:
     """Return limits in place of those that lock joints: half a turn or 1 m to both sides, and no others."""
     units = dict(zip(robot.velocity_names, robot.units, strict=True))
-    free: dict[str, dict[str, Any]] = {}
+    free: dict[str, dict[str, float | list[float]]] = {}
     for joint, faults in locked.items():
         side = round(math.pi, 4) if units[joint] == "rad" else 1.0
         for quantity in faults:
@@ -155,7 +154,7 @@ def _lifted(robot: Robot, locked: Mapping[str, Mapping[str, str]]) -> dict[str, 
     return free
 
 
-def _limit(quantity: str, values: Mapping[str, Any]) -> str:
+def _limit(quantity: str, values: Mapping[str, object]) -> str:
     """Write limits of one quantity; JSON has no infinity, and TOML writes it as inf."""
     pairs = ", ".join(f"{_key(joint)} = {str(value)}" for joint, value in values.items())
     return f"{quantity} = {{ {pairs} }}\n"

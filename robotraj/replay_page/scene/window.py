@@ -6,7 +6,7 @@ import gzip
 import hashlib
 import struct
 import uuid
-from typing import Any
+from typing import Protocol, cast
 
 import meshcat
 import numpy as np
@@ -24,6 +24,14 @@ _EXTENSIONS = {
 }
 
 
+class Command(Protocol):
+    """A command of meshcat."""
+
+    def lower(self) -> dict[str, object]:
+        """Return the data of the command."""
+        ...
+
+
 class RecordingWindow:
     """Records the commands of a ``meshcat.Visualizer(window=...)`` in order.
 
@@ -34,11 +42,12 @@ class RecordingWindow:
         self.commands: list[dict[str, object]] = []
         self._seen: set[object] = set()
 
-    def send(self, command: Any) -> None:
+    def send(self, command: Command) -> None:
         """Record one meshcat command."""
         data = command.lower()
         if data["type"] == "set_object":
-            data["object"]["geometries"] = [self._once(g) for g in data["object"].get("geometries", [])]
+            shown = cast("dict[str, list[dict[str, object]]]", data["object"])
+            shown["geometries"] = [self._once(g) for g in shown.get("geometries", [])]
         self.commands.append(data)
 
     def _once(self, geometry: dict[str, object]) -> dict[str, object]:

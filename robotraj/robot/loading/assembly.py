@@ -1,10 +1,9 @@
-"""Assemble a Robot's fields from a description: angles, locks, limits, neutral configuration, notes."""
+"""Assemble a Robot from a description: angles, locks, limits, neutral configuration, notes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +30,8 @@ from robotraj.robot.loading.planning_model import check_joints, names_of, reduce
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
 from robotraj.robot.neutral import inside, outside, reference
-from robotraj.robot.root import carried, root_of, with_root
+from robotraj.robot.robot import Robot
+from robotraj.robot.root import carried, root_of, units_of, with_root
 
 Array = npt.NDArray[np.float64]
 
@@ -42,8 +42,8 @@ def assemble(
     locked: Mapping[str, float] | None,
     limits: Limits | Mapping[str, PositionLimits | MagnitudeLimits] | None,
     root: str = "fixed",
-) -> dict[str, Any]:
-    """Return the fields of the Robot.
+) -> Robot:
+    """Return the robot.
 
     Raises
     ------
@@ -100,31 +100,20 @@ def assemble(
         locked_note(outside(at, every, partial(units_of, whole, root)), held),
         neutral_note(outside(kept, wanted, lambda: units), reference_name),
     )
-    return {
-        "name": about.name,
-        "model": model,
-        "limits": wanted,
-        "actuated": motors,
-        "damping": np.array(model.damping),
-        "friction": friction,
-        "neutral": inside(kept, wanted),
-        "geometry": _geometry(about, whole, ids, at),
-        "origin": about.origin,
-        "end_effector": about.end_effector,
-        "notes": tuple(note for note in notes if note),
-        "root": root,
-    }
-
-
-def units_of(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
-    """Return the unit of each joint's position: ``"m"`` for a prismatic joint, else ``"rad"``."""
-    about = root_of(root)
-    result = list(about.units)
-    for joint in model.joints.tolist()[1 + len(about.joints) :]:
-        data = joint.createData()
-        joint.calc(data, np.zeros(joint.nq))
-        result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")
-    return tuple(result)
+    return Robot(
+        name=about.name,
+        model=model,
+        limits=wanted,
+        actuated=motors,
+        damping=np.array(model.damping),
+        friction=friction,
+        neutral=inside(kept, wanted),
+        geometry=_geometry(about, whole, ids, at),
+        origin=about.origin,
+        end_effector=about.end_effector,
+        notes=tuple(note for note in notes if note),
+        root=root,
+    )
 
 
 def _locked(

@@ -42,7 +42,7 @@ class CycleSample(OneLine):
     v: Array
     a: Array
     tau: Array
-    forces: Named
+    forces: Named[Array]
 
 
 @dataclass(frozen=True, eq=False)

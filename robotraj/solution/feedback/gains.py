@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,22 @@ class PlanLike(Protocol):
     @property
     def phases(self) -> Sequence[PhaseSolution]:
         """Phases in their order in time."""
+
+
+class PlainPhase(TypedDict):
+    """Gains of one phase in a file; see ``PhaseGains``."""
+
+    times: Array
+    matrices: Array
+    growth: Array
+
+
+class PlainGains(TypedDict):
+    """Gains in a file; see ``Gains``."""
+
+    joints: list[str]
+    coordinates: list[str]
+    phases: list[PlainPhase]
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,13 +126,13 @@ class Gains(OneLine):
         return float(max(phase.growth.max() for phase in self.phases))
 
     @property
-    def plain(self) -> dict[str, Any]:
+    def plain(self) -> PlainGains:
         """Return names and arrays for a file; ``Gains.of`` is the inverse."""
-        phases = [{"times": p.times, "matrices": p.matrices, "growth": p.growth} for p in self.phases]
+        phases = [PlainPhase(times=p.times, matrices=p.matrices, growth=p.growth) for p in self.phases]
         return {"joints": list(self.joints), "coordinates": list(self.coordinates), "phases": phases}
 
     @classmethod
-    def of(cls, plain: Mapping[str, Any]) -> Gains:
+    def of(cls, plain: PlainGains) -> Gains:
         """Return the gains of the data that ``plain`` returned."""
         phases = tuple(PhaseGains(**phase) for phase in plain["phases"])
         return cls(phases, tuple(plain["joints"]), tuple(plain["coordinates"]))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+
+from robotraj.solution.storage.plain_data import Json
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -189,8 +191,8 @@ def _of_kind(value: object, kind: type[T], what: str) -> T:
     return value
 
 
-def _entries(data: Mapping[str, object], name: str, most: int) -> list[Any]:
-    found: list[Any] = _of_kind(data.get(name), list, name)
+def _entries(data: Mapping[str, object], name: str, most: int) -> list[Json]:
+    found: list[Json] = _of_kind(data.get(name), list, name)
     _require(len(found) <= most, f"{name} has {len(found)} entries, more than {most}")
     return found
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.system import MissingEquations, System
@@ -209,7 +209,7 @@ def _pack_each(
     return written
 
 
-def _unpack_each(data: Sequence[Mapping[str, Json]], unpacker: Unpacker, left_out: list[str], place: str) -> list[Any]:
+def _unpack_each(data: Sequence[Mapping[str, Json]], unpacker: Unpacker, left_out: list[str], place: str) -> list[Json]:
     values = []
     for i, entry in enumerate(data):
         name = _part(entry, "name", str, f"{place}.{i}")[:NAME]

@@ -5,7 +5,7 @@ Products and sums take one pass over the entries.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,9 @@ def native(matrix: csr_array) -> Csr:
 
 def array(matrix: Csr) -> csr_array:
     """Return a matrix with NumPy's arrays."""
-    return csr_array((matrix.data, matrix.indices, matrix.starts), (matrix.rows, matrix.columns))
+    # Indices of the compiled module have 32 bits.
+    indices, starts = cast("Indices", matrix.indices), cast("Indices", matrix.starts)
+    return csr_array((matrix.data, indices, starts), (matrix.rows, matrix.columns))
 
 
 def summed(shape: tuple[int, int], *parts: Entries) -> Csr:

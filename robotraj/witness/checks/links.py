@@ -12,7 +12,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
-from robotraj.dynamics.variable import Named
+from robotraj.dynamics.variable import Named, Scalar
 from robotraj.problem.links.base import BoundLink, Ends
 from robotraj.problem.links.periodic import Repeat
 from robotraj.problem.links.touchdown import Touchdown
@@ -41,7 +41,7 @@ def link_violations(solution: SolutionLike) -> tuple[Violation, ...]:
         else:
             names = [unknown.name for unknown in bound.unknowns]
             impulses = solution.impulses[k] if names else {}
-            unknowns = Named("unknown of the link", names, [float(impulses[name]) for name in names])
+            unknowns: Named[Scalar] = Named("unknown of the link", names, [float(impulses[name]) for name in names])
             rows, values = list(bound.rows), as_numbers(bound.expression(ends, unknowns), f"expression of {bound.name}")
         if len(values) != len(rows):
             raise InputError(f"The expression of {bound.name} gave {len(values)} numbers for its {len(rows)} rows.")

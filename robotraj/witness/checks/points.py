@@ -44,7 +44,7 @@ def points_of(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[
                 motion.tau[i],
                 parameters=planned.parameters,
                 forces={name: force[i] for name, force in motion.forces.items()},
-                algebraic={name: motion.z[name][i] for name in held},
+                algebraic={name: np.asarray(motion.z[name])[i] for name in held},
                 columns=True,
             )
             for i, t in enumerate(times)

@@ -20,7 +20,7 @@ class Sampled(Protocol):
     """A sample with algebraic variables by name."""
 
     @property
-    def z(self) -> Mapping[str, Array]:
+    def z(self) -> Mapping[str, float | Array]:
         """Each a float or (m,)."""
 
 

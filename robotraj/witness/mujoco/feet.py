@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pinocchio as pin
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     import mujoco
 
     from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.contacts.flat_foot import FlatFoot
+    from robotraj.dynamics.contacts.implicit import ImplicitContact
+    from robotraj.dynamics.contacts.point_contact import FrictionContact
 
 MARGIN = 0.5
 """Margin of a height field around the places of the feet [m]."""
@@ -178,14 +181,14 @@ def furnish(
 
 def _foot(course: ReferenceMotion, bound: BoundContact) -> Foot:
     """Return the shape of a contact, in the axes of the contact."""
-    contact: Any = bound.contact
     half: tuple[float, ...] = ()
     if isinstance(bound, BoundFlatFoot):
         rotation = np.column_stack([bound.feet.forward, bound.feet.left, bound.feet.up])
-        given = contact.length
+        sole = cast("FlatFoot", bound.contact)
+        given = sole.length
         back, front = given if isinstance(given, Sequence) else (0.5 * given, 0.5 * given)
         middle = np.array(bound.spot.offset) + 0.5 * (front - back) * rotation[:, 0]
-        wide = contact.width or PLANAR_WIDTH
+        wide = sole.width or PLANAR_WIDTH
         pose, shape, half = pin.SE3(rotation, middle), "BOX", (0.5 * (back + front), 0.5 * wide)
     elif isinstance(bound, BoundLineContact):
         turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(bound.along)).toRotationMatrix()
@@ -194,9 +197,10 @@ def _foot(course: ReferenceMotion, bound: BoundContact) -> Foot:
         pose, shape = pin.SE3(np.eye(3), np.array(bound.spot.offset)), "SPHERE"
     else:
         raise InputError(
-            f"{type(contact).__name__} {bound.name!r} cannot be simulated in MuJoCo; second_opinion() accepts points, "
-            f"lines and flat feet on the ground, and loops. Use rt.validate."
+            f"{type(bound.contact).__name__} {bound.name!r} cannot be simulated in MuJoCo; second_opinion() accepts "
+            f"points, lines and flat feet on the ground, and loops. Use rt.validate."
         )
+    contact = cast("FrictionContact | FlatFoot | ImplicitContact", bound.contact)
     frame, ground = course.robot.frame(bound.frame), as_ground(contact.ground)
     return Foot(bound.name, frame, pose, shape, half, float(contact.friction), ground)
 

@@ -87,7 +87,7 @@ class SystemPlant:
         return matrix
 
 
-def columns(named: Mapping[str, Array], names: tuple[str, ...], count: int) -> Array:
+def columns(named: Mapping[str, float | Array], names: tuple[str, ...], count: int) -> Array:
     """Stack the named entries of a sample into (count, len(names))."""
     if not names:
         return np.empty((count, 0))
