@@ -11,6 +11,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.paths import whole_file
+from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
 from robotraj.replay_page.options import check_options
@@ -199,7 +200,7 @@ def html_path(path: str | os.PathLike[str]) -> Path:
 
 def _one_robot(solution: Solution) -> Robot | None:
     """Return the robot of all phases, in the dimensions of its design, or None if all are systems."""
-    robots = [result.robot for result in solution.phases]
+    robots = [None if result.phase.robot is None else realised(result) for result in solution.phases]
     if not robots:
         raise InputError("replay: the solution has no phase, so there is nothing to show.")
     first = robots[0]
