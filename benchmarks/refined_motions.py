@@ -1,9 +1,9 @@
 """Arms refined to a tolerance, and solved again from their own solution: `python benchmarks/refined_motions.py`.
 
-Robots in turn between random positions (seeded), by least time, by least time and effort, and by effort in 1.3 times
-the least time, from the straight line; `rt.InteriorPoint` on one thread without a fallback. Prints meshes, iterations
-and processor time of ``tolerance=1e-4``, and the iterations of a plan on 40 intervals from the straight line and from
-its own solution.
+Robots move in turn between random positions (seeded), planned from the straight line. The objectives are least time,
+least time with effort, and effort in 1.3 times the least time. The solver is `rt.InteriorPoint` on one thread without a
+fallback. Prints meshes, iterations and processor time of ``tolerance=1e-4``. Prints also the iterations of plans on 40
+intervals, from the straight line and from their own solution.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Plans under their own gains in MuJoCo, 100 seeded runs each: `python benchmarks/tvlqr.py [NAME...]`.
 
-cart-pole, acrobot, ur5 and panda: `rt.witness.monte_carlo` under `solution.gains`, at the default disturbances
-(initial error, masses, friction, noise, one push, delay) and at those of `rt.witness.disturbance_margin`, which are
+cart-pole, acrobot, ur5 and panda run in `rt.witness.monte_carlo` under `solution.gains`. Disturbances are the default
+ones (initial error, masses, friction, noise, one push, delay), and those of `rt.witness.disturbance_margin`, which are
 stated for the plan. five_link, which stands on a soft foot and moves its root, is simulated by
 `rt.witness.second_opinion`. It takes a step under its time-varying LQR, from a seeded random error of the first state.
 

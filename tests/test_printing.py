@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj._util.printing import table
 from tests.robots.cartpole import swing_up
 
 
@@ -118,6 +119,14 @@ def test_what_a_repr_names(solution: rt.Solution) -> None:
     assert (
         repr(rt.PathConstraint(lambda point: point.t, 0, 1)) == "PathConstraint(expression=<lambda>, lower=0, upper=1)"
     )
+
+
+def test_a_wide_table_is_wrapped_at_blanks_then_in_cells_and_last_in_its_heading() -> None:
+    heads, cells = ("acceleration", "interval"), ("shoulder_pan_joint", "[-1.2345, 1.2345]")
+    assert table([heads, cells], 30)[1:] == ["shoulder_pan_joint  [-1.2345,", " " * 20 + "1.2345]"]
+    narrow = table([heads, cells], 22)
+    assert narrow[0].split() == ["acceleration", "interval"] and narrow[1].startswith("shoulder_pan")
+    assert max(map(len, table([heads, cells], 18))) <= 18
 
 
 def test_notebooks_show_tables_and_the_replay(solution: rt.Solution) -> None:

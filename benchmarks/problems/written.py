@@ -1,7 +1,8 @@
 """Cases written as equations in YAML files.
 
-``rhs``, ``lagrange``, ``mayer``, ``path`` and ``at_end`` are Python expressions over the names of states, controls and
-parameters, sin, cos, tan, exp, sqrt, pi and, in ``mayer``, the duration T and the last states, ``x_f``.
+``rhs``, ``lagrange``, ``mayer``, ``path`` and ``at_end`` are Python expressions of states, controls and parameters by
+name. They may call sin, cos, tan, exp and sqrt, and use pi. ``mayer`` also knows the duration T and the last states,
+``x_f``.
 """
 
 from __future__ import annotations

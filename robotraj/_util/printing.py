@@ -98,8 +98,18 @@ def brief(value: object) -> str:
     return text if len(text) <= WIDTH and "\n" not in text else _kind(value)
 
 
+NARROWEST = 8
+"""Least width of a column that is wrapped."""
+
+
+def _longest_word(text: str) -> int:
+    return max(map(len, text.split()), default=0)
+
+
 def table(rows: Iterable[Sequence[str]], width: int = WIDTH) -> list[str]:
     """Align the cells of rows in columns two blanks apart; the widest cells are wrapped where a line exceeds ``width``.
+
+    Cells are wrapped at blanks where that suffices. Else long words are broken, those of the first row last.
 
     Returns
     -------
@@ -109,9 +119,16 @@ def table(rows: Iterable[Sequence[str]], width: int = WIDTH) -> list[str]:
     cells = [[str(cell) for cell in row] for row in rows]
     if not cells:
         return []
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    while sum(widths) + 2 * (len(widths) - 1) > width and max(widths) > 8:
-        widths[widths.index(max(widths))] -= 1
+    columns = list(zip(*cells, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    words = [max(_longest_word(cell) for cell in column) for column in columns]
+    headings = [max(NARROWEST, _longest_word(column[0])) for column in columns]
+    for least in (words, headings, [NARROWEST] * len(columns)):
+        while sum(widths) + 2 * (len(widths) - 1) > width:
+            wide = [(size, -i) for i, size in enumerate(widths) if size > max(least[i], NARROWEST)]
+            if not wide:
+                break
+            widths[-max(wide)[1]] -= 1
     lines = []
     for row in cells:
         wrapped = [wrap(cell, max(size, 1)) or [""] for cell, size in zip(row, widths, strict=True)]

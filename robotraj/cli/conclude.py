@@ -80,9 +80,10 @@ def planned(make: Callable[[], Solution], files: Files, as_json: bool) -> Soluti
 def described(solution: Solution, report: Report | None, written: list[Path]) -> dict[str, object]:
     """Describe a solution and its proof as plain data.
 
-    Keys: ``status``, ``success``, ``proved``, ``message``, ``objective``, ``duration`` [s], ``iterations``,
-    ``seconds``, ``times`` [s], ``error`` (relative, between knots), ``parameters``, ``violations`` and ``failures``
-    (text), ``intervals`` of each phase by name, ``written`` (paths). Unknown values are null.
+    Keys of the plan: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``parameters``. Keys of the
+    solver: ``iterations``, ``seconds``, ``times`` [s], ``intervals`` of each phase by name. Keys of the proof:
+    ``proved``, ``error`` (relative, between knots), ``violations`` and ``failures`` (text). ``written`` lists paths.
+    Unknown values are null.
     """
     return {
         "status": solution.status.value,

@@ -98,17 +98,7 @@ class PlanLimits:
         self._begun = True
 
     def require(self, seconds: float, megabytes: float) -> None:
-        """Stop before a call that cannot be interrupted, if less than its time or memory is left.
-
-        Parameters
-        ----------
-        seconds, megabytes : float
-            Estimates of its time [s] and memory [MB].
-
-        Raises
-        ------
-        LimitReached
-        """
+        """Raise ``LimitReached`` where a call would pass a limit; see ``time_left.require``."""
         if seconds > max(SHORT, self.left):
             self._stop(Status.TIME_LIMIT)
         if megabytes > SMALL and np.isfinite(self.megabytes) and resident() + megabytes > self.megabytes:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.printing import table
+from robotraj._util.printing import WIDTH, table, wrapped
 from robotraj.robot.limits import Limits
 
 UNITS = "velocity in unit/s, effort in N m (rad) or N (m), damping in effort per velocity"
@@ -75,8 +75,17 @@ def joint_rows(joints: Joints) -> list[tuple[str, ...]]:
 
 
 def joint_table(joints: Joints) -> list[str]:
-    """Return the table as lines of at most 80 characters, one joint a line where its cells fit."""
-    return [*table(joint_rows(joints)), UNITS]
+    """Return the table as lines of at most 80 characters, one joint a line where its cells fit.
+
+    Where the table is wider, columns with one value for all joints become a line below it.
+    """
+    columns = list(zip(*joint_rows(joints), strict=True))
+    alike = [i for i, (_, *cells) in enumerate(columns) if i and len(set(cells)) == 1]
+    if len(joints.names) < 2 or sum(max(map(len, column)) + 2 for column in columns) - 2 <= WIDTH:
+        alike = []
+    kept = [column for i, column in enumerate(columns) if i not in alike]
+    common = ", ".join(f"{columns[i][0]} {columns[i][1]}" for i in alike)
+    return [*table(zip(*kept, strict=True)), *(wrapped(f"all joints: {common}") if common else []), UNITS]
 
 
 def joint_html(joints: Joints) -> str:

@@ -200,6 +200,16 @@ def test_printing_shows_joints_units_limits_motors_damping_and_decisions(arm):
     assert any("<dynamics>" in note for note in notes)
 
 
+def test_columns_alike_for_all_joints_of_a_wide_table_become_a_line_and_no_word_is_broken() -> None:
+    robot = rt.load("panda", limits={"acceleration": {"panda_joint1": 5.0}})
+    _, head, first, *_, last, common, units = str(robot).split("\nnote:")[0].splitlines()
+    assert head.split() == ["joint", "position", "velocity", "acceleration", "effort", "neutral"]
+    assert first.split() == ["panda_joint1", "[-2.897,", "2.897]", "2.175", "5", "87", "0"]
+    assert last.split()[0] == "panda_joint7"
+    assert common == "all joints: unit rad, motor yes, damping 0.003"
+    assert units.startswith("velocity in unit/s")
+
+
 @pytest.mark.parametrize("name", ["double_pendulum", "ur5", "talos", "solo12"])
 @pytest.mark.parametrize("root", ["fixed", "floating"])
 def test_printing_fits_a_terminal_and_a_notebook(name, root):

@@ -104,7 +104,7 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOp
     Raises
     ------
     InputError
-        The number of steps is odd, the angle is half a turn or more, the robot is planar, or it has neither two nor
+        The number of steps is odd, or the angle is half a turn or more. Or the robot is planar, or has neither two nor
         four feet. Further errors are those of ``steps``.
     """
     whole = number(angle, "rt.gait.turn(angle)", "rad")

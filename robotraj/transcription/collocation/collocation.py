@@ -4,10 +4,10 @@ At a node with unknowns (x, z, u, t0, T, p) and constant fraction tau, the point
 
     y = ( T f,  g,  h,  h', T m,  T l,  W c,  I ),    t = t0 + tau T,
 
-with f the rates, g the residual, h the path rows, h' the rates of path equalities (``index_reduction``), m the rates of
-integral constraints, l the integrand, I the invariants and W c the corrections that hold them (``dynamics.dae``). The
-products with T make every row of the NLP linear in the outputs, with constant coefficients. The defect of node j on an
-interval of relative length d is
+with f the rates, g the residual, h the path rows, and h' the rates of path equalities (``index_reduction``). m are the
+rates of integral constraints, l is the integrand, I are the invariants, and W c the corrections that hold them
+(``dynamics.dae``). The products with T make every row of the NLP linear in the outputs, with constant coefficients. The
+defect of node j on an interval of relative length d is
 
     x_j - x_0 - d sum_k A_jk (T f_k) - W_j c_j = 0.
 """
