@@ -46,6 +46,30 @@ ROBOTRAJ_TEST(directions_descend_where_the_objective_is_concave) {
   CHECK(newton.solve(at, {zero, zero, zero, zero, zero}, 0.0, 0.0, step.get()) == interior_point::Solved::indefinite);
 }
 
+ROBOTRAJ_TEST(second_order_steps_count_the_products_of_the_changes) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  interior_point::Room predictor(its.problem), step(its.problem);
+  CHECK(its.run.direction.find(at, 0.0, predictor.get()));
+  CHECK(its.run.direction.find(at, 0.0, step.get()));
+  const double mu = its.run.mu;
+  CHECK(its.run.direction.aim(at, mu, true, step.get()));
+  for (int i = 0; i < 5; ++i) {
+    const double product = predictor->lower[i] * predictor->s[i];
+    const double linear = at.at->lower[i] * step->s[i] + at.below()[i] * step->lower[i];
+    CHECK(std::abs(at.at->lower[i] * at.below()[i] + linear + product - mu) < 1e-6);
+    if (i == 0) continue;  // no upper bound
+    const double above = -predictor->upper[i] * predictor->s[i];
+    const double linear_above = -at.at->upper[i] * step->s[i] + at.above()[i] * step->upper[i];
+    CHECK(std::abs(at.at->upper[i] * at.above()[i] + linear_above + above - mu) < 1e-6);
+  }
+  // The products are those of this step alone.
+  interior_point::Room plain(its.problem), again(its.problem);
+  CHECK(its.run.direction.aim(at, mu, false, plain.get()));
+  CHECK(its.run.direction.find(at, mu, again.get()));
+  for (int i = 0; i < 5; ++i) CHECK(std::abs(again->s[i] - plain->s[i]) < 1e-6);
+}
+
 ROBOTRAJ_TEST(corrections_solve_for_other_residuals_by_the_same_factors) {
   Started its;
   interior_point::Iterate& at = *its.run.current;
@@ -58,7 +82,7 @@ ROBOTRAJ_TEST(corrections_solve_for_other_residuals_by_the_same_factors) {
   CHECK(left_of_rows(its, again, other) < 1e-6);
   // Another barrier parameter is another right-hand side.
   CHECK(its.run.direction.find(at, 0.01, step.get()));
-  CHECK(its.run.direction.aim(at, its.run.mu, again.get()));
+  CHECK(its.run.direction.aim(at, its.run.mu, false, again.get()));
   CHECK(its.run.direction.find(at, its.run.mu, step.get()));
   for (int i = 0; i < 5; ++i) CHECK(std::abs(again->s[i] - step->s[i]) < 1e-6);
 }

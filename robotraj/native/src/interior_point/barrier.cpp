@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kComplementarityTolerance = 1e-4;
 constexpr std::size_t kRemembered = 4;
-constexpr double kProgress = 0.9999, kFixed = 0.8, kLargestBarrier = 1e5;
+constexpr double kProgress = 0.9, kFixed = 0.8, kLargestBarrier = 1e5;
+constexpr double kAsLong = 0.9;  // share of the predictor's length that a corrected step keeps
 
 }  // namespace
 
@@ -80,10 +81,17 @@ bool Barrier::choose() {
       ++count;
     }
   }
-  if (count == 0) return run.direction.aim(at, run.mu, run.step.get());
+  if (count == 0) return run.direction.aim(at, run.mu, false, run.step.get());
   const double sigma = std::min(1.0, std::pow(sum / count / mean, 3));
   run.set_barrier(std::min(kLargestBarrier, std::max(least(), sigma * mean)));
-  return run.direction.aim(at, run.mu, run.step.get());
+  // At the least parameter Newton's own step converges; a corrected one need not descend.
+  if (run.mu <= least()) return run.direction.aim(at, run.mu, false, run.step.get());
+  if (!run.direction.aim(at, run.mu, true, run.step.get())) return false;
+  const double tau = run.tau();
+  const bool as_long = vectors.longest_step(bounds, at.below(), at.above(), run.step->s, tau) >= kAsLong * primal &&
+                       vectors.longest_dual_step(bounds, at.at->lower, run.step->lower, at.at->upper, run.step->upper,
+                                                 tau) >= kAsLong * dual;
+  return as_long || run.direction.aim(at, run.mu, false, run.step.get());
 }
 
 }  // namespace robotraj::interior_point

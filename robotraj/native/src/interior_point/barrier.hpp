@@ -12,9 +12,12 @@ namespace robotraj::interior_point {
 ///     mu <- max(eps_tol / (kappa_eps + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
 ///
 /// Adaptive: mu = sigma mean(z s), sigma = (mean(z s) after the step of mu = 0 / mean(z s))^3, as long as the error of
-/// the optimality conditions falls below the largest of the last four; else monotone from 0.8 mean(z s) on, until it
-/// does again. Source: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods,
-/// SIAM J. Optim. 19 (2009), sections 3 and 4.
+/// the optimality conditions falls below 0.9 of the largest of the last four; else monotone from 0.8 mean(z s) on, until
+/// it does again. The step of the chosen mu also corrects the complementarity by the products of the changes in the step
+/// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one.
+/// Sources: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods, SIAM J. Optim.
+/// 19 (2009), sections 3 and 4; Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim.
+/// 2 (1992), for the correction.
 class Barrier {
  public:
   explicit Barrier(Run& run) : run_(run) {}

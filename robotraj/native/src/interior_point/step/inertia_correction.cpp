@@ -35,9 +35,9 @@ InertiaCorrection::InertiaCorrection(Problem& problem, const Options& options)
       problem_(problem),
       options_(options),
       run_(native::vector_kernels_of()),
-      memory_(4 * static_cast<std::size_t>(padded(problem.slacks()))) {
+      memory_(6 * static_cast<std::size_t>(padded(problem.slacks()))) {
   double* at = memory_.data();
-  for (double** each : {&s_, &lower_, &upper_, &damping_}) {
+  for (double** each : {&s_, &lower_, &upper_, &damping_, &lower_products_, &upper_products_}) {
     *each = at;
     at += padded(problem.slacks());
   }
@@ -51,6 +51,10 @@ Side InertiaCorrection::side(Iterate& iterate, double mu, const double* rows) {
   run_.add(iterate.infeasibility_s(), damping_, n, s_);
   run_.complementarity(bounds.lower, iterate.at->lower, iterate.below(), mu, n, lower_);
   run_.complementarity(bounds.upper, iterate.at->upper, iterate.above(), mu, n, upper_);
+  if (second_order_) {
+    run_.add(lower_, lower_products_, n, lower_);
+    run_.add(upper_, upper_products_, n, upper_);
+  }
   return {iterate.infeasibility_x(), rows, s_, lower_, upper_};
 }
 
@@ -61,6 +65,7 @@ double InertiaCorrection::larger(double delta_w) const {
 
 bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   mu_ = mu;
+  second_order_ = false;
   const Side side = this->side(iterate, mu, iterate.residual());
   problem_.hessian(iterate.at->x, iterate.at->rows, newton.hessian());
   newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
@@ -91,8 +96,14 @@ bool InertiaCorrection::correct(Iterate& iterate, const double* rows, const Vect
   return newton.solve_again(iterate, side, step) != Solved::invalid;
 }
 
-bool InertiaCorrection::aim(Iterate& iterate, double mu, const Vectors& step) {
+bool InertiaCorrection::aim(Iterate& iterate, double mu, bool second_order, const Vectors& step) {
   mu_ = mu;
+  second_order_ = second_order;
+  for (int i = 0; second_order && i < problem_.slacks(); ++i) {
+    // The distance from the upper bound changes by -ds.
+    lower_products_[i] = step.lower[i] * step.s[i];
+    upper_products_[i] = -step.upper[i] * step.s[i];
+  }
   return correct(iterate, iterate.residual(), step);
 }
 

@@ -25,8 +25,9 @@ class InertiaCorrection {
   bool find(Iterate& iterate, double mu, const Vectors& step);
   /// The same with other residuals of the rows, by the factors of the last `find`: second-order corrections.
   bool correct(Iterate& iterate, const double* rows, const Vectors& step);
-  /// The same with another barrier parameter.
-  bool aim(Iterate& iterate, double mu, const Vectors& step);
+  /// The same with another barrier parameter. `second_order` subtracts the products dz ds of the changes in `step` from
+  /// the complementarity: Newton's step neglects them.
+  bool aim(Iterate& iterate, double mu, bool second_order, const Vectors& step);
 
   double seconds = 0.0;  ///< spent on linear algebra
 
@@ -39,6 +40,8 @@ class InertiaCorrection {
   const VectorKernels& run_;
   Packs memory_;
   double *s_, *lower_, *upper_, *damping_;  // parts of the side that are the barrier's
+  double *lower_products_, *upper_products_;
+  bool second_order_ = false;
   double last_ = 0.0, mu_ = 0.0;
 };
 
