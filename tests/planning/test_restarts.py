@@ -195,7 +195,7 @@ def test_an_obstacle_in_the_way_of_the_default_guess() -> None:
 
 
 def test_variations_of_the_default_guess_follow_one_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("robotraj.transcription.transcribe")
+    module = importlib.import_module("robotraj.planning.solve")
     monkeypatch.setattr(module, "default_guess", lambda problem: AT_HOME)
     solution = rt.plan(around_a_ball(), rt.Mesh(30))
     assert "from a variation of the default guess" in solution.message
