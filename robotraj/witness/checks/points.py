@@ -112,21 +112,26 @@ def end_of(planned: PhaseSolutionLike, side: int) -> tuple[Array, Point]:
     return knots[[side]], point
 
 
-def see(entries: Sequence[Watched], times: Array, points: Sequence[Point]) -> None:
-    """Evaluate constraints at points and add the values to the watches of their rows.
+def values_of(constraint: BoundConstraint, points: Sequence[Point]) -> Array:
+    """Evaluate a constraint at points, (len(points), rows).
 
     Raises
     ------
     InputError
-        An expression does not return numbers, or not one for each row.
+        The expression does not return numbers, or not one for each row.
     """
+    what = f"expression of {constraint.name!r}"
+    values = np.array([as_numbers(constraint.expression(point), what) for point in points])
+    if values.shape[1] != len(constraint.rows):
+        raise InputError(f"The {what} gave {values.shape[1]} numbers for its {len(constraint.rows)} rows.")
+    return values
+
+
+def see(entries: Sequence[Watched], times: Array, points: Sequence[Point]) -> None:
+    """Evaluate constraints at points and add the values to the watches of their rows."""
     for constraint, watches in entries:
-        what = f"expression of {constraint.name!r}"
-        values = np.array([as_numbers(constraint.expression(point), what) for point in points])
-        if values.shape[1] != len(watches):
-            raise InputError(f"The {what} gave {values.shape[1]} numbers for its {len(watches)} rows.")
-        for column, watch in enumerate(watches):
-            watch.see(times, values[:, column])
+        for watch, values in zip(watches, values_of(constraint, points).T, strict=True):
+            watch.see(times, values)
 
 
 def all_watches(entries: Sequence[Watched]) -> list[Watch]:

@@ -9,11 +9,10 @@ import numpy as np
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.solution.violation import Violation
-from robotraj.witness.checks.points import Watched, all_watches, end_of, points_of, see
+from robotraj.witness.checks.points import Watched, all_watches, end_of, points_of, see, values_of
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.checks.soles import sole_watches
 from robotraj.witness.checks.watch import Watch
-from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import RobotSample, limits_of, robot_sample, system_of
 from robotraj.witness.plants.plant import RATE_UNITS
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
@@ -162,9 +161,7 @@ def _integrals(planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint
         half = 0.5 * (end - begin)
         points = points_of(planned, begin + half * (sites + 1.0), k)
         for constraint, total in zip(constraints, totals, strict=True):
-            what = f"expression of {constraint.name!r}"
-            rates = np.array([as_numbers(constraint.expression(point), what) for point in points])
-            total += half * weights @ rates
+            total += half * weights @ values_of(constraint, points)
     watches = []
     for constraint, total in zip(constraints, totals, strict=True):
         for row, value in zip(constraint.rows, total, strict=True):

@@ -1,4 +1,5 @@
 // Points of the restoration phase against its conditions.
+#include <algorithm>
 #include <cmath>
 
 #include "check.hpp"
@@ -46,6 +47,32 @@ ROBOTRAJ_TEST(the_least_violation_that_is_not_zero_is_infeasible) {
   }
   CHECK(end == End::infeasible);
   CHECK(its.run.trial->largest_violation() > 1.0);
+}
+
+ROBOTRAJ_TEST(a_step_that_fails_where_the_rows_hold_ends_the_solve_without_the_restoration_phase) {
+  // A hundredth of the tolerance is 1e-10; |x|^2 - 40 is 5e-11 and 1.5e-10.
+  for (const double beyond : {7e-12, 2.1e-11}) {
+    for (const double acceptable : {1e-6, 1e9}) {
+      // The concave objective needs a correction of the Hessian, and the first one is too large.
+      Started its({3.0, 3.0, 3.0, std::sqrt(13.0) + beyond}, 0.1, -100.0);
+      its.options.first_correction = 1e41;
+      its.options.acceptable_tolerance = acceptable;
+      std::fill_n(its.run.current->at->rows, 6, 0.0);
+      its.run.current->turned();
+      interior_point::Restoration restoration(its.problem, its.options, its.progress);
+      bool begun = false;
+      its.algorithm.restoration = [&]() -> interior_point::Restoration& {
+        begun = true;
+        return restoration;
+      };
+      its.algorithm.line = [] { return interior_point::Iteration{}; };
+      const End end = its.algorithm.iterate(0.1);
+      const bool feasible = its.run.current->largest_violation() < 1e-10;
+      CHECK(feasible == (beyond < 1e-11));
+      CHECK(begun != feasible);
+      if (feasible) CHECK(end == (acceptable > 1.0 ? End::acceptable : End::step_failed));
+    }
+  }
 }
 
 }  // namespace robotraj::tests
