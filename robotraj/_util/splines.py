@@ -59,11 +59,17 @@ def through(x: Array, y: Array, degree: int) -> Spline:
     aside = (degree + 1) // 2
     ends = np.ones(degree + 1)
     knots = np.concatenate([x[0] * ends, x[aside:-aside], x[-1] * ends])
-    span, values = _basis(knots, degree, x)
-    matrix = np.zeros((len(x), len(x)))
-    matrix[np.arange(len(x))[:, None], span[:, None] + np.arange(-degree, 1)] = values
+    matrix = design_matrix(knots, degree, x)
     coefficients = np.asarray(np.linalg.solve(matrix, y.reshape(len(x), -1)), dtype=float)
     return Spline(knots, coefficients.reshape(y.shape), degree)
+
+
+def design_matrix(knots: Array, degree: int, x: Array) -> Array:
+    """Return B_i(x_j) (m, n) of the n B-splines of a degree at x (m,)."""
+    span, values = _basis(knots, degree, x)
+    matrix = np.zeros((len(x), len(knots) - degree - 1))
+    matrix[np.arange(len(x))[:, None], span[:, None] + np.arange(-degree, 1)] = values
+    return matrix
 
 
 def hermite(x: Array, y: Array, slopes: Array) -> Spline:

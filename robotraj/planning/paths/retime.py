@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robotraj._util.errors import InputError, warn
+from robotraj._util.checks import is_number
+from robotraj._util.errors import InputError
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.planning.paths.joint_path import JointPath, as_path
+from robotraj.planning.paths.smooth_path import smoothed
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import Constraint
-from robotraj.problem.constraints.bounds import Between, BoundsLike, as_bounds, between
+from robotraj.problem.constraints.bounds import Between, BoundsLike, between
 from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.objectives.base import Objective
@@ -35,8 +37,8 @@ PLACES = np.linspace(0.0, 1.0, 17)
 """Places of every piece of a path at which positions are compared with their limits."""
 ROUNDING = 1e-6
 """Largest violation of a limit of position that is rounding [rad, m]."""
-ABRUPT = 20.0
-"""Ratio of a plan's own jerk to its limit from which retiming it is slow in every sense."""
+DEVIATION = 1e-3
+"""Largest distance between the path of a plan and the smooth path of a motion of bounded jerk [rad, m]."""
 
 
 def retime(
@@ -49,6 +51,7 @@ def retime(
     torque_rate: BoundsLike | float = None,
     start_speed: float | None = 0.0,
     end_speed: float | None = 0.0,
+    deviation: float | None = None,
     constraints: Sequence[Constraint] = (),
     design: Mapping[str, Quantity | Sequence[Quantity]] | None = None,
     objective: Objective | None = None,
@@ -77,6 +80,11 @@ def retime(
     start_speed, end_speed : float, optional
         ds/dt at both ends: 0 is at rest, None leaves it free. Where dq/ds is 0, as at the rests of a solution, the
         joints rest at any ds/dt, which is then free.
+    deviation : float, optional
+        Largest distance of a joint between the path and a smooth path that replaces it [rad, m]; 0 keeps the path. The
+        default is 1e-3 for a solution under a limit of jerk or torque rate, else 0. The accelerations of a plan jump,
+        and jerks are bounded only where the motion stops at the jumps. s is then the length of the path [rad, m], and
+        rests of the plan on its way are not kept. ``FollowPath.deviation`` of the phase tells the largest distance.
     constraints : sequence of Constraint
         Further constraints, such as the speed of the tool. ``rt.CollisionFree`` is proved along the path, which no
         timing can change.
@@ -94,14 +102,10 @@ def retime(
     Raises
     ------
     InputError
-        There is no robot, the path has another type or shape, or it exceeds a limit of position.
+        There is no robot, the path has another type or shape, or it exceeds a limit of position. Or no spline of 512
+        pieces is within the deviation.
     NoSolutionFound
         The limits allow no motion along the path, for example because a joint cannot hold its weight there.
-
-    Warns
-    -----
-    UserWarning
-        The path is a plan whose own jerks exceed their limit many times.
 
     Notes
     -----
@@ -115,9 +119,14 @@ def retime(
     given = robot.limits if limits is None else limits
     joints = as_path(path, parameters)
     _check_positions(joints, given)
-    if isinstance(path, Solution) and jerk is not None:
-        _warn_of_jerks(joints, robot, _symmetric(jerk))
-    every: list[Constraint] = [FollowPath(joints, start_speed, end_speed)]
+    if deviation is None:
+        abrupt = isinstance(path, Solution) and (jerk is not None or torque_rate is not None)
+        deviation = DEVIATION if abrupt else 0.0
+    if not (is_number(deviation) and 0.0 <= deviation < np.inf):
+        raise InputError(f"deviation must be a number of 0 or more [rad, m], got {deviation!r}.")
+    if deviation > 0.0:
+        joints = smoothed(joints, deviation, *given.positions)
+    every: list[Constraint] = [FollowPath(joints, start_speed, end_speed, deviation)]
     for kind, bounds in ((JointJerk, jerk), (JointTorqueRate, torque_rate)):
         if bounds is not None:
             every.append(kind(_symmetric(bounds)))
@@ -146,22 +155,6 @@ def _check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
         raise InputError(
             f"The path has {limits.joints[joint]!r} at {q[piece, place, joint]:.6g} at s = {s:.4g}, outside its "
             f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=."
-        )
-
-
-def _warn_of_jerks(path: PiecewisePolynomial, robot: Robot, jerk: BoundsLike) -> None:
-    """Warn where the jerks of a plan, at its own speed, exceed their limits many times."""
-    own = np.max([np.abs(each).max(axis=0) for each in path.derivative().derivative().derivative().values], axis=0)
-    lower, upper = as_bounds(jerk, robot.velocity_names, "jerk limit")
-    limits = np.minimum(-lower, upper)
-    worst = int(np.argmax(own / limits))
-    if own[worst] > ABRUPT * limits[worst]:
-        joint, unit = robot.velocity_names[worst], robot.units[worst]
-        warn(
-            f"The plan's own jerk of {joint!r} reaches {own[worst]:.3g} {unit}/s^3, and its limit is "
-            f"{limits[worst]:.3g} {unit}/s^3. On this path the motion must slow down wherever its accelerations change "
-            "fast, and its plan takes long. Rather plan again with rt.constraints.JointJerk(...), which may change the "
-            "path."
         )
 
 

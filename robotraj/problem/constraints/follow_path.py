@@ -37,11 +37,14 @@ class FollowPath(Constraint):
         an array, a spline or a solution.
     start_speed, end_speed : float, optional
         s' at both ends; 0 is at rest, None leaves it free.
+    deviation : float
+        Largest distance of a joint between the path and another one that it replaces [rad, m], for information.
     """
 
     path: PiecewisePolynomial
     start_speed: float | None = 0.0
     end_speed: float | None = 0.0
+    deviation: float = 0.0
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write the bound of s'."""

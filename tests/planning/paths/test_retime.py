@@ -217,8 +217,6 @@ def test_a_plan_from_rest_is_retimed_from_rest(arm):
     first, last = again.at(0.0), again.at(again.duration)
     assert max(np.abs(first.v).max(), np.abs(last.v).max()) < 1e-9 and first.x["path.speed"] > 0.5
     assert rt.validate(again).passed
-    with pytest.warns(UserWarning, match=r"own jerk of 'wrist_3_joint' .*JointJerk"):
-        rt.retime(plan, jerk=2000.0, time_limit=0.01, check=False)
 
 
 def test_a_smooth_plan_is_retimed_under_a_limit_of_jerk(arm):
@@ -228,3 +226,28 @@ def test_a_smooth_plan_is_retimed_under_a_limit_of_jerk(arm):
     assert again.proof.holds and again.duration < plan.duration
     t = np.linspace(0.0, again.duration, 20001)
     assert np.abs(np.diff(again.at(t).a, axis=0) / np.diff(t)[:, None]).max() < 2000.0 * 1.01
+
+
+@pytest.mark.parametrize("objective", [rt.Duration(), rt.Effort()], ids=["least time", "least effort"])
+def test_a_plan_under_a_limit_of_jerk_moves_near_its_own_path(arm, objective):
+    duration = (0.1, 5.0) if isinstance(objective, rt.Duration) else 1.0
+    own = rt.plan(rt.Phase(arm, duration, rt.State(q=WAY[0], v=0), rt.State(q=WAY[-1], v=0), objective))
+    gentle = rt.retime(own, jerk=500.0)
+    assert gentle.success and rt.validate(gentle).passed
+    t = np.linspace(0.0, gentle.duration, 3001)
+    sample = gentle.at(t)
+    assert np.abs(np.diff(sample.a, axis=0) / np.diff(t)[:, None]).max() < 500 * (1 + 1e-3)
+    known = own.at(np.linspace(0.0, own.duration, 4001)).q
+    near = np.abs(sample.q[::30, None] - known[None]).max(axis=2).min(axis=1)
+    assert near.max() <= 1e-3 * (1 + 1e-6)
+    assert gentle.problem.phases[0].constraints[0].deviation == 1e-3
+    assert np.allclose(sample.q[[0, -1]], WAY[[0, -1]], atol=1e-9)
+    wider = rt.retime(own, jerk=500.0, deviation=0.02)
+    assert wider.duration < gentle.duration
+
+
+def test_paths_are_kept_without_a_deviation(arm, retimed):
+    limited = rt.retime(retimed, jerk=2000.0, deviation=0.0)
+    assert limited.problem.phases[0].path.curve is retimed.problem.phases[0].path.curve
+    with pytest.raises(rt.InputError, match="deviation must be a number of 0 or more"):
+        rt.retime(WAY, arm, deviation=-1.0)
