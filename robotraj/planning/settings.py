@@ -154,6 +154,8 @@ RULES: tuple[Rule, ...] = (
 SETTINGS = tuple(dict.fromkeys(rule.setting for rule in RULES))
 """Names of all settings, in the order in which they are decided."""
 
+_RULES_OF = {name: tuple(rule for rule in RULES if rule.setting == name) for name in SETTINGS}
+
 
 def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | None = None) -> Settings:
     """Decide every setting that is neither given nor part of earlier settings.
@@ -189,7 +191,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     for name in SETTINGS:
         if name not in values:
             case = Case(problem, values)
-            rule = next(rule for rule in RULES if rule.setting == name and rule.holds(case))
+            rule = next(rule for rule in _RULES_OF[name] if rule.holds(case))
             choice = (
                 rule.choice.of(problem) if isinstance(rule.choice, ProportionalMeshes | MeshesOnPaths) else rule.choice
             )

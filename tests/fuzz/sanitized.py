@@ -86,7 +86,7 @@ def _urdf(path: Path, data: bytes) -> None:
 
 
 def _solve(problem: rt.Problem, guess: rt.guess.InitialGuess | None = None) -> None:
-    BRIEF.solve(transcribe(problem, rt.Mesh(3), guess))
+    BRIEF.solve(transcribe(problem, rt.Mesh(3), guess or rt.guess.default_guess(problem)))
 
 
 def main() -> None:
