@@ -100,7 +100,12 @@ def _is_augmented(phase: Phase) -> bool:
 
 
 def _has_corners(phase: Phase) -> bool:
-    """Whether an objective that is not smooth adds variables."""
+    """Whether an objective that is not smooth adds variables, and the motion is free to leave the guess.
+
+    Along a given path only the timing is left, and solvers agree on its optimum.
+    """
+    if phase.path is not None:
+        return False
     dae = phase.dae
     while isinstance(dae, Augmented):
         if not dae.smooth:

@@ -251,3 +251,10 @@ def test_paths_are_kept_without_a_deviation(arm, retimed):
     assert limited.problem.phases[0].path.curve is retimed.problem.phases[0].path.curve
     with pytest.raises(rt.InputError, match="deviation must be a number of 0 or more"):
         rt.retime(WAY, arm, deviation=-1.0)
+
+
+def test_least_work_along_a_path_is_planned_by_our_solver_and_agrees_with_ipopt(arm):
+    work = rt.objectives.MechanicalWork() + 50.0 * rt.Duration()
+    ours, other = (rt.retime(WAY, arm, objective=work, **options) for options in ({}, {"solver": rt.Ipopt()}))
+    assert isinstance(ours.settings.solver, rt.InteriorPoint) and rt.validate(ours).passed
+    assert ours.objective == pytest.approx(other.objective, rel=1e-3)
