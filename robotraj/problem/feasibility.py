@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from numbers import Real
 
 import casadi as ca
 import numpy as np
@@ -14,6 +15,8 @@ from robotraj.dynamics.system import MissingEquations, System
 from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import Constraint, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.constraints.joint_limits import JointLimit
+from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
@@ -89,8 +92,11 @@ def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -
     ------
     InputError
         Bounds are crossed or contradict each other, or a row is violated at an end. The message names the first such
-        row, its bounds and the end.
+        row, its bounds and the end. One number that is not zero, as in ``JointAcceleration(8)``, is refused: it would
+        fix the quantity of every joint at every time.
     """
+    constraints = tuple(constraints)
+    _check_single_numbers(table.phase, constraints)
     _check_order(table)
     held = {end: table.bounds_by_variable(Where.THROUGHOUT, end) for end in ends}
     for rows in (rows for at in held.values() for rows in at.values()):
@@ -107,6 +113,18 @@ def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -
         _check_against_limits(table, end, bounds, held[end])
         _check_expressions(table, end, bounds)
         _warn_of_order(table, end, bounds)
+
+
+def _check_single_numbers(phase: str, constraints: Iterable[Constraint]) -> None:
+    for each in constraints:
+        if isinstance(each, JointLimit | RateLimit) and isinstance(each.bounds, Real) and each.bounds != 0:
+            value, name = f"{float(each.bounds):g}", type(each).__name__
+            size = f"{abs(float(each.bounds)):g}"
+            raise InputError(
+                f"Phase {phase!r}: {name}({value}) would fix the {each.quantity.removesuffix(' limit')} of every joint "
+                f"at {value} at every time. For a limit give rt.between(-{size}, {size}); to fix it, "
+                f"rt.between({value}, {value})."
+            )
 
 
 def _check_order(table: RowTable) -> None:

@@ -84,3 +84,17 @@ def test_dynamics_and_meshes_on_which_rates_have_no_bound_are_refused(changes, m
 def test_an_unknown_joint_is_named():
     with pytest.raises(rt.UnknownName, match="elbow_joint"):
         _ = _reach(rt.constraints.JointJerk({"elbow": 1.0})).rows
+
+
+@pytest.mark.parametrize("kind", ["JointVelocity", "JointAcceleration", "JointEffort", "JointJerk", "JointTorqueRate"])
+def test_one_number_is_no_limit_of_all_joints(kind):
+    """It fixes a value, as everywhere; 8 at every time is hardly meant, and no motion has it."""
+    with pytest.raises(rt.InputError, match=rf"{kind}\(8\) would fix .*For a limit give rt\.between\(-8, 8\)"):
+        _ = _reach(getattr(rt.constraints, kind)(8.0)).rows
+    _ = _reach().with_(start=None, constraints=[rt.AtStart(rt.constraints.JointVelocity(2.0))]).rows
+
+
+def test_a_failure_with_limits_of_rates_is_explained():
+    """The search for undefined expressions once took rates for expressions."""
+    with pytest.raises(rt.NoSolutionFound):
+        rt.plan(_reach(rt.constraints.JointJerk(rt.between(-1, 1)), duration=1.0), rt.Mesh(10), progress=False)

@@ -121,7 +121,8 @@ def _expressions(phase: Phase, order: int) -> Iterator[tuple[str, ca.SX]]:
         residual = ca.vertsplit(ca.SX(ca.vertcat(ca.SX(0, 1), phase.dae.residual(point))))
         named = zip(phase.dae.residuals, residual, strict=False)
         yield from ((f"equation {variable.label!r}", value) for variable, value in named)
-    rows = tuple(row for row in table if row.kind is not Kind.BOUND)
+    # Rates are those of polynomials, and no expressions.
+    rows = tuple(row for row in table if row.kind not in (Kind.BOUND, Kind.RATE))
     yield from zip((f"row {row.label!r}" for row in rows), table.expressions(rows), strict=True)
     for _, term in phase.integrals:
         yield f"objective term {type(term).__name__}", ca.SX(term.rate(point))
