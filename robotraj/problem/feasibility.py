@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from numbers import Real
 
 import casadi as ca
 import numpy as np
@@ -117,9 +116,11 @@ def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -
 
 def _check_single_numbers(phase: str, constraints: Iterable[Constraint]) -> None:
     for each in constraints:
-        if isinstance(each, JointLimit | RateLimit) and isinstance(each.bounds, Real) and each.bounds != 0:
-            value, name = f"{float(each.bounds):g}", type(each).__name__
-            size = f"{abs(float(each.bounds)):g}"
+        if not isinstance(each, JointLimit | RateLimit):
+            continue
+        bounds: object = each.bounds
+        if isinstance(bounds, float | int | np.number) and bounds != 0:
+            value, size, name = f"{float(bounds):g}", f"{abs(float(bounds)):g}", type(each).__name__
             raise InputError(
                 f"Phase {phase!r}: {name}({value}) would fix the {each.quantity.removesuffix(' limit')} of every joint "
                 f"at {value} at every time. For a limit give rt.between(-{size}, {size}); to fix it, "
