@@ -97,6 +97,20 @@ def test_imports_point_down(module: str) -> None:
     assert not above
 
 
+def test_the_longest_chain_of_imports_passes_ten_rooms() -> None:
+    """Counted from the imports themselves, not from the order of floors above."""
+    rooms = {
+        room: {room_of(name) for module in INSIDE if room_of(module) == room for name in GRAPH[module]} - {room}
+        for room in FLOOR
+    }
+    assert len(rooms) == 16
+
+    def height(room: str) -> int:
+        return 1 + max(map(height, rooms[room]), default=0)
+
+    assert max(map(height, rooms)) == len(ROOMS) == 10
+
+
 def test_no_module_imports_in_a_circle() -> None:
     assert not circles(GRAPH)
 

@@ -95,7 +95,7 @@ class Augmented(OneLine, ABC):
 
     @property
     def copies(self) -> Mapping[str, str]:
-        """Added states by name, with the algebraic variables that they equal; guesses know the latter alone."""
+        """Added states by name, with the algebraic variables that they equal; a guess contains the latter only."""
         return self.inner.copies if isinstance(self.inner, Augmented) else {}
 
     @abstractmethod
