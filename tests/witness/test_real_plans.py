@@ -132,3 +132,37 @@ def test_every_kind_of_constraint_reads_the_same_on_numbers_as_on_symbols(arm):
         expected = ca.Function("rows", columns, [rows])(np.concatenate([q, v]), a, tau, 2.0)
         found = [float(value) for value in constraint.expression(point)]
         np.testing.assert_allclose(found, np.array(expected).ravel(), atol=1e-12, err_msg=constraint.name)
+
+
+def test_a_climb_from_sea_level_is_proved_and_validated() -> None:
+    """The altitude is 15 km at the end and near zero in the first seconds, where an error of 1 m is small."""
+
+    def flight(p):
+        h, v, climb, m, a = p.x["h"], p.x["v"], p.x["climb"], p.x["m"], p.u["a"]
+        pressure, r = 0.5 * 1.225 * ca.exp(-h / 8500) * v**2 * 49.2386, 6378145 + h
+        thrust, weight = 110e3 * (0.7 * ca.exp(-h / 9000) + 0.3), 3.986004e14 / r**2
+        lift, drag = 3.44 * pressure * a, pressure * (0.013 + 0.54 * 3.44 * a**2)
+        return [
+            v * ca.sin(climb),
+            (thrust * ca.cos(a) - drag) / m - weight * ca.sin(climb),
+            (thrust * ca.sin(a) + lift) / (m * v) + ca.cos(climb) * (v / r - weight / v),
+            -thrust / (1600 * 9.80665),
+        ]
+
+    phase = rt.Phase(
+        rt.System(["h", "v", "climb", "m"], ["a"], flight),
+        (50.0, 1000.0),
+        rt.State([100, 135.964, 0, 19030.468]),
+        rt.State({"h": 15000, "v": 295, "climb": 0}),
+        rt.Duration(),
+        controls={"a": rt.between(-0.78, 0.78)},
+        states={
+            "h": rt.between(0, 21000),
+            "v": rt.between(5, 1000),
+            "climb": rt.between(-0.7, 0.7),
+            "m": rt.between(10000, 20410),
+        },
+    )
+    solution = rt.plan(phase)
+    assert solution.duration == pytest.approx(198.3, abs=0.1)
+    assert rt.validate(solution).passed

@@ -65,7 +65,7 @@ class Plant(Protocol):
         ...
 
     def sizes(self, states: Array) -> Array:
-        """Return the scale of differences from states (m, n): 1 + |x|, (m, k)."""
+        """Return the scale of differences from states (m, n), (m, k): 1 + |x| for robots, peaks for Systems."""
         ...
 
     def given(self, times: Array) -> Array:

@@ -82,6 +82,23 @@ def test_the_final_local_error_is_that_of_the_last_window(make):
     assert (row.largest, row.time) == (pytest.approx(0.1), 9.75)
 
 
+@pytest.mark.parametrize(("largest", "scale"), [(15e3, 15e3), (0.3, 0.3), (1e-3, 1e-2)])
+def test_an_error_of_a_system_is_relative_to_the_largest_state_of_the_phase(make, largest, scale):
+    """The state crosses zero within the window whose error it is, and jumps there by a thousandth."""
+    block = rt.System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
+    planned = make.plan(
+        make.phase(system=block),
+        np.linspace(0, 10, 41),
+        x=lambda t, k: largest * (0.2 * t - 1.0) + (1e-3 * largest if t > 5.0 else 0.0),
+        u=lambda t, k: 0.2 * largest,
+        z=lambda t, k: np.zeros(0),
+    )
+    report = validate(make.solution(planned))
+    row = report.local["x"]
+    assert (row.largest, row.time) == (pytest.approx(1e-3 * largest), pytest.approx(5.25))
+    assert row.scale == pytest.approx(scale, rel=2e-3)
+
+
 def test_a_gap_between_phases_is_an_error_at_the_time_of_their_seam(make):
     block = rt.System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
     first, second = (
