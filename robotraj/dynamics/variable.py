@@ -93,3 +93,22 @@ class Named(Mapping[str, Entry]):
     def __repr__(self) -> str:
         entries = (f"{name}: {brief(value)}" for name, value in self.items())
         return "{" + shorten(", ".join(entries), WIDTH - 2, placeholder=" ...") + "}"
+
+
+SMALLEST_STATE = 1e-2
+"""Size of a System's state that stays below it, for example of one that is zero throughout."""
+
+
+def state_sizes(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the sizes that errors of a System's states are relative to, max(``SMALLEST_STATE``, peak).
+
+    Units of a user's states are not known: an altitude of 15 km may cross zero, an angle may stay below 1e-3 rad. A
+    state therefore counts by its largest value in a phase, not by its value at a time. The planner's estimate of the
+    error between the knots and the local errors of ``rt.validate`` both use these sizes.
+
+    Parameters
+    ----------
+    peaks : ndarray (n,)
+        Largest magnitudes of the states in a phase.
+    """
+    return np.maximum(SMALLEST_STATE, peaks)

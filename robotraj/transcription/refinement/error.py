@@ -7,7 +7,7 @@ relates that to the size of each state and takes the largest,
     eta_i = integral |e_i| dt,    error = max_i eta_i / s_i.
 
 For a robot, whose units are rad, m and s, s_i = 1 + max over t of |x_i|, |xdot_i|. For a System of duration T it is
-max over t of |x_i| and |xdot_i| min(1 s, T), at least ``dynamics.state_sizes.SMALLEST``.
+max over t of |x_i| and |xdot_i| min(1 s, T), at least ``dynamics.variable.SMALLEST_STATE``.
 
 Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the residual
 of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one under the
@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj.dynamics.rigid_body import InverseRigidBody
-from robotraj.dynamics.state_sizes import state_sizes
+from robotraj.dynamics.variable import state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from robotraj.dynamics.state_sizes import state_sizes
+from robotraj.dynamics.variable import state_sizes
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import system_of
 from robotraj.witness.plants.plant import Landing
@@ -46,7 +46,7 @@ class SystemPlant:
         return states - planned
 
     def scales(self, peaks: Array) -> Array:
-        """Return the sizes of states with these peaks; see ``dynamics.state_sizes``."""
+        """Return the sizes of states with these peaks; see ``dynamics.variable.state_sizes``."""
         return state_sizes(peaks)
 
     def sizes(self, states: Array) -> Array:
