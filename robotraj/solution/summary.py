@@ -16,6 +16,10 @@ from robotraj.solvers.status import Status
 CONVERGED = (Status.SOLVED, Status.TOLERANCE_NOT_REACHED, Status.NOT_PROVED)
 """Statuses of motions that satisfy every row. Only for these the text lists violations between the knots."""
 CHANGE_LIMITS = "Change one of these limits or the motion that conflicts with it."
+CHANGE_PATH = (
+    "The path is given, and its timing does not wait for obstacles. Change the path, give the phase a longer "
+    "duration=, or plan from start to end with rt.CollisionFree and without the path."
+)
 
 
 class Summarised(Planned, Protocol):
@@ -82,7 +86,8 @@ def summary(solution: Summarised) -> str:
     elif converged and not solution.refinement and (error := solution.error) is not None:
         lines.append(f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)")
     if converged and solution.interval_violations:
-        lines.append(f"between collocation points: {solution.interval_violations[0]}; plan on a finer mesh")
+        advice = "" if _is_kept_by_its_path(solution) else "; plan on a finer mesh"
+        lines.append(f"between collocation points: {solution.interval_violations[0]}{advice}")
     if converged and solution.control_interval_violations:
         worst = solution.control_interval_violations[0]
         lines.append(
@@ -93,6 +98,13 @@ def summary(solution: Summarised) -> str:
         lines += [f"must be relaxed: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
         lines += [f"solver: {solution.message}"]
         lines += [f"  {solution.in_phase(violation)}" for violation in solution.violations(5)]
-        lines += [f"try: {CHANGE_LIMITS if solution.conflicts else solution.status.remedy}"]
+        remedy = CHANGE_PATH if _is_kept_by_its_path(solution) else solution.status.remedy
+        lines += [f"try: {CHANGE_LIMITS if solution.conflicts else remedy}"]
     # A line that is too long continues below with more indentation.
     return "\n".join(part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())]))
+
+
+def _is_kept_by_its_path(solution: Summarised) -> bool:
+    """Whether distances along a given path are not proved."""
+    proof = solution.proof
+    return proof is not None and proof.shortfall > 0.0 and any(part.phase.path is not None for part in solution.phases)

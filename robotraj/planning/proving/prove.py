@@ -37,6 +37,8 @@ ENOUGH = 4
 """Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
 PATIENCE, PATIENCE_STICKING = 150, 300
 """Iterations of a solve that can only improve an objective or the guess of another solve."""
+MET = 1e-3
+"""Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -106,6 +108,8 @@ class _Refining:
             if last.success:
                 self.best = last = self._measured(last, self.measures)
                 best_limited = self.limits_between
+                if self._meets_obstacle_on_path(last):
+                    break
             elif (
                 not first
                 and last.status not in SPENT
@@ -133,6 +137,11 @@ class _Refining:
         elif self.best is not None and not best_limited:
             self._limit_best_between()
         return self.solves.concluded(self.best or last, self.steps)
+
+    def _meets_obstacle_on_path(self, solution: Solution) -> bool:
+        """Whether a moving obstacle is met on a given path, which no finer mesh changes."""
+        on_path = any(phase.path is not None for phase in self.problem.phases)
+        return on_path and solution.proof is not None and solution.proof.shortfall > MET
 
     def _limit_best_between(self) -> None:
         """Solve with limits between the points of the best motion, which were left to a mesh that was not solved."""

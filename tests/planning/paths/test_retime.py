@@ -258,3 +258,17 @@ def test_least_work_along_a_path_is_planned_by_our_solver_and_agrees_with_ipopt(
     ours, other = (rt.retime(WAY, arm, objective=work, **options) for options in ({}, {"solver": rt.Ipopt()}))
     assert isinstance(ours.settings.solver, rt.InteriorPoint) and rt.validate(ours).passed
     assert ours.objective == pytest.approx(other.objective, rel=1e-3)
+
+
+def test_a_moving_obstacle_on_the_path_is_named_with_what_to_change(arm):
+    """The obstacle leaves the path's end later than the motion of least time arrives there."""
+    data = arm.model.createData()
+    pin.framesForwardKinematics(arm.model, data, WAY[-1])
+    x, y, z = data.oMf[arm.frame("tool0")].translation
+    ball = rt.obstacles.Sphere(0.1, position=lambda t: [x, y, z + 0.1 * t])
+    met = rt.retime(WAY, arm, constraints=[rt.CollisionFree([ball])], check=False)
+    assert met.status is Status.NOT_PROVED and len(met.refinement) == 1
+    assert "sphere" in str(met) and "Change the path" in " ".join(str(met).split())
+    assert "finer mesh" not in str(met)
+    later = rt.CollisionFree([rt.obstacles.Sphere(0.1, position=lambda t: [x, y, z + 5.0 * t])])
+    assert rt.retime(WAY, arm, constraints=[later]).proof.holds
