@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.infeasibility_check import ITERATIONS, Excluded, InfeasibilityCheck
+from robotraj.planning.diagnosis.infeasibility_check import (
+    FAR,
+    ITERATIONS,
+    ITERATIONS_FAR,
+    Excluded,
+    InfeasibilityCheck,
+)
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.solution.conflict import Conflict
 from robotraj.solvers.base import Iteration
@@ -48,6 +54,20 @@ def test_conflicts_are_looked_for_once_where_iterations_begin_again(monkeypatch:
     for number in (0, 1, ITERATIONS, 0):
         check(Iteration(number, 0.0, 1.0))
     assert len(looked) == 1 and not check.conflicts
+
+
+@pytest.mark.parametrize(("violation", "number"), [(0.5 * FAR, ITERATIONS), (2.0 * FAR, ITERATIONS_FAR)])
+def test_conflicts_are_looked_for_earlier_far_from_any_motion(
+    monkeypatch: pytest.MonkeyPatch, violation: float, number: int
+) -> None:
+    looked = []
+    module = "robotraj.planning.diagnosis.infeasibility_check.conflicts_of"
+    monkeypatch.setattr(module, lambda *_, **__: looked.append(1) or ())
+    check = InfeasibilityCheck(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    check(Iteration(number - 1, 0.0, violation))
+    assert not looked
+    check(Iteration(number, 0.0, violation))
+    assert looked
 
 
 def test_a_certain_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
