@@ -84,13 +84,22 @@ class Clearing:
         """Add rows on the pairs that are near along the known motion, or were near along an earlier one."""
         if not self._every:
             return nlp
-        from robotraj.transcription.clearance.clearance_rows import Raised, near_pairs, with_clearance_rows
+        from robotraj.transcription.clearance.clearance_rows import (
+            Raised,
+            near_pairs,
+            nearest_along,
+            with_clearance_rows,
+        )
 
-        for own, motion, kept in zip(self._every, self._motions, self._kept, strict=True):
-            for interval, pair in near_pairs(own, nlp.layouts[own.phase], motion).tolist():
+        found = [
+            nearest_along(own, nlp.layouts[own.phase], motion)
+            for own, motion in zip(self._every, self._motions, strict=True)
+        ]
+        for own, nearest, kept in zip(self._every, found, self._kept, strict=True):
+            for interval, pair in near_pairs(own, nearest).tolist():
                 kept.setdefault((interval, pair), Raised(0.0, self._round))
         self._round += 1
-        longer = with_clearance_rows(nlp, self._every, self._kept, self._motions)
+        longer = with_clearance_rows(nlp, self._every, self._kept, self._motions, found)
         self._count = len(longer.rows) - len(nlp.rows)
         return longer
 

@@ -82,29 +82,36 @@ def clearances(nlp: Nlp) -> list[Clearances]:
     return found
 
 
-def near_pairs(own: Clearances, layout: PhaseLayout, motion: Motion) -> Indices:
-    """Return (interval, pair) of pairs that come near along a motion, (k, 2).
+class Nearest(NamedTuple):
+    """Where each pair is nearest on each interval along a motion: fractions of the phase and distances [m], (K, n)."""
 
-    Of the spheres of a link near one obstacle or link, only those within ``FURTHER`` of the nearest are returned.
-    """
-    _, found = _least(own, layout, motion)
-    pairs, spheres = own.pairs, own.pairs.spheres
-    against = np.arange(len(pairs)) < pairs.against
-    other = np.where(against, pairs.second, len(pairs.obstacles) + spheres.link[np.where(against, 0, pairs.second)])
-    _, group = np.unique(np.column_stack([spheres.link[pairs.first], other]), axis=0, return_inverse=True)
-    numbers = group.ravel()
-    nearest = np.full((int(numbers.max(initial=-1)) + 1, len(found)), np.inf)
-    np.minimum.at(nearest, numbers, found.T)
-    return np.argwhere((found < pairs.margin + NEAR) & (found < nearest[numbers].T + FURTHER))
+    fractions: Array
+    distances: Array
 
 
-def _least(own: Clearances, layout: PhaseLayout, motion: Motion) -> tuple[Array, Array]:
-    """Return the fraction and the value of the least distance of each pair on each interval, (K, n)."""
+def nearest_along(own: Clearances, layout: PhaseLayout, motion: Motion) -> Nearest:
+    """Return the least distance of each pair on each interval along a motion."""
     knots = layout.fractions
     at = knots[:-1, None] + np.diff(knots)[:, None] * np.linspace(0.0, 1.0, SAMPLES)
     distances = own.pairs.distances(*motion(at.ravel())).reshape(*at.shape, -1)
     where = distances.argmin(axis=1)
-    return np.take_along_axis(at, where, axis=1), np.take_along_axis(distances, where[:, None], axis=1)[:, 0]
+    least = np.take_along_axis(distances, where[:, None], axis=1)[:, 0]
+    return Nearest(np.take_along_axis(at, where, axis=1), least)
+
+
+def near_pairs(own: Clearances, nearest: Nearest) -> Indices:
+    """Return (interval, pair) of pairs that come near along a motion, (k, 2).
+
+    Of the spheres of a link near one obstacle or link, only those within ``FURTHER`` of the nearest are returned.
+    """
+    found, pairs, spheres = nearest.distances, own.pairs, own.pairs.spheres
+    against = np.arange(len(pairs)) < pairs.against
+    other = np.where(against, pairs.second, len(pairs.obstacles) + spheres.link[np.where(against, 0, pairs.second)])
+    _, group = np.unique(np.column_stack([spheres.link[pairs.first], other]), axis=0, return_inverse=True)
+    numbers = group.ravel()
+    least = np.full((int(numbers.max(initial=-1)) + 1, len(found)), np.inf)
+    np.minimum.at(least, numbers, found.T)
+    return np.argwhere((found < pairs.margin + NEAR) & (found < least[numbers].T + FURTHER))
 
 
 class Raised(NamedTuple):
@@ -122,7 +129,11 @@ RaisedPairs = Mapping[tuple[int, int], Raised]
 
 
 def with_clearance_rows(
-    nlp: Nlp, every: Sequence[Clearances], kept: Sequence[RaisedPairs], motions: Sequence[Motion]
+    nlp: Nlp,
+    every: Sequence[Clearances],
+    kept: Sequence[RaisedPairs],
+    motions: Sequence[Motion],
+    nearest: Sequence[Nearest],
 ) -> Nlp:
     """Append rows on distances to an NLP without any; rows on fixed states are omitted.
 
@@ -134,19 +145,20 @@ def with_clearance_rows(
         The pairs that have rows, for each of ``every``.
     motions : sequence of callable
         The motion along which normals are fixed, for each of ``every``.
+    nearest : sequence of Nearest
+        Where the pairs are nearest along it.
     """
     table = ScalarTable.after(nlp.rows)
     blocks: list[Block] = []
-    for own, raised, motion in zip(every, kept, motions, strict=True):
+    for own, raised, motion, least in zip(every, kept, motions, nearest, strict=True):
         if not raised:
             continue
         layout = nlp.layouts[own.phase]
         places = state_places(layout)
-        fractions, _ = _least(own, layout, motion)
         groups: dict[object, list[_Row]] = {}
         for (interval, pair), (amount, since) in raised.items():
             for place in range(int(places.first[interval]), int(places.last[interval]) + 1):
-                row = _Row(place, pair, float(fractions[interval, pair]), amount)
+                row = _Row(place, pair, float(least.fractions[interval, pair]), amount)
                 groups.setdefault((since, key_of(own.pairs, pair)), []).append(row)
         for group in groups.values():
             blocks += _block(nlp, own, layout, places, group, motion, table)
