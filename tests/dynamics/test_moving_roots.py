@@ -186,6 +186,18 @@ def test_a_somersault_is_planned_by_the_negative_quaternion():
     assert np.linalg.norm(turned) == pytest.approx(2 * np.pi, rel=1e-2)
 
 
+def test_a_quadruped_turns_once_in_the_air_by_the_default_call():
+    robot = rt.load("solo12", root="floating")
+    pose = np.array(rt.gait.stand(robot, ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")))
+    turned = pose.copy()
+    turned[3:7] *= -1
+    plan = rt.plan(rt.Phase(robot, (0.3, 1.0), rt.State(q=pose), rt.State(q=turned), rt.Effort()))
+    assert plan.proof.holds and rt.validate(plan).passed
+    rates = plan.at(np.linspace(0, plan.duration, 2001)).v[:, 3:6]
+    angle = np.linalg.norm(np.trapezoid(rates, dx=plan.duration / 2000, axis=0))
+    assert angle == pytest.approx(2 * np.pi, rel=1e-2)
+
+
 @pytest.mark.parametrize("scheme", [rt.HermiteSimpson(), rt.schemes.LobattoIIIA(4), rt.schemes.RadauIIA(2)])
 def test_a_quaternion_does_not_cross_zero_to_its_negative(scheme):
     # At 1 rad/s no full turn fits into half a second; a quaternion that shrank between two points would count as one.
