@@ -17,7 +17,15 @@ from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
-from robotraj.planning.proving.first_mesh import COARSE, STICKING, SYSTEM, MeshesOnPaths, ProportionalMeshes, graded
+from robotraj.planning.proving.first_mesh import (
+    COARSE,
+    CORNERED,
+    STICKING,
+    SYSTEM,
+    MeshesOnPaths,
+    ProportionalMeshes,
+    graded,
+)
 from robotraj.planning.setting_conditions import Case, Condition
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
@@ -29,6 +37,7 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
+from robotraj.transcription.refinement.linear_controls import LINES
 from robotraj.transcription.refinement.raise_order import SplitOrRaise
 from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.mesh import Mesh
@@ -77,12 +86,28 @@ RULES: tuple[Rule, ...] = (
     _rule(
         "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
     ),
+    _rule(
+        "mesh",
+        when.PROVED,
+        when.EXACT,
+        when.CORNERS,
+        graded(CORNERED, LINES),
+        "accelerations that bend between the points hide power from the quadrature",
+    ),
     _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh approximates the motion"),
     _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
     _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
     _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
+    _rule(
+        "solver",
+        when.PROVED,
+        when.EXACT,
+        when.CORNERS,
+        InteriorPoint(tolerance=1e-6, initial_barrier=1e-3),
+        "it is several times faster than IPOPT",
+    ),
     _rule("solver", when.CORNERS, Ipopt(), "it finds the local optimum next to the guess"),
     _rule("solver", when.PROVED, InteriorPoint(tolerance=1e-6), "a hundredth of the allowed errors"),
     _rule("solver", when.ALWAYS, InteriorPoint(), "it finds the optima of IPOPT in less time"),

@@ -16,6 +16,8 @@ from robotraj.transcription.schemes.radau import RadauIIA
 
 COARSE = 16
 """Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
+CORNERED = 32
+"""Intervals of the first mesh of an arm whose objective has corners, such as the absolute power, by ``LINES``."""
 SYSTEM = 20
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
 PATH = 48
