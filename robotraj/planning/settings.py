@@ -19,9 +19,9 @@ from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
 from robotraj.planning.proving.first_mesh import (
     COARSE,
-    CORNERED,
     STICKING,
     SYSTEM,
+    MeshesOfLines,
     MeshesOnPaths,
     ProportionalMeshes,
     graded,
@@ -37,7 +37,6 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
-from robotraj.transcription.refinement.linear_controls import LINES
 from robotraj.transcription.refinement.raise_order import SplitOrRaise
 from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.mesh import Mesh
@@ -91,7 +90,7 @@ RULES: tuple[Rule, ...] = (
         when.PROVED,
         when.EXACT,
         when.CORNERS,
-        graded(CORNERED, LINES),
+        MeshesOfLines(),
         "accelerations that bend between the points hide power from the quadrature",
     ),
     _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh approximates the motion"),
@@ -218,7 +217,9 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
             case = Case(problem, values)
             rule = next(rule for rule in _RULES_OF[name] if rule.holds(case))
             choice = (
-                rule.choice.of(problem) if isinstance(rule.choice, ProportionalMeshes | MeshesOnPaths) else rule.choice
+                rule.choice.of(problem)
+                if isinstance(rule.choice, ProportionalMeshes | MeshesOnPaths | MeshesOfLines)
+                else rule.choice
             )
             values[name], reasons[name] = choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:

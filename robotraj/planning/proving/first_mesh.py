@@ -76,6 +76,17 @@ class MeshesOnPaths:
         return tuple(graded(COARSE) if phase.path is None else graded(PATH, LINES) for phase in problem.phases)
 
 
+@dataclass(frozen=True)
+class MeshesOfLines:
+    """Meshes whose controls are lines on every interval, so that no power is hidden between the points."""
+
+    intervals: int = CORNERED
+
+    def of(self, problem: Problem) -> tuple[Mesh, ...]:
+        """Return the mesh of each phase."""
+        return (graded(self.intervals, LINES),) * len(problem.phases)
+
+
 def graded(count: int, scheme: Scheme | None = None) -> Mesh:
     """Crowd intervals at both ends, where motions start and stop; Hermite-Simpson by default.
 

@@ -37,9 +37,9 @@ class MechanicalWork(Integral):
     optimum is below the exact one by at most e T sum_j w_j (1 + braking) / 2.
 
     Only powers at collocation points count. A torque with a free mid-point can oscillate between them, and the optimum
-    of a coarse mesh exploits this. Torques that are linear between knots cannot. Plan with
-    ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh requires, or with ``tolerance=``. To
-    check a plan, integrate |tau v| on a dense grid.
+    of a coarse mesh exploits this. Torques that are linear between knots cannot, and the default call plans arms with
+    these. On a mesh of your own, use ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh
+    requires, or give ``tolerance=``. To check a plan, integrate |tau v| on a dense grid.
 
     Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal
     Control (2010), section 1.16, for slacks in place of absolute values.

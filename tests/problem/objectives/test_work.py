@@ -164,3 +164,17 @@ def test_unknown_joints_and_missing_speeds_are_named(block: rt.Robot) -> None:
         rt.Phase(system, duration=1.0, objective=rt.objectives.AbsolutePower())
     with pytest.raises(UnknownName, match="'w'"):
         rt.Phase(system, duration=1.0, objective=rt.objectives.AbsolutePower(speeds={"F": "w"}))
+
+
+@pytest.mark.slow
+def test_the_default_call_hides_no_work_of_an_arm() -> None:
+    """Accelerations that bend between the points showed 17 J on 16 intervals, where the motion takes 47 J."""
+    start, end = [-1.1, -1.8, 1.6, -1.2, -1.57, 0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
+    ends = rt.State(q=start, v=0), rt.State(q=end, v=0)
+    solution = rt.plan(rt.Phase(rt.load("ur5"), 1.5, *ends, rt.objectives.AbsolutePower()))
+    assert solution.proof is not None and solution.proof.motion_holds
+    times = np.linspace(0.0, 1.5, 20001)
+    sample = solution.at(times)
+    spent = np.trapezoid(np.abs(sample.tau * sample.v).sum(axis=1), times)
+    assert solution.objective == pytest.approx(spent, rel=0.03)
+    assert spent < 28.0
