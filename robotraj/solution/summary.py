@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
 
 from robotraj._util.printing import wrapped
+from robotraj.dynamics.path_body import ACCELERATION
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import ContinuationRecord, MeshStep
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
 
 CONVERGED = (Status.SOLVED, Status.TOLERANCE_NOT_REACHED, Status.NOT_PROVED)
 """Statuses of motions that satisfy every row. Only for these the text lists violations between the knots."""
@@ -64,6 +70,14 @@ class Summarised(Planned, Protocol):
         """Write an entry, with its phase where there are several."""
 
 
+SMOOTH_PATH = (
+    "Third derivatives of the path jump, and limits of jerk or torque rate hold on both sides of each jump. Give "
+    "rt.retime a deviation=, for example 1e-3, within which a smooth path replaces it."
+)
+JUMP = 1e-3
+"""Least jump of a third derivative that counts, relative to the largest one."""
+
+
 def summary(solution: Summarised) -> str:
     """Return the text of a solution in lines of at most 80 columns."""
     converged = solution.status in CONVERGED
@@ -98,10 +112,31 @@ def summary(solution: Summarised) -> str:
         lines += [f"must be relaxed: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
         lines += [f"solver: {solution.message}"]
         lines += [f"  {solution.in_phase(violation)}" for violation in solution.violations(5)]
-        remedy = CHANGE_PATH if _is_kept_by_its_path(solution) else solution.status.remedy
-        lines += [f"try: {CHANGE_LIMITS if solution.conflicts else remedy}"]
+        lines += [f"try: {_remedy(solution)}"]
     # A line that is too long continues below with more indentation.
     return "\n".join(part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())]))
+
+
+def _remedy(solution: Summarised) -> str:
+    if solution.conflicts:
+        return CHANGE_LIMITS
+    if _is_kept_by_its_path(solution):
+        return CHANGE_PATH
+    if any(_has_jumps_of_jerk(part.phase) for part in solution.phases):
+        return SMOOTH_PATH
+    return solution.status.remedy
+
+
+def _has_jumps_of_jerk(phase: Phase) -> bool:
+    """Whether a phase limits rates on a path whose third derivative jumps."""
+    if phase.path is None or not any(v.name == f"rate.{ACCELERATION}" for v in phase.dae.controls):
+        return False
+    third = phase.path.curve.derivative().derivative().derivative()
+    at, piece = third.breaks[1:-1], np.arange(len(third.breaks) - 2)
+    if not piece.size:
+        return False
+    before, after = third(at, piece), third(at, piece + 1)
+    return float(np.abs(after - before).max()) > JUMP * max(float(np.abs(values).max()) for values in third.values)
 
 
 def _is_kept_by_its_path(solution: Summarised) -> bool:

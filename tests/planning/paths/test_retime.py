@@ -272,3 +272,13 @@ def test_a_moving_obstacle_on_the_path_is_named_with_what_to_change(arm):
     assert "finer mesh" not in str(met)
     later = rt.CollisionFree([rt.obstacles.Sphere(0.1, position=lambda t: [x, y, z + 5.0 * t])])
     assert rt.retime(WAY, arm, constraints=[later]).proof.holds
+
+
+def test_a_failure_on_a_path_with_jumps_of_jerk_advises_a_deviation(arm):
+    back = np.vstack([WAY, WAY[-2::-1]])
+    cubic = interpolate.CubicSpline(np.linspace(0.0, 1.0, len(back)), back)
+    few = rt.InteriorPoint(max_iterations=3)
+    for path, advised in ((cubic, True), (back, False)):
+        failed = rt.retime(path, arm, jerk=300.0, solver=few, check=False)
+        assert not failed.success and ("deviation=" in str(failed)) is advised
+    assert "deviation=" not in str(rt.retime(cubic, arm, solver=few, check=False))
