@@ -84,11 +84,19 @@ def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callabl
 def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]]:
     """Return methods that let ``__init__`` set each field once and refuse any later change."""
 
+    put = object.__setattr__
+
     def __setattr__(self: object, name: str, value: object) -> None:
-        known = name in names
-        if (known and name in self.__dict__) or (not known and type(self) is cls):
+        if name in names:
+            own = self.__dict__
+            if name in own:
+                raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+            # Fields are no descriptors, and this takes half of the time of ``put``.
+            own[name] = value
+        elif type(self) is cls:
             raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
-        object.__setattr__(self, name, value)
+        else:
+            put(self, name, value)
 
     def __delattr__(self: object, name: str) -> None:
         if type(self) is cls or name in names:
