@@ -83,7 +83,6 @@ def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callabl
 
 def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]]:
     """Return methods that let ``__init__`` set each field once and refuse any later change."""
-
     put = object.__setattr__
 
     def __setattr__(self: object, name: str, value: object) -> None:
