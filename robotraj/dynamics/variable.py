@@ -95,20 +95,15 @@ class Named(Mapping[str, Entry]):
         return "{" + shorten(", ".join(entries), WIDTH - 2, placeholder=" ...") + "}"
 
 
-SMALLEST_STATE = 1e-2
-"""Size of a System's state that stays below it, for example of one that is zero throughout."""
-
-
 def state_sizes(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the sizes that errors of a System's states are relative to, max(``SMALLEST_STATE``, peak).
+    """Return the sizes that errors of a System's states are relative to, max(1, peak).
 
-    Units of a user's states are not known: an altitude of 15 km may cross zero, an angle may stay below 1e-3 rad. A
-    state therefore counts by its largest value in a phase, not by its value at a time. The planner's estimate of the
-    error between the knots and the local errors of ``rt.validate`` both use these sizes.
+    Units of a user's states are not known, and an altitude of 15 km may cross zero. A state therefore counts by its
+    largest value in a phase, not by its value at a time.
 
     Parameters
     ----------
     peaks : ndarray (n,)
         Largest magnitudes of the states in a phase.
     """
-    return np.maximum(SMALLEST_STATE, peaks)
+    return np.maximum(1.0, peaks)

@@ -6,8 +6,8 @@ relates that to the size of each state and takes the largest,
 
     eta_i = integral |e_i| dt,    error = max_i eta_i / s_i.
 
-For a robot, whose units are rad, m and s, s_i = 1 + max over t of |x_i|, |xdot_i|. For a System of duration T it is
-max over t of |x_i| and |xdot_i| min(1 s, T), at least ``dynamics.variable.SMALLEST_STATE``.
+s_i = 1 + max over t of |x_i| and |xdot_i| for a robot, whose units are rad, m and s. For a System of duration T it is
+1 + max over t of |x_i| and |xdot_i| min(1 s, T).
 
 Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the residual
 of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one under the
@@ -33,7 +33,6 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj.dynamics.rigid_body import InverseRigidBody
-from robotraj.dynamics.variable import state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -62,7 +61,7 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | 
     x, rates = trajectory.x, trajectory.x.derivative()
     of_states, of_rates = (np.max([np.abs(value).max(axis=0) for value in each.values], axis=0) for each in (x, rates))
     if phase.robot is None and phase.path is None:
-        size = state_sizes(np.maximum(of_states, min(1.0, trajectory.duration) * of_rates))
+        size = 1.0 + np.maximum(of_states, min(1.0, trajectory.duration) * of_rates)
     else:
         size = 1.0 + np.maximum(of_states, of_rates)
     return np.asarray((state_errors(phase, trajectory, inputs) / size).max(axis=1))

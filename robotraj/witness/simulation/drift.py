@@ -33,7 +33,7 @@ class DriftRow(OneLine):
         Phase of the largest drift.
     scale : float
         Factor of a tolerance: 1 for joint positions, 10 max(1, largest planned value) for joint
-        velocities, max(1e-2, largest planned value) for the states of Systems.
+        velocities, max(1, largest planned value) for the states of Systems.
     """
 
     name: str

@@ -89,8 +89,8 @@ def local_error_of(
     -------
     tuple of DriftRow
         By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is
-        1 + |planned|; for position and orientation of a floating root 1; for a System's state its largest value in
-        the phase, at least 1e-2. Infinite where a simulation stopped.
+        1 + |planned|; for position and orientation of a floating root 1; for a System's state its largest
+        value in the phase, at least 1. Infinite where a simulation stopped.
     """
     windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)
