@@ -93,17 +93,3 @@ class Named(Mapping[str, Entry]):
     def __repr__(self) -> str:
         entries = (f"{name}: {brief(value)}" for name, value in self.items())
         return "{" + shorten(", ".join(entries), WIDTH - 2, placeholder=" ...") + "}"
-
-
-def state_sizes(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the sizes that errors of a System's states are relative to, max(1, peak).
-
-    Units of a user's states are not known, and an altitude of 15 km may cross zero. A state therefore counts by its
-    largest value in a phase, not by its value at a time.
-
-    Parameters
-    ----------
-    peaks : ndarray (n,)
-        Largest magnitudes of the states in a phase.
-    """
-    return np.maximum(1.0, peaks)

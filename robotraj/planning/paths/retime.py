@@ -85,7 +85,7 @@ def retime(
         default is 1e-3 for a solution under a limit of jerk or torque rate, else 0. The accelerations of a plan jump,
         and jerks are bounded only where the motion stops at the jumps. s is then the length of the path [rad, m], and
         rests of the plan on its way are not kept. Third derivatives of cubic splines jump too: a deviation makes their
-        plans quicker. ``FollowPath.deviation`` of the phase tells the largest distance.
+        plans quicker. ``FollowPath.deviation`` of the phase is the largest distance.
     constraints : sequence of Constraint
         Further constraints, such as the speed of the tool. ``rt.CollisionFree`` is proved along the path, which no
         timing can change.

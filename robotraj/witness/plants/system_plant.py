@@ -8,7 +8,6 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from robotraj.dynamics.variable import state_sizes
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import system_of
 from robotraj.witness.plants.plant import Landing
@@ -46,15 +45,15 @@ class SystemPlant:
         return states - planned
 
     def scales(self, peaks: Array) -> Array:
-        """Return the sizes of states with these peaks; see ``dynamics.variable.state_sizes``."""
-        return state_sizes(peaks)
+        """Return max(1, peak), since units of a user's states are not known: an altitude of 15 km may cross zero."""
+        return np.maximum(1.0, peaks)
 
     def sizes(self, states: Array) -> Array:
         """Return the sizes of the states in the whole phase, the same for every row."""
         knots = np.asarray(self._planned.knots, dtype=float)
         times = np.concatenate([knots, 0.5 * (knots[1:] + knots[:-1])])
         peaks = np.maximum(np.abs(self.states(times)).max(axis=0), np.abs(states).max(axis=0))
-        return np.broadcast_to(state_sizes(peaks), states.shape)
+        return np.broadcast_to(self.scales(peaks), states.shape)
 
     def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
         """Return x: a System has no contacts."""
