@@ -335,11 +335,15 @@ class StageGraph:
         """Return the index in v of every entry of x, -1 for zeros; None where one is another expression."""
     def chain(self) -> tuple[Tape, Tape, Pattern, Pattern]:
         """Return (v, c) -> x, dx/dv, and (v, c, g) -> lower triangle of sum_i g_i d^2 x_i/dv^2; then their patterns."""
-    def curved(self) -> Indices:
-        """Return the outputs that are not affine in v, where torques are functions of v."""
+    def selected(self, outputs: Indices) -> StageGraph:
+        """Return the graph with some of its outputs."""
+    def split(self) -> tuple[Indices, LinearPart]:
+        """Return the outputs that are not affine in v, and the linear part of the others.
+
+        Torques and results of other functions that are called count as functions of v.
+        """
     def constant_slopes(self) -> Array:
         """dy/dv, column after column: numbers where it is constant, NaN where it is not."""
-    def linear(self, outputs: Indices) -> LinearPart: ...
 
 class Torques:
     """Inverse dynamics tau = RNEA(q, w, a), x = (q, w, a).

@@ -194,9 +194,11 @@ def _block(block: Block, power: Indices, clock: Indices, unit: Array, nlp: Nlp, 
 
 def _rates(stage: PointFunctions, states: int, variables: int) -> tuple[int, ...]:
     """Find the input, among the first ``variables``, that is the rate of each state; T times it is the output."""
-    number = {symbol.element_hash(): i for i, symbol in enumerate(ca.vertsplit(stage.v[:variables]))}
-    read = [[number.get(symbol.element_hash(), -1) for symbol in ca.symvar(y)] for y in ca.vertsplit(stage.y[:states])]
-    return tuple(max(each) for each in read)
+    output, read = stage.jacobian_pattern
+    mine = (output < states) & (read < variables)
+    rates = np.full(states, -1)
+    np.maximum.at(rates, output[mine], read[mine])
+    return tuple(rates.tolist())
 
 
 def _stage(

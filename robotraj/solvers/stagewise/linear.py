@@ -84,10 +84,9 @@ def extract_linear(form: Form) -> Form:
 
 
 def _split_outputs(stage: PointFunctions) -> _Parts:
-    kept = stage.graph.curved()
-    chosen = np.delete(np.arange(stage.outputs), kept)
-    rest = restricted(stage, kept.tolist()) if kept.size else None
-    return _Parts(chosen, stage.graph.linear(chosen), rest)
+    curved, linear = stage.graph.split()
+    rest = restricted(stage, curved.tolist()) if curved.size else None
+    return _Parts(np.delete(np.arange(stage.outputs), curved), linear, rest)
 
 
 def _linear_part(block: Block, parts: _Parts) -> tuple[Csr, Array]:

@@ -18,7 +18,8 @@ def restricted(stage: PointFunctions, kept: Sequence[int]) -> PointFunctions:
     """Return point functions with the outputs ``kept``; without the costed output they have no cost."""
     costed = kept.index(stage.costed) if stage.costed in kept else None
     made = PointFunctions(stage.v, stage.c, stage.y[list(kept)], costed, stage.torques, as_tapes=stage.as_tapes)
-    made.constant_slopes = stage.constant_slopes[list(kept)]
+    if made.torques is stage.torques:
+        made.graph = stage.graph.selected(np.array(kept, dtype=np.int64))
     return made
 
 

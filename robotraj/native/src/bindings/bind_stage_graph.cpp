@@ -36,12 +36,9 @@ std::optional<IndexResult> places_of(const StageGraph& graph) {
   return found ? std::optional(to_numpy(std::move(*found))) : std::nullopt;
 }
 
-IndexResult curved_of(const StageGraph& graph) {
-  const std::vector<bool> curved = graph.curved();
-  std::vector<std::int64_t> which;
-  for (std::size_t i = 0; i < curved.size(); ++i)
-    if (curved[i]) which.push_back(i);
-  return to_numpy(std::move(which));
+auto split_of(const StageGraph& graph) {
+  StageGraph::Split found = graph.split();
+  return std::pair(to_numpy(std::move(found.curved)), std::move(found.linear));
 }
 
 }  // namespace
@@ -70,14 +67,11 @@ void bind_stage_graph(nb::module_& m) {
       .def("curvature", &curvature_of)
       .def("places", &places_of)
       .def("chain", &chain_of)
-      .def("curved", &curved_of)
-      .def("constant_slopes", [](const StageGraph& graph) { return to_numpy(graph.constant_slopes()); })
       .def(
-          "linear",
-          [](const StageGraph& graph, const Indices& outputs) {
-            return graph.linear(std::vector<std::int64_t>(outputs.data(), outputs.data() + outputs.size()));
-          },
-          nb::arg("outputs"));
+          "selected", [](const StageGraph& graph, const Indices& outputs) { return graph.selected(copied(outputs)); },
+          nb::arg("outputs"))
+      .def("split", &split_of)
+      .def("constant_slopes", [](const StageGraph& graph) { return to_numpy(graph.constant_slopes()); });
 }
 
 }  // namespace robotraj::native

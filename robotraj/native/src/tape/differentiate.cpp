@@ -74,17 +74,6 @@ void add(ScalarGraph& graph, const Row& from, Node factor, Node first, Node last
   to = std::move(sum);
 }
 
-/// Which of the nodes depend on u.
-std::vector<bool> dependent(const ScalarGraph& graph, const Nodes& order, const Nodes& u) {
-  std::vector<bool> found(graph.size(), false);
-  for (const Node each : u) found[static_cast<std::size_t>(each)] = true;
-  for (const Node each : order)
-    if (graph.is_computed(each))
-      found[static_cast<std::size_t>(each)] = found[static_cast<std::size_t>(graph.part(each).first)] ||
-                                              found[static_cast<std::size_t>(graph.part(each).second)];
-  return found;
-}
-
 /// The range of entries of u by which a result is differentiated.
 struct Range {
   Node first, last;
@@ -169,6 +158,16 @@ const Derivatives& shorter(const ScalarGraph& graph, const Derivatives& a, const
 }
 
 }  // namespace
+
+std::vector<bool> dependent(const ScalarGraph& graph, const Nodes& order, const Nodes& u) {
+  std::vector<bool> found(graph.size(), false);
+  for (const Node each : u) found[static_cast<std::size_t>(each)] = true;
+  for (const Node each : order)
+    if (graph.is_computed(each))
+      found[static_cast<std::size_t>(each)] = found[static_cast<std::size_t>(graph.part(each).first)] ||
+                                              found[static_cast<std::size_t>(graph.part(each).second)];
+  return found;
+}
 
 Derivatives jacobian(ScalarGraph& graph, const Nodes& y, const Nodes& u) {
   const auto last = static_cast<Node>(u.size());

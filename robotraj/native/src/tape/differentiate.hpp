@@ -5,6 +5,9 @@
 
 namespace robotraj::native {
 
+/// Which of the nodes in `order`, operands first, depend on u; for every node of the graph.
+std::vector<bool> dependent(const ScalarGraph& graph, const Nodes& order, const Nodes& u);
+
 /// A nonzero of a matrix of derivatives.
 struct Derivative {
   Node row, column, node;

@@ -49,7 +49,8 @@ Nodes ScalarGraph::add_argument(std::size_t entries) {
   return nodes;
 }
 
-std::vector<Nodes> ScalarGraph::read(const casadi::Function& function, const std::vector<Nodes>& arguments) {
+std::vector<Nodes> ScalarGraph::read(const casadi::Function& function, const std::vector<Nodes>& arguments,
+                                     Nodes* called) {
   if (!function.is_a("SXFunction")) throw NotATape(function.name() + " is no scalar graph");
   std::vector<Nodes> results;
   for (casadi_int i = 0; i < function.n_out(); ++i) {
@@ -68,10 +69,30 @@ std::vector<Nodes> ScalarGraph::read(const casadi::Function& function, const std
     const std::vector<casadi_int> in = function.instruction_input(k);
     if (operation == casadi::OP_INPUT) work[out[0]] = arguments.at(in[0]).at(in[1]);
     else if (operation == casadi::OP_OUTPUT) results[out[0]][out[1]] = work[in[0]];
-    else if (!elementary(operation)) throw NotATape(function.name() + " calls another function");
-    else work[out[0]] = this->operation(operation, work[in[0]], work[in.size() > 1 ? in[1] : in[0]]);
+    else if (elementary(operation))
+      work[out[0]] = this->operation(operation, work[in[0]], work[in.size() > 1 ? in[1] : in[0]]);
+    else if (!called) throw NotATape(function.name() + " calls another function");
+    else
+      for (const casadi_int each : out)
+        if (each >= 0) called->push_back(work[each] = add_argument(1).front());
   }
   return results;
+}
+
+Nodes ScalarGraph::read(const ScalarGraph& other, const Nodes& results, const std::vector<Nodes>& arguments) {
+  Nodes copies(other.size());
+  const auto copy_of = [&](Node node) { return copies[static_cast<std::size_t>(node)]; };
+  for (const Node each : other.order(results)) {
+    const Part& part = other.part(each);
+    Node& copy = copies[static_cast<std::size_t>(each)];
+    if (other.is_constant(each)) copy = constant(other.value(each));
+    else if (other.is_argument(each))
+      copy = arguments.at(static_cast<std::size_t>(part.first)).at(static_cast<std::size_t>(part.second));
+    else copy = operation(part.operation, copy_of(part.first), copy_of(part.second));
+  }
+  Nodes found;
+  for (const Node each : results) found.push_back(copy_of(each));
+  return found;
 }
 
 bool ScalarGraph::is_constant(Node node) const { return part(node).operation == casadi::OP_CONST; }

@@ -43,8 +43,12 @@ class ScalarGraph {
 
   /// Adds an argument of a number of entries.
   Nodes add_argument(std::size_t entries);
-  /// Reads an SXFunction of dense results: the nodes of its first arguments are given. Throws NotATape.
-  std::vector<Nodes> read(const casadi::Function& function, const std::vector<Nodes>& arguments);
+  /// Reads an SXFunction of dense results: the nodes of its first arguments are given. Results of calls of other
+  /// functions are arguments that are added to `called`; without it they throw NotATape.
+  std::vector<Nodes> read(const casadi::Function& function, const std::vector<Nodes>& arguments,
+                          Nodes* called = nullptr);
+  /// Computes results of another graph from other nodes: those of its first arguments are given.
+  Nodes read(const ScalarGraph& other, const Nodes& results, const std::vector<Nodes>& arguments);
 
   Node constant(double value);
   Node sum(Node a, Node b);

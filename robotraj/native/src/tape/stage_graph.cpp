@@ -1,6 +1,7 @@
 #include "stage_graph.hpp"
 
-#include <cmath>
+#include <casadi/core/function.hpp>
+
 #include <limits>
 #include <unordered_map>
 
@@ -8,112 +9,71 @@ namespace robotraj::native {
 
 namespace {
 
-using casadi::Function;
-using casadi::SX;
-
-Pattern pattern_of(const SX& matrix) {
-  std::vector<casadi_int> rows, columns;
-  matrix.sparsity().get_triplet(rows, columns);
-  Pattern pattern;
-  pattern.reserve(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) pattern.emplace_back(rows[i], columns[i]);
-  return pattern;
-}
-
 Nodes joined(std::initializer_list<Nodes> parts) {
   Nodes all;
   for (const Nodes& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
 }
 
-SX joined(const std::vector<SX>& parts) {
-  std::vector<casadi::SXElem> entries;
-  for (const SX& part : parts) entries.insert(entries.end(), part.nonzeros().begin(), part.nonzeros().end());
-  return SX(entries);
-}
-
 }  // namespace
 
-std::vector<double> LinearPart::at(const double* constants, std::size_t count) const {
-  const std::size_t in = numbers_.nnz_in(0), out = numbers_.nnz_out(0);
-  std::vector<double> found(count * out);
-  std::vector<const double*> arguments(numbers_.sz_arg());
-  std::vector<double*> results(numbers_.sz_res());
-  std::vector<casadi_int> integers(numbers_.sz_iw());
-  std::vector<double> work(numbers_.sz_w());
-  for (std::size_t point = 0; point < count; ++point) {
-    arguments[0] = constants + point * in;
-    results[0] = found.data() + point * out;
-    numbers_(arguments.data(), results.data(), integers.data(), work.data());
-  }
-  return found;
+StageGraph::StageGraph(const std::string& text) {
+  const casadi::Function function = casadi::Function::deserialize(text);
+  v_ = graph_.add_argument(static_cast<std::size_t>(function.nnz_in(0)));
+  c_ = graph_.add_argument(static_cast<std::size_t>(function.nnz_in(1)));
+  if (function.nnz_in(2) > 0) r_ = graph_.add_argument(static_cast<std::size_t>(function.nnz_in(2)));
+  std::vector<Nodes> results = graph_.read(function, {v_, c_, r_}, &called_);
+  y_ = std::move(results.at(0));
+  x_ = std::move(results.at(1));
 }
 
-StageGraph::StageGraph(const std::string& text) : function_(Function::deserialize(text)) {
-  const std::vector<SX> in = function_.sx_in(), out = function_(in);
-  v_ = in.at(0), c_ = in.at(1), r_ = in.at(2);
-  y_ = SX::densify(out.at(0)), x_ = SX::densify(out.at(1));
+StageGraph StageGraph::selected(const std::vector<std::int64_t>& outputs) const {
+  StageGraph made;
+  made.graph_ = graph_;
+  made.v_ = v_, made.c_ = c_, made.r_ = r_, made.x_ = x_, made.called_ = called_;
+  for (const std::int64_t which : outputs) made.y_.push_back(y_.at(static_cast<std::size_t>(which)));
+  return made;
 }
 
-StageGraph::Scalars StageGraph::scalars(bool with_torques) const {
-  Scalars found;
-  found.v = found.graph.add_argument(v_.numel());
-  found.c = found.graph.add_argument(c_.numel());
-  if (!with_torques) found.r.assign(r_.numel(), found.graph.constant(0.0));
-  else if (!r_.is_empty()) found.r = found.graph.add_argument(r_.numel());
-  std::vector<Nodes> results = found.graph.read(function_, {found.v, found.c, found.r});
-  found.y = std::move(results.at(0));
-  found.x = std::move(results.at(1));
-  return found;
+ScalarGraph StageGraph::scalars() const {
+  if (!called_.empty()) throw NotATape("the function calls another function");
+  return graph_;
 }
 
-Tape StageGraph::values() const {
-  const Scalars own = scalars();
-  return Tape(own.graph, own.y);
-}
+Nodes StageGraph::moving() const { return joined({v_, r_, called_}); }
 
-Tape StageGraph::output(std::size_t which) const {
-  const Scalars own = scalars();
-  return Tape(own.graph, {own.y.at(which)});
-}
+Tape StageGraph::values() const { return Tape(scalars(), y_); }
 
-StageGraph::Slopes StageGraph::slopes_of(Scalars& own, const Nodes& y) {
-  const auto n = static_cast<Node>(own.v.size());
+Tape StageGraph::output(std::size_t which) const { return Tape(scalars(), {y_.at(which)}); }
+
+StageGraph::Slopes StageGraph::slopes_of(const Nodes& y) const {
+  ScalarGraph own = scalars();
+  const auto n = static_cast<Node>(v_.size());
   Nodes nodes;
   Slopes found;
-  for (const Derivative& each : jacobian(own.graph, y, joined({own.v, own.r}))) {
+  for (const Derivative& each : jacobian(own, y, joined({v_, r_}))) {
     nodes.push_back(each.node);
     if (each.column < n) found.by_v.emplace_back(each.row, each.column);
     else found.by_r.emplace_back(each.row, each.column - n);
   }
-  found.tape = Tape(own.graph, nodes);
+  found.tape = Tape(own, nodes);
   return found;
 }
 
-StageGraph::Slopes StageGraph::slopes() const {
-  Scalars own = scalars();
-  return slopes_of(own, own.y);
-}
-
-StageGraph::Slopes StageGraph::slopes(std::size_t which) const {
-  Scalars own = scalars();
-  return slopes_of(own, {own.y.at(which)});
-}
-
 Tape StageGraph::gradient(std::size_t which) const {
-  Scalars own = scalars();
-  const Nodes slopes = native::gradient(own.graph, {own.y.at(which)}, {own.graph.constant(1.0)}, own.v);
-  return Tape(own.graph, slopes);
+  ScalarGraph own = scalars();
+  const Nodes slopes = native::gradient(own, {y_.at(which)}, {own.constant(1.0)}, v_);
+  return Tape(own, slopes);
 }
 
 StageGraph::Curvature StageGraph::curvature() const {
-  Scalars own = scalars();
-  const Nodes m = own.graph.add_argument(own.y.size()), u = joined({own.v, own.r});
-  const Nodes slopes = native::gradient(own.graph, own.y, m, u);
-  const auto n = static_cast<Node>(own.v.size());
+  ScalarGraph own = scalars();
+  const Nodes m = own.add_argument(y_.size()), u = joined({v_, r_});
+  const Nodes slopes = native::gradient(own, y_, m, u);
+  const auto n = static_cast<Node>(v_.size());
   Curvature found;
   Nodes vv, rv, rr;
-  for (const Derivative& each : hessian(own.graph, slopes, u)) {
+  for (const Derivative& each : hessian(own, slopes, u)) {
     const Node row = each.row - n, column = each.column - n;
     if (row < 0) {
       vv.push_back(each.node);
@@ -130,18 +90,18 @@ StageGraph::Curvature StageGraph::curvature() const {
     }
   }
   const Nodes by_r(slopes.begin() + n, slopes.end());
-  found.tape = Tape(own.graph, joined({by_r, vv, rv, rr}));
+  found.tape = Tape(own, joined({by_r, vv, rv, rr}));
   return found;
 }
 
 std::optional<std::vector<std::int64_t>> StageGraph::places() const {
-  std::unordered_map<casadi_int, std::int64_t> known;
-  for (std::size_t i = 0; i < inputs(); ++i) known.emplace(v_.nonzeros()[i].__hash__(), i);
+  std::unordered_map<Node, std::int64_t> known;
+  for (std::size_t i = 0; i < v_.size(); ++i) known.emplace(v_[i], i);
   std::vector<std::int64_t> places;
-  for (const casadi::SXElem& each : x_.nonzeros()) {
-    const auto found = known.find(each.__hash__());
+  for (const Node each : x_) {
+    const auto found = known.find(each);
     if (found != known.end()) places.push_back(found->second);
-    else if (each.is_zero()) places.push_back(-1);
+    else if (graph_.is(each, 0.0)) places.push_back(-1);
     else return std::nullopt;
   }
   return places;
@@ -149,60 +109,82 @@ std::optional<std::vector<std::int64_t>> StageGraph::places() const {
 
 StageGraph::Arguments StageGraph::chain() const {
   // Arguments of the torques do not depend on them.
-  Scalars first = scalars(false), second = scalars(false);
+  ScalarGraph first;
+  const Nodes v = first.add_argument(v_.size()), c = first.add_argument(c_.size());
+  const Nodes x = first.read(scalars(), x_, {v, c});
+  ScalarGraph second = first;
   Arguments found;
   Nodes slopes, curvature;
-  for (const Derivative& each : jacobian(first.graph, first.x, first.v)) {
+  for (const Derivative& each : jacobian(first, x, v)) {
     slopes.push_back(each.node);
     found.by_v.emplace_back(each.row, each.column);
   }
-  found.tape = Tape(first.graph, joined({first.x, slopes}));
-  const Nodes g = second.graph.add_argument(second.x.size());
-  const Nodes by_v = native::gradient(second.graph, second.x, g, second.v);
-  for (const Derivative& each : hessian(second.graph, by_v, second.v)) {
+  found.tape = Tape(first, joined({x, slopes}));
+  const Nodes g = second.add_argument(x.size());
+  const Nodes by_v = native::gradient(second, x, g, v);
+  for (const Derivative& each : hessian(second, by_v, v)) {
     curvature.push_back(each.node);
     found.curvature.emplace_back(each.row, each.column);
   }
-  found.curved = Tape(second.graph, curvature);
+  found.curved = Tape(second, curvature);
   return found;
 }
 
-std::vector<bool> StageGraph::turned() const {
-  return r_.is_empty() ? std::vector<bool>(outputs(), false) : SX::which_depends(y_, r_, 1, true);
-}
+StageGraph::Split StageGraph::split() const {
+  ScalarGraph own = graph_;
+  const Nodes u = moving();
+  const Derivatives slopes = jacobian(own, y_, u);
+  Nodes nodes;
+  for (const Derivative& each : slopes) nodes.push_back(each.node);
+  const std::vector<bool> moves = dependent(own, own.order(nodes), u);
+  std::vector<bool> curved(y_.size(), false);
+  for (const Derivative& each : slopes)
+    if (static_cast<std::size_t>(each.column) >= v_.size() || moves[static_cast<std::size_t>(each.node)])
+      curved[static_cast<std::size_t>(each.row)] = true;
 
-std::vector<bool> StageGraph::curved() const {
-  std::vector<bool> bent = SX::which_depends(y_, v_, 2, true);
-  const std::vector<bool> through = turned();
-  for (std::size_t i = 0; i < bent.size(); ++i) bent[i] = bent[i] || through[i];
-  return bent;
+  std::vector<std::int64_t> left;
+  std::vector<std::int64_t> number(y_.size(), -1);
+  Nodes chosen, entries;
+  for (std::size_t i = 0; i < y_.size(); ++i) {
+    if (curved[i]) {
+      left.push_back(static_cast<std::int64_t>(i));
+    } else {
+      number[i] = static_cast<std::int64_t>(chosen.size());
+      chosen.push_back(y_[i]);
+    }
+  }
+  Pattern pattern;
+  for (const Derivative& each : slopes)
+    if (const std::int64_t row = number[static_cast<std::size_t>(each.row)]; row >= 0) {
+      entries.push_back(each.node);
+      pattern.emplace_back(row, each.column);
+    }
+  // The outputs at v = 0; entries of A do not depend on v.
+  ScalarGraph at_zero;
+  const Nodes c = at_zero.add_argument(c_.size()), zeros(v_.size(), at_zero.constant(0.0));
+  const Nodes numbers = at_zero.read(own, joined({entries, chosen}), {zeros, c});
+  return {std::move(left), {std::move(pattern), Tape(at_zero, numbers)}};
 }
 
 std::vector<double> StageGraph::constant_slopes() const {
-  const SX by_v = SX::jacobian(y_, v_);
-  const Pattern pattern = pattern_of(by_v);
-  std::vector<double> slopes(outputs() * inputs(), 0.0);
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < pattern.size(); ++i) {
-    const casadi::SXElem& entry = by_v.nonzeros()[i];
-    slopes[pattern[i].second * outputs() + pattern[i].first] =
-        entry.is_constant() ? static_cast<double>(entry) : unknown;
+  ScalarGraph own = graph_;
+  const std::size_t n = v_.size();
+  std::vector<double> slopes(outputs() * n, 0.0);
+  // Torques move with the entries of v on which their arguments depend; results of calls may move with all of them.
+  std::vector<bool> moving(n, !called_.empty());
+  for (const Derivative& each : jacobian(own, x_, v_)) moving[static_cast<std::size_t>(each.column)] = true;
+  for (const Derivative& each : jacobian(own, y_, this->moving())) {
+    const auto row = static_cast<std::size_t>(each.row), column = static_cast<std::size_t>(each.column);
+    if (column < n) {
+      double& slope = slopes[column * outputs() + row];
+      slope += own.is_constant(each.node) ? own.value(each.node) : unknown;
+      continue;
+    }
+    for (std::size_t k = 0; k < n; ++k)
+      if (moving[k]) slopes[k * outputs() + row] = unknown;
   }
-  if (r_.is_empty()) return slopes;
-  const std::vector<bool> through = turned(), moving = SX::which_depends(x_, v_, 1, false);
-  for (std::size_t row = 0; row < outputs(); ++row)
-    for (std::size_t column = 0; column < inputs(); ++column)
-      if (through[row] && moving[column]) slopes[column * outputs() + row] = unknown;
   return slopes;
-}
-
-LinearPart StageGraph::linear(const std::vector<std::int64_t>& outputs) const {
-  std::vector<casadi::SXElem> chosen;
-  for (const std::int64_t which : outputs) chosen.push_back(y_.nonzeros().at(which));
-  const SX part(chosen);
-  const SX matrix = SX::jacobian(part, v_);
-  const SX at_zero = SX::densify(SX::substitute(part, v_, SX::zeros(v_.size())));
-  return {pattern_of(matrix), outputs.size(), Function("linear", {c_}, {joined({matrix, at_zero})})};
 }
 
 }  // namespace robotraj::native

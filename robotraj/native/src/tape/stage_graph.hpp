@@ -1,8 +1,6 @@
 // Derivatives of a stage function as tapes.
 #pragma once
 
-#include <casadi/core/function.hpp>
-
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -11,40 +9,27 @@
 #include <vector>
 
 #include "differentiate.hpp"
+#include "linear_part.hpp"
 #include "rigid_body/rigid_tree.hpp"
 #include "tape.hpp"
 
 namespace robotraj::native {
 
-/// Outputs A(c) v + b(c) that are linear in v.
-class LinearPart {
- public:
-  LinearPart(Pattern pattern, std::size_t outputs, casadi::Function numbers)
-      : pattern_(std::move(pattern)), outputs_(outputs), numbers_(std::move(numbers)) {}
-
-  /// Rows and columns of the nonzeros of A.
-  const Pattern& pattern() const { return pattern_; }
-  /// Nonzeros of A, then b, at each of `count` points c.
-  std::vector<double> at(const double* constants, std::size_t count) const;
-  std::size_t constants() const { return numbers_.nnz_in(0); }
-
- private:
-  Pattern pattern_;
-  std::size_t outputs_;
-  casadi::Function numbers_;
-};
-
 /// y = psi(v, c, r) and, where r = RNEA(x) is a robot's torques, x = chi(v, c).
+///
+/// A function that calls others has no tapes: those methods throw NotATape.
 class StageGraph {
  public:
   /// Reads a serialised function (v, c, r) -> y, x of columns.
   explicit StageGraph(const std::string& text);
+  /// The same with some of the outputs.
+  StageGraph selected(const std::vector<std::int64_t>& outputs) const;
 
-  std::size_t inputs() const { return v_.numel(); }
-  std::size_t constants() const { return c_.numel(); }
-  std::size_t torques() const { return r_.numel(); }
-  std::size_t outputs() const { return y_.numel(); }
-  std::size_t arguments() const { return x_.numel(); }
+  std::size_t inputs() const { return v_.size(); }
+  std::size_t constants() const { return c_.size(); }
+  std::size_t torques() const { return r_.size(); }
+  std::size_t outputs() const { return y_.size(); }
+  std::size_t arguments() const { return x_.size(); }
 
   /// (v, c, r) -> y, or one of its entries. These and all other tapes are without r where it is empty.
   Tape values() const;
@@ -55,8 +40,8 @@ class StageGraph {
     Tape tape;
     Pattern by_v, by_r;
   };
-  Slopes slopes() const;
-  Slopes slopes(std::size_t which) const;
+  Slopes slopes() const { return slopes_of(y_); }
+  Slopes slopes(std::size_t which) const { return slopes_of({y_.at(which)}); }
   /// d y_i/dv, dense, of a stage without torques.
   Tape gradient(std::size_t which) const;
 
@@ -77,25 +62,26 @@ class StageGraph {
   };
   Arguments chain() const;
 
-  /// Which outputs are not affine in v, the torques being functions of v.
-  std::vector<bool> curved() const;
+  /// The outputs that are not affine in v, the torques and results of calls being functions of v, and the others.
+  struct Split {
+    std::vector<std::int64_t> curved;
+    LinearPart linear;
+  };
+  Split split() const;
   /// dy/dv as a matrix, column after column: numbers where they are constant, NaN where they are not.
   std::vector<double> constant_slopes() const;
-  LinearPart linear(const std::vector<std::int64_t>& outputs) const;
 
  private:
-  /// A graph of its own for each tape, so that none has to search the nodes of others.
-  struct Scalars {
-    ScalarGraph graph;
-    Nodes v, c, r, y, x;
-  };
-  /// With torques as an argument where there are any, or else with zeros.
-  Scalars scalars(bool with_torques = true) const;
-  static Slopes slopes_of(Scalars& scalars, const Nodes& y);
-  std::vector<bool> turned() const;
+  StageGraph() = default;
+  /// The graph, to which derivatives are added. Each tape has its own copy, so that none has to search the nodes of
+  /// others. Throws NotATape where the function calls others.
+  ScalarGraph scalars() const;
+  Slopes slopes_of(const Nodes& y) const;
+  /// v, then r and the results of calls, which are functions of v.
+  Nodes moving() const;
 
-  casadi::Function function_;
-  casadi::SX v_, c_, r_, y_, x_;
+  ScalarGraph graph_;
+  Nodes v_, c_, r_, y_, x_, called_;
 };
 
 }  // namespace robotraj::native
