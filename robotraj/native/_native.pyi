@@ -705,8 +705,9 @@ class SymmetricFactors:
         The lower triangle by columns, as in SciPy's CSC.
     processor : str
         One of ``processors()``; the fastest by default.
-    groups : sequence of int (n,)
-        Rows are eliminated by ascending group, within a group by approximate minimum degree.
+    groups : sequence of int (k n,)
+        Rows are eliminated by ascending group, within a group by approximate minimum degree. Of k numbers for each row
+        those are chosen that take fewest products.
 
     Raises
     ------
@@ -851,8 +852,9 @@ class Program:
     terms : sequence of Term
     threads : int
         Evaluate the blocks. The bits of the answer do not depend on it.
-    groups : ndarray of int32 (columns + rows,), optional
-        A sparse factorisation eliminates columns and rows in groups by ascending number.
+    groups : ndarray of int32 (k (columns + rows),), optional
+        k numbers of columns and rows, one after the other. A sparse factorisation eliminates them in groups by
+        ascending number, by those numbers that take fewest products.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.assembled import chain_rule
-from robotraj.solvers.assembled.dissection import elimination_groups
+from robotraj.solvers.assembled.elimination_order import elimination_groups
 from robotraj.solvers.stagewise.matrices import Entries, array, entries, native, summed
 from robotraj.solvers.stagewise.program import BlockProgram, Program
 from robotraj.transcription.assembly.block import Block

@@ -40,7 +40,7 @@ def native_program(program: Program, engine: Engine, threads: int) -> NativeProg
         *program.hessian,
         [_term(part, engine) for part in program.blocks],
         threads,
-        program.groups,
+        None if program.groups is None else program.groups.ravel(),
     )
     return made
 

@@ -76,8 +76,8 @@ class Program:
         The form's row of each path row, -1 for dynamics and bounds.
     bound_columns : ndarray of int (n_rows,)
         The column whose bound a row is, -1 for all others.
-    groups : ndarray of int32 (n_y + n_rows,), optional
-        The order in which a sparse factorisation eliminates columns and rows: groups by ascending number.
+    groups : ndarray of int32 (k, n_y + n_rows), optional
+        Orders in which a sparse factorisation may eliminate columns and rows: groups by ascending number.
     """
 
     nu: Indices

@@ -36,8 +36,8 @@ void bind_ldl(nb::module_& m) {
           [](Factors* self, const Indices& starts, const Indices& rows, const std::string& processor,
              const std::vector<int>& groups) {
             ldl::Pattern pattern = checked_pattern(starts, rows);
-            if (!groups.empty() && groups.size() != static_cast<std::size_t>(pattern.n))
-              throw std::invalid_argument("groups must have a number for each row");
+            if (groups.size() % static_cast<std::size_t>(std::max(1, pattern.n)) != 0)
+              throw std::invalid_argument("groups must have a number for each row, once or more");
             new (self) Factors(std::move(pattern), groups, processor);
           },
           nb::arg("starts"), nb::arg("rows"), nb::arg("processor") = "", nb::arg("groups") = std::vector<int>())

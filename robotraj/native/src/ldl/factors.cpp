@@ -22,7 +22,7 @@ double inverse_root(double x) {
 Factors::Factors(Pattern pattern, const std::vector<int>& groups, const std::string& processor)
     : pattern_(std::move(pattern)),
       kernels_(front_kernels_of(processor)),
-      tree_(make_tree(pattern_, fill_reducing_order(pattern_, groups))),
+      tree_(tree_of_fewest_products(pattern_, groups)),
       parts_(tree_.nodes.size()) {
   make_room();
 }

@@ -7,26 +7,23 @@
 namespace robotraj::native::ldl {
 namespace {
 
-ROBOTRAJ_INLINE const Loose* loose(const double* x) { return reinterpret_cast<const Loose*>(x); }
-ROBOTRAJ_INLINE Loose* loose(double* x) { return reinterpret_cast<Loose*>(x); }
-
 /// Adds a child's lower triangle of `count` rows, `step` numbers a column, at `places`.
 void add(const double* block, int step, int count, const int* places, double* entries, int ld) {
-  // Most rows follow each other in the parent too.
-  int begin = 0;
-  while (begin < count) {
-    int end = begin + 1;
-    while (end < count && places[end] == places[end - 1] + 1) ++end;
-    for (int j = 0; j < end; ++j) {
-      const int first = j > begin ? j : begin;
-      const double* from = block + j * step + first;
-      double* to = entries + places[j] * ld + places[first];
-      const int n = end - first;
-      int i = 0;
-      for (; i + kStep <= n; i += kStep) *loose(to + i) += *loose(from + i);
-      for (; i < n; ++i) to[i] += from[i];
+  for (int j = 0; j < count; ++j) {
+    const double* from = block + j * step;
+    double* to = entries + places[j] * ld;
+    int i = j;
+    // Few rows follow each other in the parent too. Four are read before one is written: no two have the same place.
+    for (; i + 4 <= count; i += 4) {
+      const int* at = places + i;
+      const double one = to[at[0]] + from[i], two = to[at[1]] + from[i + 1];
+      const double three = to[at[2]] + from[i + 2], four = to[at[3]] + from[i + 3];
+      to[at[0]] = one;
+      to[at[1]] = two;
+      to[at[2]] = three;
+      to[at[3]] = four;
     }
-    begin = end;
+    for (; i < count; ++i) to[places[i]] += from[i];
   }
 }
 

@@ -220,18 +220,24 @@ void add_places(const Pattern& pattern, Tree& tree) {
 
 }  // namespace
 
-std::vector<int> fill_reducing_order(const Pattern& pattern, const std::vector<int>& groups) {
-  std::vector<int> order = minimum_degree(neighbours_of(pattern));
-  if (!groups.empty())
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return groups[a] < groups[b]; });
-  return order;
-}
-
 Tree make_tree(const Pattern& pattern, const std::vector<int>& order) {
   Tree tree;
   add_nodes(columns_of(neighbours_of(pattern), order), order, tree);
   add_places(pattern, tree);
   return tree;
+}
+
+Tree tree_of_fewest_products(const Pattern& pattern, const std::vector<int>& groups) {
+  const std::vector<int> order = minimum_degree(neighbours_of(pattern));
+  if (groups.empty()) return make_tree(pattern, order);
+  Tree best;
+  for (auto numbers = groups.begin(); numbers != groups.end(); numbers += pattern.n) {
+    std::vector<int> grouped = order;
+    std::stable_sort(grouped.begin(), grouped.end(), [&](int a, int b) { return numbers[a] < numbers[b]; });
+    Tree tree = make_tree(pattern, grouped);
+    if (best.nodes.empty() || tree.products < best.products) best = std::move(tree);
+  }
+  return best;
 }
 
 }  // namespace robotraj::native::ldl

@@ -115,12 +115,14 @@ SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices)
     of_jacobian_.push_back(row < 0 ? -1 : entries.add(row, jacobian.columns[e]));
   }
   std::vector<int> groups;
-  if (const std::vector<int>& given = matrices.groups(); !given.empty()) {
-    groups.assign(given.begin(), given.begin() + layout.columns);
-    groups.resize(static_cast<std::size_t>(size));
+  const std::vector<int>& given = matrices.groups();
+  for (auto numbers = given.begin(); numbers != given.end(); numbers += layout.columns + layout.rows) {
+    const std::size_t begin = groups.size();
+    groups.insert(groups.end(), numbers, numbers + layout.columns);
+    groups.resize(begin + static_cast<std::size_t>(size));
     for (int row = 0; row < layout.rows; ++row)
       if (const int at = row_of[static_cast<std::size_t>(row)]; at >= 0)
-        groups[static_cast<std::size_t>(at)] = given[static_cast<std::size_t>(layout.columns + row)];
+        groups[begin + static_cast<std::size_t>(at)] = numbers[layout.columns + row];
   }
   factors_ = std::make_unique<ldl::Factors>(entries.pattern(), groups);
   for (auto* places : {&diagonal_, &of_hessian_, &of_jacobian_})

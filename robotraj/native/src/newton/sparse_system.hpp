@@ -13,7 +13,7 @@ namespace robotraj::native {
 /// Entries in the program's order: rows of the Jacobian one after the other, the upper triangle of the Hessian.
 class SparseMatrices final : public NewtonMatrices {
  public:
-  /// Of a layout of one stage without states. `groups` numbers columns, then rows; see ldl::fill_reducing_order.
+  /// Of a layout of one stage without states. `groups` numbers columns and rows, once or more; see ldl::tree_of_fewest_products.
   SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian, const std::vector<int>& groups)
       : NewtonMatrices(layout), jacobian_(jacobian), hessian_(hessian), groups_(groups) {}
 

@@ -48,7 +48,8 @@ Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vect
   need(linear_.jacobian.size(), jacobian_pattern_.size(), "constant Jacobian entries: their number");
   need_inside(jacobian_pattern_, rows(), columns(), "Jacobian");
   need_inside(hessian_pattern_, columns(), columns(), "Hessian");
-  if (!elimination_groups_.empty()) need(elimination_groups_.size(), columns() + rows(), "groups: length");
+  if (const std::size_t each = columns() + rows(); elimination_groups_.size() % std::max<std::size_t>(1, each) != 0)
+    need(elimination_groups_.size(), each, "groups: length");
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     check(i);
     Term& term = terms_[i];

@@ -67,7 +67,7 @@ class Program {
   std::size_t threads() const { return pool_.size(); }
   const Pattern& jacobian_pattern() const { return jacobian_pattern_; }
   const Pattern& hessian_pattern() const { return hessian_pattern_; }
-  /// The order in which columns, then rows, leave Newton's systems: by ascending number. Empty where none is preferred.
+  /// Orders in which columns, then rows, leave Newton's systems: each by ascending number, one after the other.
   const std::vector<int>& elimination_groups() const { return elimination_groups_; }
   const Csr& linear_rows() const { return linear_.rows; }
   const std::vector<Term>& terms() const { return terms_; }

@@ -1,4 +1,4 @@
-"""Nested dissection in time: what it separates, and that fronts stay small on fine meshes."""
+"""Orders of elimination in time: what they separate, and that fronts stay small on fine meshes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def budget(intervals: int) -> Assembled:
 
 
 def newton_system(made: Assembled) -> tuple[Any, np.ndarray]:
-    """Lower triangle of a saddle-point matrix with the patterns of a program, and its groups."""
+    """Lower triangle of a saddle-point matrix with the patterns of a program, and its groups by each order."""
     program = made.program
     n, m = made.free.size, program.shift.size
     rng = np.random.default_rng(0)
@@ -59,6 +59,7 @@ def newton_system(made: Assembled) -> tuple[Any, np.ndarray]:
 @pytest.mark.parametrize("intervals", [4, 7])
 def test_without_its_last_group_a_phase_falls_apart(intervals: int) -> None:
     lower, groups = newton_system(budget(intervals))
+    groups = groups[1]
     rest = np.flatnonzero(groups < groups.max())
     whole = lower + lower.T
     parts, of = connected_components(whole[rest][:, rest])
@@ -67,21 +68,32 @@ def test_without_its_last_group_a_phase_falls_apart(intervals: int) -> None:
     assert parts >= 2 and sizes[0] < 0.7 * rest.size and sizes[1] > 0.2 * rest.size
 
 
+def test_against_time_a_group_reaches_to_the_next_one_alone() -> None:
+    lower, groups = newton_system(budget(7))
+    groups = groups[0]
+    entries = lower.tocoo()
+    one, other = groups[entries.row], groups[entries.col]
+    inner = np.maximum(one, other) < groups.max()
+    assert np.abs(one - other)[inner].max() == 1
+
+
 def test_the_last_fronts_do_not_grow_with_the_mesh() -> None:
     fronts = []
     for intervals in (8, 32):
         lower, groups = newton_system(walk(intervals))
         starts, rows = lower.indptr.astype(np.int64), lower.indices.astype(np.int64)
-        solutions = []
-        for chosen in (groups.tolist(), []):
+        solutions, largest = [], []
+        for chosen in (groups[0].tolist(), groups[1].tolist(), groups.ravel().tolist(), []):
             factors = load_native().SymmetricFactors(starts, rows, groups=chosen)
             negative, zero, _ = factors.factorise(lower.data)
             assert (negative, zero) == (walk(intervals).program.shift.size, 0)
             solutions.append(factors.solve(np.ones(lower.shape[0])))
-            if chosen:
-                fronts.append(factors.largest_front)
-        np.testing.assert_allclose(*solutions, rtol=1e-6, atol=1e-8)
-    assert fronts[1] < 1.5 * fronts[0]
+            largest.append(factors.largest_front)
+        for solution in solutions[1:]:
+            np.testing.assert_allclose(solution, solutions[0], rtol=1e-6, atol=1e-8)
+        assert largest[2] in largest[:2]
+        fronts.append(largest[:2])
+    assert np.all(np.array(fronts[1]) < 1.5 * np.array(fronts[0]))
 
 
 def test_groups_have_a_number_for_each_row() -> None:
@@ -94,5 +106,5 @@ def test_what_holds_in_every_stage_is_eliminated_last() -> None:
     groups = made.program.groups
     assert groups is not None
     duration = np.flatnonzero(made.free == made.nlp.layouts[0].duration.column)
-    assert groups[duration] == groups.max()
+    np.testing.assert_array_equal(groups[:, duration].ravel(), groups.max(axis=1))
     assert rt.plan(PUSH, mesh=rt.Mesh(16)).success

@@ -1,7 +1,11 @@
-"""Nested dissection of an NLP in time: unknowns of neighbouring intervals are eliminated before those that join them.
+"""Two orders of elimination of an NLP that is a chain of intervals: against time, and by nested dissection in time.
 
-A minimum-degree order does not see that a motion is a chain of intervals, and its last fronts grow with the mesh. Here
-the chain is cut in the middle, and each half again. What lies on both sides of a cut is eliminated after the halves.
+A minimum-degree order does not see the chain, and its last fronts may grow with the mesh.
+
+- Against time: the unknowns of an interval and of the knot behind it are eliminated before those of the interval
+  before. A front then reaches to the next knot alone, as in a Riccati recursion.
+- By dissection: the chain is cut in the middle, and each half again. What lies on both sides of a cut is eliminated
+  after the halves. This takes fewer products where both ends of the motion are linked.
 
 Source: George, Nested dissection of a regular finite element mesh, SIAM J. Numerical Analysis 10, 1973.
 """
@@ -22,7 +26,7 @@ Indices = NDArray[np.int_]
 
 
 def elimination_groups(nlp: Nlp, free: Indices, rows: Indices, columns: Indices, count: int) -> NDArray[np.int32]:
-    """Assign groups to columns and rows; they are eliminated from the smallest number on.
+    """Assign groups to columns and rows by each order; they are eliminated from the smallest number on.
 
     Parameters
     ----------
@@ -36,14 +40,15 @@ def elimination_groups(nlp: Nlp, free: Indices, rows: Indices, columns: Indices,
 
     Returns
     -------
-    ndarray of int (n_y + count,)
-        Of columns, then of rows.
+    ndarray of int (2, n_y + count)
+        Of columns, then of rows; against time, then by dissection.
     """
     ends = [min(link.phases) for link in nlp.problem.bound_links]
     low, high, stages = allowed_stages(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
     low, high = with_stages(rows, columns, count, low[free], high[free], np.zeros(free.size, dtype=bool))
     first, last = _of_rows(rows, columns, count, low, high)
-    return _numbered(np.append(low, first), np.append(high, last), stages).astype(np.int32)
+    begin, end = np.append(low, first), np.append(high, last)
+    return np.array([stages - np.minimum(begin, stages), _dissected(begin, end, stages)], dtype=np.int32)
 
 
 def _of_rows(rows: Indices, columns: Indices, count: int, low: Indices, high: Indices) -> tuple[Indices, Indices]:
@@ -59,7 +64,7 @@ def _of_rows(rows: Indices, columns: Indices, count: int, low: Indices, high: In
     return np.where(none, latest, first), np.where(none, np.maximum(latest, earliest), last)
 
 
-def _numbered(first: Indices, last: Indices, stages: int) -> Indices:
+def _dissected(first: Indices, last: Indices, stages: int) -> Indices:
     """Assign groups by a dissection of the stages: both halves before what reaches across the cut."""
     number = np.zeros(first.size, dtype=np.int64)
     groups = 0
