@@ -2,7 +2,9 @@
 
 The standard decorator generates the source of six methods for each class and compiles them. This one compiles
 ``__init__`` only; all classes share the functions behind the other methods. ``fields``, ``replace``,
-``inspect.signature``, pickles, pattern matching and subclasses of either kind behave alike.
+``inspect.signature``, pickles, pattern matching and subclasses of either kind behave alike. The ``__init__`` of a
+frozen class fills the instance's ``__dict__`` in one step, in a third of the time of a call of ``setattr`` for each
+field.
 
 Measured: a fresh process that loads a ur5 and plans a motion on a fixed mesh of 50 intervals, from cached bytecode.
 Median processor time of 50 interleaved pairs: 0.425 s with this decorator, 0.474 s with the standard one (+12 %).
@@ -31,7 +33,9 @@ else:
         def make(cls: type) -> type:
             # The standard library requires that a frozen class derives from frozen ones, and compiles the methods.
             derived = any(dataclasses.is_dataclass(base) for base in cls.__mro__[1:])
-            made = dataclasses.dataclass(cls, init=init, repr=False, eq=False, frozen=frozen and derived)
+            made = dataclasses.dataclass(cls, init=init and not frozen, repr=False, eq=False, frozen=frozen and derived)
+            if init and frozen and "__init__" not in vars(cls):
+                made.__init__ = _initialiser(made)
             for name, method in _methods(made, frozen and not derived, eq, repr).items():
                 # Python sets ``__hash__ = None`` in a class that defines ``__eq__``.
                 if not vars(cls).get(name):
@@ -39,7 +43,7 @@ else:
             if eq and not frozen:
                 made.__hash__ = None
             parameters = made.__dataclass_params__
-            parameters.frozen, parameters.eq, parameters.repr = frozen, eq, repr
+            parameters.init, parameters.frozen, parameters.eq, parameters.repr = init, frozen, eq, repr
             return made
 
         return make if cls is None else make(cls)
@@ -66,6 +70,43 @@ def own_fields(value: object) -> None:
         object.__setattr__(value, field.name, own(getattr(value, field.name)))
 
 
+class _Factory:
+    """Default of a parameter whose value is made by the field's ``default_factory``."""
+
+    def __repr__(self) -> str:
+        return "<factory>"
+
+
+_FACTORY = _Factory()
+
+
+def _initialiser(cls: type) -> Callable[..., None]:
+    """Compile the ``__init__`` of a frozen class."""
+    known: dict[str, object] = {"_FACTORY": _FACTORY}
+    parameters: dict[bool, list[str]] = {False: [], True: []}
+    values = []
+    for field in dataclasses.fields(cls):
+        name = value = parameter = field.name
+        if field.default is not dataclasses.MISSING:
+            known[f"_default_{name}"], parameter = field.default, f"{name}=_default_{name}"
+        elif field.default_factory is not dataclasses.MISSING:
+            known[f"_make_{name}"], parameter = field.default_factory, f"{name}=_FACTORY"
+            value = f"_make_{name}() if {name} is _FACTORY else {name}" if field.init else f"_make_{name}()"
+        if field.init:
+            parameters[field.kw_only].append(parameter)
+        elif value == name:
+            continue
+        values.append(f"{name}={value}")
+    every = ["self", *parameters[False], *(["*", *parameters[True]] if parameters[True] else [])]
+    after = "\n self.__post_init__()" if hasattr(cls, "__post_init__") else ""
+    exec(f"def __init__({', '.join(every)}):\n self.__dict__.update({', '.join(values)}){after}", known)
+    made: Callable[..., None] = known["__init__"]  # type: ignore[assignment]
+    made.__qualname__ = f"{cls.__qualname__}.__init__"
+    made.__annotations__ = {field.name: field.type for field in dataclasses.fields(cls) if field.init}
+    made.__annotations__["return"] = None
+    return made
+
+
 def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callable[..., object]]:
     """Return the requested methods other than ``__init__``."""
     fields = dataclasses.fields(cls)
@@ -82,20 +123,12 @@ def _methods(cls: type, freeze: bool, eq: bool, repr: bool) -> dict[str, Callabl
 
 
 def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]]:
-    """Return methods that let ``__init__`` set each field once and refuse any later change."""
-    put = object.__setattr__
+    """Return methods that refuse every change of a field, and of anything else in instances of the class itself."""
 
     def __setattr__(self: object, name: str, value: object) -> None:
-        if name in names:
-            own = self.__dict__
-            if name in own:
-                raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
-            # Fields are no descriptors, and this takes half of the time of ``put``.
-            own[name] = value
-        elif type(self) is cls:
+        if type(self) is cls or name in names:
             raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
-        else:
-            put(self, name, value)
+        object.__setattr__(self, name, value)
 
     def __delattr__(self: object, name: str) -> None:
         if type(self) is cls or name in names:
