@@ -93,7 +93,7 @@ def _initialiser(cls: type) -> Callable[..., None]:
             known[f"_make_{name}"], parameter = field.default_factory, f"{name}=_FACTORY"
             value = f"_make_{name}() if {name} is _FACTORY else {name}" if field.init else f"_make_{name}()"
         if field.init:
-            parameters[field.kw_only].append(parameter)
+            parameters[field.kw_only is True].append(parameter)
         elif value == name:
             continue
         values.append(f"{name}={value}")

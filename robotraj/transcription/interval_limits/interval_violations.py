@@ -187,6 +187,11 @@ def _violations(
     starts, lengths = reader.breaks[:-1], np.diff(reader.breaks)
     values = reader.grid(places)
     seen = np.maximum(lower - values, values - upper)
+    with np.errstate(invalid="ignore"):
+        bends = np.abs(seen[:, :-2] - 2.0 * seen[:, 1:-1] + seen[:, 2:])
+    # A parabola through three places exceeds the middle one by at most half of its bend.
+    if not np.any(seen[:, 1:-1] + bends > allowed) and not np.any(seen[:, (0, -1)] > allowed):
+        return []
     worst = seen.argmax(axis=1)
     extreme = np.take_along_axis(values, worst[:, None], axis=1)[:, 0]
     above = extreme - upper >= lower - extreme
@@ -200,7 +205,7 @@ def _violations(
         high = (bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(amount, allowed))
     k, r = np.nonzero(high)
     tau = places[inner[k, r]] + aside[k, r] * (places[1] - places[0])
-    sharp = _sharp_bends(seen, places, allowed, amount)
+    sharp = _sharp_bends(seen, bends, places, allowed, amount)
     k, r, tau = (np.concatenate(both) for both in zip((k, r, tau), sharp, strict=True))
     if k.size:
         exact = reader.at(starts[k] + lengths[k] * tau, k)[np.arange(k.size), r]
@@ -221,7 +226,9 @@ def _violations(
     return found
 
 
-def _sharp_bends(seen: Array, places: Array, allowed: Array, known: Array) -> tuple[Indices, Indices, Array]:
+def _sharp_bends(
+    seen: Array, bend: Array, places: Array, allowed: Array, known: Array
+) -> tuple[Indices, Indices, Array]:
     """Return closer places (interval, row, tau) where a row bends so much that its excess may be above the known one.
 
     Parameters
@@ -232,9 +239,7 @@ def _sharp_bends(seen: Array, places: Array, allowed: Array, known: Array) -> tu
     known : ndarray (K, rows)
         Largest excess at the places.
     """
-    with np.errstate(invalid="ignore"):
-        bend = np.abs(seen[:, :-2] - 2.0 * seen[:, 1:-1] + seen[:, 2:])
-        near = (bend > allowed) & (seen[:, 1:-1] + bend > np.maximum(known, allowed)[:, None])
+    near = (bend > allowed) & (seen[:, 1:-1] + bend > np.maximum(known, allowed)[:, None])
     k, i, r = (np.repeat(each, len(CLOSER)) for each in np.nonzero(near))
     middle = places[i + 1]
     steps = np.tile(CLOSER, len(k) // len(CLOSER)) * (places[1] - places[0])

@@ -158,6 +158,7 @@ class Expressions:
 
     def _sample(self, times: Array, x: Array, z: Array | None = None, u: Array | None = None) -> Array:
         dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))
-        z = np.zeros((len(times), len(dae.algebraic))) if z is None else z
-        u = np.zeros((len(times), len(dae.controls))) if u is None else u
+        # Rows of the state read no other variables: these are one zero, repeated without memory.
+        z = np.broadcast_to(0.0, (len(times), len(dae.algebraic))) if z is None else z
+        u = np.broadcast_to(0.0, (len(times), len(dae.controls))) if u is None else u
         return sampled(self.table, self.rows, times, x, z, u, parameters)
