@@ -54,6 +54,8 @@ class State(OneLine):
         """
         body = body_of(dynamics)
         given = self._bounds(body, which)
+        if dynamics is body:
+            return given
         added = np.full(len(dynamics.states) - len(body.states), np.inf)
         return Bounds(np.append(given.lower, -added), np.append(given.upper, added))
 

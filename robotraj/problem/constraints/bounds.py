@@ -111,17 +111,11 @@ def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint
         return Bounds(lower, upper)
     if value is None or isinstance(value, Between) or _is_number(value) or _is_plain_array(value):
         low, high = _pair(value, what)
-        sides = []
-        for side in (low, high):
-            flat = np.asarray(side, dtype=float).ravel()
-            if flat.size != n and np.ndim(side) > 0:
-                raise InputError(f"The {what} has {flat.size} values; it needs {n}: {', '.join(names)}.")
-            own = np.empty(n)
-            own[:] = flat
-            sides.append(own)
-        for side in sides:
-            # Only bounds may be infinite; a value that fixes may not.
-            fixes = value is not None and not isinstance(value, Between)
+        lower = _filled(low, names, what)
+        upper = lower.copy() if high is low else _filled(high, names, what)
+        # Only bounds may be infinite; a value that fixes may not.
+        fixes = value is not None and not isinstance(value, Between)
+        for side in (lower,) if fixes else (lower, upper):
             bad = ~np.isfinite(side) if fixes else np.isnan(side)
             if bad.any():
                 i = int(np.flatnonzero(bad)[0])
@@ -129,7 +123,7 @@ def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint
                 raise InputError(
                     f"The {what} of {kind} {names[i]!r} is {wrong}; give a number, or None to leave it free."
                 )
-        return Bounds(*sides)
+        return Bounds(lower, upper)
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) != n:
             raise InputError(f"The {what} has {len(value)} values; it needs {n}: {', '.join(names)}.")
@@ -192,15 +186,23 @@ def _is_plain_array(value: object) -> bool:
         return False
 
 
+def _filled(side: ArrayLike, names: Sequence[str], what: str) -> NDArray[np.float64]:
+    """Return a new array of one side's n values, which one number gives to all."""
+    given = np.asarray(side, dtype=float)
+    if given.ndim > 0 and given.size != len(names):
+        raise InputError(f"The {what} has {given.size} values; it needs {len(names)}: {', '.join(names)}.")
+    filled = np.empty(len(names))
+    filled[:] = given.ravel()
+    return filled
+
+
 def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
     if value is None:
         return -np.inf, np.inf
     if isinstance(value, Between):
-        low = -np.inf if value.lower is None else np.asarray(value.lower, dtype=float)
-        high = np.inf if value.upper is None else np.asarray(value.upper, dtype=float)
-        return np.where(np.asarray(low) < -UNBOUNDED, -np.inf, low), np.where(
-            np.asarray(high) > UNBOUNDED, np.inf, high
-        )
+        low = np.asarray(-np.inf if value.lower is None else value.lower, dtype=float)
+        high = np.asarray(np.inf if value.upper is None else value.upper, dtype=float)
+        return np.where(low < -UNBOUNDED, -np.inf, low), np.where(high > UNBOUNDED, np.inf, high)
     try:
         number = _numbers(value)
     except (TypeError, ValueError) as error:
@@ -213,6 +215,7 @@ def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
 
 def _numbers(value: object) -> NDArray[np.float64]:
     """Convert to an array of numbers; NumPy would also convert text such as "1"."""
-    if np.asarray(value).dtype.kind in "SU":
+    array = np.asarray(value)
+    if array.dtype.kind in "SU":
         raise TypeError(f"{value!r} is text")
-    return np.asarray(value, dtype=float)
+    return np.asarray(array, dtype=float)
