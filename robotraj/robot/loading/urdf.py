@@ -39,21 +39,24 @@ def read_xml(path: Path) -> ElementTree.Element:
         root = ElementTree.parse(path).getroot()
     except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
+    xacro = path.suffix == ".xacro"
     for element in root.iter():
-        if len(element.attrib) > MAX_ATTRIBUTES:
+        attributes = element.attrib
+        if len(attributes) > MAX_ATTRIBUTES:
             raise InputError(
-                f"{str(path)!r}: <{element.tag[:80]}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} "
-                "can be read."
+                f"{str(path)!r}: <{element.tag[:80]}> has {len(attributes)} attributes; at most {MAX_ATTRIBUTES} can "
+                "be read."
             )
-        for key, text in element.attrib.items():
+        for key, text in attributes.items():
             if len(text) > MAX_TEXT:
                 raise InputError(
                     f"{str(path)!r}: the attribute {key[:80]!r} of <{element.tag[:80]}> has {len(text)} characters; at "
                     f"most {MAX_TEXT} can be read."
                 )
+        xacro = xacro or "ros.org/wiki/xacro" in element.tag
     if root.tag != "robot":
         raise InputError(f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first.")
-    if path.suffix == ".xacro" or any("ros.org/wiki/xacro" in element.tag for element in root.iter()):
+    if xacro:
         raise InputError(f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first.")
     return root
 
