@@ -40,6 +40,8 @@ ROOM = 0.1
 """Largest relative change of the length of a moving interval from one mesh to the next."""
 GROWTH = 1.1
 """Ratio of the numbers of points over two meshes below which the next one grows by as much at once."""
+CALMED = 4.0
+"""Largest change of the objective before the last one, relative to the tolerance, once it has settled."""
 ROUND_OFF = 1e-13
 """Error below which a mesh is not refined."""
 MOST_EXCESS = 5e-4
@@ -49,7 +51,9 @@ FALL = 0.25
 
 An excess of a smooth control falls faster. Where a control switches inside an interval, its excess does not fall.
 """
-CALM = Equidistribute()
+FAR_MORE, HARDLY = 1.5, 0.7
+"""Ratios of points and of errors of successive meshes that show that the error does not follow the mesh."""
+CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
 ENDING = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
@@ -65,7 +69,9 @@ def adapt(
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
-    Each mesh starts from the solution on the one before. An objective can settle only on a finer mesh than the last.
+    Each mesh starts from the solution on the one before, with a smaller barrier. An objective has settled when it hardly
+    changes on a finer mesh, and changed little on the mesh before (``CALMED``).
+    Controls of systems become lines where a finer mesh fails, or where its error hardly falls.
     Last, intervals are split on which path rows on controls or accelerations are violated, while that excess falls.
     If the errors are small enough but ``refinement`` returns no finer mesh, a smaller tolerance is used. Otherwise
     every interval whose knots are fixed is halved.
@@ -82,17 +88,20 @@ def adapt(
     steps: list[MeshStep] = []
     # Violations below 1e-7 are round-off of the solver.
     limits = replace(limits, tolerance=min(limits.tolerance, max(1e-7, 0.1 * tolerance)))
-    total: dict[str, float] = {}
+    calm_from = 0
+    total, iterations = dict[str, float](), 0
     start: InitialGuess | Solution | None = guess
     adding_rows, excess = False, np.inf
     accuracy = SolverAccuracy(settings.solver)
 
     def assessed(solution: Solution) -> tuple[list[Assessment], float, bool]:
         """Return the assessments of all phases, the largest error, and whether the objective has settled."""
-        before = steps[-1].objective if steps else np.inf
-        # If each mesh halves the distance to the optimum, the remaining distance equals the last change.
         size = tolerance * max(abs(solution.objective), SMALL)
-        settled = abs(solution.objective - before) <= 0.5 * size and _quadrature_error(solution) <= size
+        changes = np.abs(np.diff([*(step.objective for step in steps[calm_from:]), solution.objective]))
+        # If each mesh halves the distance to the optimum, the remaining distance equals the last change. A mesh may
+        # miss the intervals that matter, so that its change says little after a large one.
+        settled = len(changes) > 0 and changes[-1] <= 0.5 * size and bool(np.all(changes[-2:] <= CALMED * size))
+        settled = settled and _quadrature_error(solution) <= size
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
 
@@ -100,24 +109,29 @@ def adapt(
         nonlocal adding_rows
         if not adding_rows and solution.success:
             _, worst, settled = assessed(solution)
-            earlier = min((step.error for step in steps), default=np.inf)
+            earlier = min((step.error for step in steps[calm_from:]), default=np.inf)
             adding_rows = (worst <= tolerance and settled) or worst >= earlier
         return adding_rows
 
     def solved(start: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
-        own = replace(settings, mesh=tuple(meshes), solver=accuracy.solver, interval_limits=limits)
-        return solve(problem, start, own, progress, hold)
+        nonlocal total, iterations
+        solver = accuracy.solver.from_nearby() if steps else accuracy.solver
+        own = replace(settings, mesh=tuple(meshes), solver=solver, interval_limits=limits)
+        found = solve(problem, start, own, progress, hold)
+        total, iterations = added_times(total, found.times), iterations + found.iterations
+        return found
+
+    def recorded(solution: Solution) -> Solution:
+        return replace(solution, refinement=tuple(steps), times=total, iterations=iterations)
 
     kept: Solution | None = None
     try:
         while True:
             solution = solved(start, needs_rows)
             if not solution.success and accuracy.tightened and solution.status is not Status.INTERRUPTED:
-                total = added_times(total, solution.times)
                 accuracy.revert()
                 solution = solved(start, needs_rows)
-            seconds, total = solution.seconds, added_times(total, solution.times)
-            kept = solution = replace(solution, refinement=tuple(steps), times=total)
+            kept = recorded(solution)
             assessments, worst, settled = assessed(solution)
             steps.append(
                 MeshStep(
@@ -126,10 +140,10 @@ def adapt(
                     worst,
                     solution.objective,
                     solution.iterations,
-                    seconds,
+                    solution.seconds,
                 )
             )
-            kept = solution = replace(solution, refinement=tuple(steps))
+            kept = solution = recorded(solution)
             accurate = worst <= tolerance and settled
             before = excess
             if accurate:
@@ -137,12 +151,15 @@ def adapt(
             splitting = accurate and MOST_EXCESS < excess < FALL * before
             reached = adding_rows and accurate and not splitting
             tighter = accuracy.tighten_if_needed(solution, tolerance * max(abs(solution.objective), SMALL))
-            if not solution.success and steps[:-1] and solution.status not in ENDING:
+            failed = not solution.success and solution.status not in ENDING
+            astray = failed or (worst > tolerance and _hardly_falls(steps))
+            if astray and len(steps) > 1 and refinement != CALM:
                 assert isinstance(start, Solution)
-                # The program of this mesh leads astray from the motion on the last one.
-                calmer = on_lines(problem, tuple(part.mesh for part in start.phases))
-                if refinement != CALM and calmer != tuple(meshes):
-                    meshes, refinement, steps = list(calmer), CALM, []
+                # The program of a failed mesh leads astray from the motion on the last one.
+                last = start if failed else solution
+                calmer = on_lines(problem, tuple(part.mesh for part in last.phases))
+                if calmer != tuple(meshes):
+                    meshes, refinement, start, calm_from = list(calmer), CALM, last, len(steps)
                     continue
             if not solution.success or (reached and not tighter):
                 return solution
@@ -152,7 +169,7 @@ def adapt(
             # While the objective changes, errors must be smaller than the tolerance.
             goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
             finer = _next(solution, assessments, refinement, tolerance, goal)
-            barely_grown = len(steps) > 2 and steps[-1].points < GROWTH * steps[-3].points
+            barely_grown = len(steps) > calm_from + 2 and steps[-1].points < GROWTH * steps[-3].points
             while barely_grown and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
                 # With an interval or two more, errors would stay the same for mesh after mesh.
                 goal *= 0.3
@@ -165,17 +182,17 @@ def adapt(
                 if not _is_finer(meshes, closer):
                     closer = [_halved(mesh) for mesh in meshes]
                 finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
-            given_up = worst > tolerance and _stagnates([step.error for step in steps])
+            given_up = worst > tolerance and _stagnates([step.error for step in steps[calm_from:]])
             if given_up or len(steps) == MOST_MESHES or sum(m.count for m in finer) > MOST_INTERVALS:
                 if accurate and adding_rows:
                     return solution
                 if not adding_rows:
                     limited = solved(solution, None)
                     if limited.status is Status.INTERRUPTED:
-                        return replace(solution, status=Status.INTERRUPTED)
+                        return replace(recorded(solution), status=Status.INTERRUPTED)
                     if limited.success:
-                        solution = replace(limited, refinement=tuple(steps), times=added_times(total, limited.times))
-                return replace(solution, status=Status.TOLERANCE_NOT_REACHED)
+                        solution = limited
+                return replace(recorded(solution), status=Status.TOLERANCE_NOT_REACHED)
             meshes, start = finer, solution
     except KeyboardInterrupt:
         # Ctrl-C between two solves: the solution on the last mesh is kept.
@@ -228,6 +245,14 @@ def _stagnates(errors: list[float]) -> bool:
     """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
     return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
+
+
+def _hardly_falls(steps: Sequence[MeshStep]) -> bool:
+    """Whether the error hardly fell although the last mesh has far more points, as on singular arcs."""
+    if len(steps) < 2:
+        return False
+    before, last = steps[-2:]
+    return last.points > FAR_MORE * before.points and last.error > HARDLY * before.error
 
 
 def _is_integrated(part: PhaseSolution) -> bool:

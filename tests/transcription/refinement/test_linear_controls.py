@@ -57,3 +57,46 @@ def test_an_exact_motion_and_shooting_keep_their_schemes():
     assert on_lines(rt.Problem([arm, system]), meshes) == (meshes[0], rt.Mesh(5, LINES))
     shooting = (rt.Mesh(5, rt.schemes.MultipleShooting()),)
     assert on_lines(rt.Problem([system]), shooting) == shooting
+
+
+def induced_reactor() -> rt.Phase:
+    """Protein from a fed-batch reactor, by feeds of nutrient and inducer.
+
+    Source: Lee and Ramirez, Optimal fed-batch control of induced foreign protein production, AIChE Journal 40 (1994).
+    """
+    names = ["volume", "cells", "nutrient", "protein", "inducer", "shock", "recovery"]
+
+    def rates(point):
+        volume, cells, nutrient, _, inducer, shock, recovery = (point.x[name] for name in names)
+        feed, induced = point.u["feed"], point.u["induced"]
+        uptake = nutrient / (14.35 + nutrient + nutrient**2 / 111.5)
+        growth = uptake * (shock + 0.22 * recovery / (0.22 + inducer))
+        product = 0.233 * uptake * (0.0005 + inducer) / (0.022 + inducer)
+        lost, dilution = 0.09 * inducer / (0.034 + inducer), (feed + induced) / volume
+        return [
+            feed + induced,
+            (growth - dilution) * cells,
+            100 * feed / volume - dilution * nutrient - growth * cells / 0.51,
+            product * cells - dilution * point.x["protein"],
+            4 * induced / volume - dilution * inducer,
+            -lost * shock,
+            lost * (1 - recovery),
+        ]
+
+    return rt.Phase(
+        rt.System(names, ["feed", "induced"], rates),
+        10.0,
+        rt.State([1, 0.1, 40, 0, 0, 1, 0]),
+        objective=rt.Mayer(lambda _, last: -last.x["volume"] * last.x["protein"]),
+        controls={"feed": rt.between(0, 1), "induced": rt.between(0, 1)},
+        states={name: rt.between(0.5 if name == "volume" else 0.0, np.inf) for name in names},
+    )
+
+
+def test_controls_become_lines_where_the_error_hardly_falls():
+    """On the reactor's singular arcs free controls alternate; the best known product is 6.1516."""
+    solution = rt.plan(induced_reactor(), progress=False, tolerance=1e-6)
+    assert solution.success and solution.error <= 1e-6
+    assert solution.objective == pytest.approx(-6.1516, abs=1e-4)
+    assert solution.phases[0].mesh.given == (LINES,)
+    assert solution.iterations >= sum(step.iterations for step in solution.refinement)

@@ -398,7 +398,9 @@ def test_refinement_stops_where_meshes_come_no_closer_to_the_tolerance(monkeypat
 
     monkeypatch.setattr(adaptive, "assess", same)
     solution = rt.plan(swing_up(), rt.Mesh(5, rt.HermiteSimpson()), tolerance=1e-6, check=False)
-    assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED and len(solution.refinement) == len(errors)
+    # On the third mesh, four times as fine as the second, controls become lines. Four meshes of lines come no closer.
+    assert solution.status is rt.solvers.Status.TOLERANCE_NOT_REACHED
+    assert len(solution.refinement) == 3 + 1 + adaptive.PATIENCE
 
 
 def test_a_small_objective_is_as_accurate_as_a_large_one() -> None:
