@@ -69,9 +69,9 @@ def adapt(
 ) -> Solution:
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
-    Each mesh starts from the solution on the one before, with a smaller barrier. An objective has settled when it hardly
-    changes on a finer mesh, and changed little on the mesh before (``CALMED``).
-    Controls of systems become lines where a finer mesh fails, or where its error hardly falls.
+    Each mesh starts from the solution on the one before, with a smaller barrier. An objective has settled when it
+    hardly changes on a finer mesh, and changed little on the mesh before (``CALMED``). Controls of systems become lines
+    where a finer mesh fails, or where its error hardly falls.
     Last, intervals are split on which path rows on controls or accelerations are violated, while that excess falls.
     If the errors are small enough but ``refinement`` returns no finer mesh, a smaller tolerance is used. Otherwise
     every interval whose knots are fixed is halved.
