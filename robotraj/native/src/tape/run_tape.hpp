@@ -13,6 +13,13 @@ struct Signs {
 };
 const Signs kSigns[] = {{0, 0}, {std::uint64_t{1} << 63, 0}, {0, ~std::uint64_t{0}}};
 
+/// Another operation than the first four, point by point. Apart from the loop, which would keep its packs in memory.
+__attribute__((noinline)) void run_other(const Instruction& instruction, Pack* memory) {
+  const Pack x = memory[instruction.first], y = memory[instruction.second];
+  Pack& out = memory[instruction.out];
+  for (std::size_t lane = 0; lane < kLanes; ++lane) out[lane] = compute(instruction.operation, x[lane], y[lane]);
+}
+
 void run_tape(const TapeCode& tape, const double* const* arguments, double* numbers, double* result) {
   Pack* memory = packs(numbers);
   Pack* next = memory + tape.work;
@@ -20,17 +27,16 @@ void run_tape(const TapeCode& tape, const double* const* arguments, double* numb
     for (std::size_t k = 0; k < tape.inputs[i]; ++k) *next++ = packs(arguments[i])[k];
   for (std::size_t i = 0; i < tape.constant_count; ++i) *next++ = Pack{} + tape.constants[i];
   for (const Instruction *each = tape.instructions, *end = each + tape.count; each != end; ++each) {
-    const Pack x = memory[each->first], y = memory[each->second];
-    Pack& out = memory[each->out];
     if (__builtin_expect(each->step <= Step::multiply, true)) {
+      const Pack x = memory[each->first], y = memory[each->second];
       const Signs& signs = kSigns[static_cast<int>(each->step)];
       const Bits product = Bits{} + signs.product;
       const Pack multiplied = x * y, added = x + (Pack)((Bits)y ^ (Bits{} + signs.flipped));
-      out = (Pack)(((Bits)multiplied & product) | ((Bits)added & ~product));
+      memory[each->out] = (Pack)(((Bits)multiplied & product) | ((Bits)added & ~product));
     } else if (each->step == Step::divide) {
-      out = x / y;
+      memory[each->out] = memory[each->first] / memory[each->second];
     } else {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) out[lane] = compute(each->operation, x[lane], y[lane]);
+      run_other(*each, memory);
     }
   }
   for (std::size_t i = 0; i < tape.outputs; ++i) packs(result)[i] = next[i];

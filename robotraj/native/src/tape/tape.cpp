@@ -4,6 +4,9 @@
 
 #include <casadi/core/calculus.hpp>
 
+#include <algorithm>
+#include <limits>
+
 namespace robotraj::native {
 
 namespace {
@@ -17,6 +20,37 @@ Step step_of(std::int16_t operation) {
     case casadi::OP_DIV: return Step::divide;
     default: return Step::other;
   }
+}
+
+/// Nodes in an order in which a result is not needed right after it is begun: of the next `kAhead` nodes, the one whose
+/// operands are known for longest. A processor computes several nodes at once where they do not wait for each other.
+Nodes interleaved(const ScalarGraph& graph, const Nodes& order) {
+  constexpr std::size_t kAhead = 64;
+  constexpr int kLatency = 12;  // nodes that are begun before a result is known
+  std::vector<int> known(graph.size(), 0);
+  Nodes found, ahead;
+  auto next = order.begin();
+  const auto ready = [&](Node node) {
+    if (!graph.is_computed(node)) return 0;
+    const ScalarGraph::Part& part = graph.part(node);
+    return std::max(known[static_cast<std::size_t>(part.first)], known[static_cast<std::size_t>(part.second)]);
+  };
+  constexpr int kUnknown = std::numeric_limits<int>::max();
+  for (const Node node : order) known[static_cast<std::size_t>(node)] = kUnknown;
+  for (int clock = 0; found.size() < order.size(); ++clock) {
+    while (ahead.size() < kAhead && next != order.end()) ahead.push_back(*next++);
+    auto best = ahead.begin();
+    int least = kUnknown;
+    for (auto each = ahead.begin(); each != ahead.end() && least > clock; ++each)
+      if (const int at = ready(*each); at < least) {
+        best = each;
+        least = at;
+      }
+    known[static_cast<std::size_t>(*best)] = graph.is_computed(*best) ? clock + kLatency : 0;
+    found.push_back(*best);
+    ahead.erase(best);
+  }
+  return found;
 }
 
 /// The memory of computed nodes: places of work that are free again, or of the result.
@@ -73,7 +107,7 @@ Tape tape_of(const casadi::Function& function) {
 Tape::Tape(const casadi::Function& function) : Tape(tape_of(function)) {}
 
 Tape::Tape(const ScalarGraph& graph, const Nodes& results) : inputs_(graph.arguments()), outputs_(results.size()) {
-  const Nodes order = graph.order(results);
+  const Nodes order = interleaved(graph, graph.order(results));
   Places places(graph, order, results);
   for (const Node each : order)
     if (graph.is_computed(each)) places.take(each);
