@@ -329,8 +329,12 @@ class StageGraph:
         """Nonzeros of dy/dv, then of dy/dr, of all outputs or of one."""
     def gradient(self, which: int) -> Tape:
         """Return d y_i/dv as a dense column, for stages without torques."""
-    def curvature(self) -> tuple[Tape, Pattern, Pattern, Pattern]:
-        """With l = d(m' y)/dr: l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr."""
+    def curvature(self) -> tuple[Tape, Tape | None, Pattern, Pattern, Pattern]:
+        """With l = d(m' y)/dr: l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr.
+
+        The second tape has the same results without the negative curvature of saturations t = tanh(z): each adds
+        k dz/du dz/du' to the Hessian by u = (v, r), and k is at least zero there. None without saturations.
+        """
     def places(self) -> Indices | None:
         """Return the index in v of every entry of x, -1 for zeros; None where one is another expression."""
     def chain(self) -> tuple[Tape, Tape, Pattern, Pattern]:
@@ -415,6 +419,8 @@ class TapeBlock(PointBlock):
 
     Parameters
     ----------
+    convex : Recipe, optional
+        The Hessian without the negative curvature of saturations, with the results of ``hessian``.
     processor : str
         One of ``processors()``; the fastest by default.
 
@@ -432,6 +438,7 @@ class TapeBlock(PointBlock):
         values: Recipe,
         jacobian: Recipe,
         hessian: Recipe | None = None,
+        convex: Recipe | None = None,
         cost: Recipe | None = None,
         gradient: Recipe | None = None,
         costed: int = -1,

@@ -70,7 +70,7 @@ class Addend:
     @cached_property
     def hessian(self) -> tuple[Tape, Pattern]:
         """The tape (u, l) of the nonzeros of the lower triangle of d^2(l' s)/du^2, and their rows and columns."""
-        made, by_u, _, _ = self.graph.curvature()
+        made, _, by_u, _, _ = self.graph.curvature()
         return made, by_u
 
 

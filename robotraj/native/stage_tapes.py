@@ -50,6 +50,7 @@ class Tapes:
             self._values,
             self._jacobian[0],
             self._hessian[0],
+            self._hessian[2],
             self._cost if costs else None,
             self._gradient if costs else None,
             self._costed if costs else -1,
@@ -110,9 +111,9 @@ class Tapes:
         return plain(tape), by_v
 
     @cached_property
-    def _hessian(self) -> tuple[Recipe, Pattern]:
-        tape, pattern, _, _ = self._graph.curvature()
-        return plain(tape), pattern
+    def _hessian(self) -> tuple[Recipe, Pattern, Recipe | None]:
+        tape, convex, pattern, _, _ = self._graph.curvature()
+        return plain(tape), pattern, None if convex is None else plain(convex)
 
 
 def plain(tape: Tape) -> Recipe:

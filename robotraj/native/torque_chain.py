@@ -126,8 +126,8 @@ class TorqueChain(Tapes):
         return recipe, (made.rows, made.columns)
 
     @cached_property
-    def _hessian(self) -> tuple[Recipe, Pattern]:
-        tape, *patterns = self._graph.curvature()
+    def _hessian(self) -> tuple[Recipe, Pattern, Recipe | None]:
+        tape, convex, *patterns = self._graph.curvature()
         first = [1 + self._graph.torques]
         for pattern in patterns:
             first.append(first[-1] + len(pattern[0]))
@@ -147,8 +147,12 @@ class TorqueChain(Tapes):
             if len(curved):
                 sums.append(lower(matched(rates.T, terms.product(curved, rates))))
         made = terms.collect(sums)
-        recipe = self._recipe(tape, parts.made, terms, made, jacobian=through, hessian=True, calls=calls)
-        return recipe, (made.rows, made.columns)
+        recipe, without = (
+            None if each is None else self._recipe(each, parts.made, terms, made, through, True, calls)
+            for each in (tape, convex)
+        )
+        assert recipe is not None
+        return recipe, (made.rows, made.columns), without
 
     @cached_property
     def _torque_pattern(self) -> Pattern:

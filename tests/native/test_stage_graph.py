@@ -81,5 +81,5 @@ def test_a_selection_has_the_derivatives_of_its_outputs() -> None:
     assert chosen.outputs == 2
     for found, wanted in zip(chosen.slopes()[1], alone.slopes()[1], strict=True):
         assert found.tolist() == wanted.tolist()
-    assert chosen.curvature()[1][0].tolist() == alone.curvature()[1][0].tolist()
+    assert chosen.curvature()[2][0].tolist() == alone.curvature()[2][0].tolist()
     assert chosen.split()[0].tolist() == [0, 1]

@@ -257,8 +257,8 @@ class _Refining:
     def _warm(self) -> Solver:
         """The solver of a solve that starts from a solution on another mesh."""
         solver = self.settings.solver
-        if self.sticking:
-            # The times at which joints stick and slide differ from mesh to mesh.
+        if self.sticking and is_of_arms(self.problem):
+            # Effort of arms is mostly lost to friction, and times of sticking and sliding differ from mesh to mesh.
             return solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
         # as the signs of powers do.

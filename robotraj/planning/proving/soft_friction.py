@@ -21,11 +21,11 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 
-SOFTENING, SOFTENING_OF_GAITS = (10.0, 4.0, 2.0, 1.2), (4.0, 1.2)
+SOFTENING, SOFTENING_OF_GAITS = (10.0, 4.0, 2.0, 1.2), (10.0,)
 """Factors c on v_s for the first solves, for arms and for robots whose root moves.
 
-Arms are solved on a finer mesh each time. Gaits, whose iterations take many times as long, keep their mesh: each solve
-then also starts from the multipliers of the one before.
+Arms are solved on a finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends
+little on friction, are softened once and keep their mesh: the next solve starts from the multipliers too.
 """
 
 

@@ -1,5 +1,6 @@
 #include "check.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <numeric>
@@ -20,7 +21,7 @@ int failures = 0;
 /// y = (objective, product, |x|^2), derivatives dense.
 class Functions final : public native::PointBlock {
  public:
-  Functions() : PointBlock({1, 4, 0, 3, 12, 10, 0}) {}
+  explicit Functions(bool saturates) : PointBlock({1, 4, 0, 3, 12, 10, 0}), saturates_(saturates) {}
   void prepare(std::size_t) override {}
   void values(const double* v, const double*, double* y, ThreadPool&) override {
     y[0] = v[0] * v[3] * (v[0] + v[1] + v[2]) + v[2];
@@ -55,6 +56,14 @@ class Functions final : public native::PointBlock {
         nonzeros[e] = m[0] * objective[e] + m[1] * product + (i == j ? 2.0 * m[2] : 0.0);
       }
   }
+  bool saturates() const override { return saturates_; }
+  void convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override {
+    const double without_negative[] = {std::max(0.0, m[0]), m[1], m[2]};
+    hessian(v, c, without_negative, nonzeros, pool);
+  }
+
+ private:
+  bool saturates_;
 };
 
 /// Ones at (row[i], column[i]).
@@ -78,7 +87,7 @@ const std::vector<double> its_start = {1.0, 5.0, 5.0, 1.0};
 
 native::Stages its_stages() { return {{4}, {0}, {1}, {5}}; }
 
-std::shared_ptr<native::Program> hock_schittkowski_71() {
+std::shared_ptr<native::Program> hock_schittkowski_71(bool saturates) {
   native::LinearPart linear;
   linear.rows = ones(6, 4, {2, 3, 4, 5}, {0, 1, 2, 3});
   linear.offset = {-40.0, 0.0, 0.0, 0.0, 0.0, 0.0};
@@ -97,7 +106,7 @@ std::shared_ptr<native::Program> hock_schittkowski_71() {
       hessian.columns.push_back(j);
     }
   native::Term term;
-  term.block = std::make_shared<Functions>();
+  term.block = std::make_shared<Functions>(saturates);
   term.gather = term.gradient = identity(4);
   term.gather_offset.assign(4, 0.0);
   term.scatter = ones(6, 3, {0, 1}, {2, 1});
@@ -108,9 +117,9 @@ std::shared_ptr<native::Program> hock_schittkowski_71() {
                                            std::vector<native::Term>{std::move(term)}, 2);
 }
 
-Started::Started(std::vector<double> x, double mu, double objective_scale)
+Started::Started(std::vector<double> x, double mu, double objective_scale, bool saturates)
     : layout(its_stages()),
-      problem(hock_schittkowski_71(), layout),
+      problem(hock_schittkowski_71(saturates), layout),
       algorithm(problem, options, progress),
       run(algorithm.run) {
   problem.lower = its_lower;

@@ -31,14 +31,16 @@ void check(bool holds, const char* what, const char* file, int line);
 ///
 ///     min x1 x4 (x1 + x2 + x3) + x3,   x1 x2 x3 x4 >= 25,   |x|^2 = 40,   1 <= x <= 5,
 ///
-/// with the optimum 17.0140173 at (1, 4.743, 3.8211, 1.3794). Rows are [|x|^2 - 40, the product, x].
-std::shared_ptr<native::Program> hock_schittkowski_71();
+/// with the optimum 17.0140173 at (1, 4.743, 3.8211, 1.3794). Rows are [|x|^2 - 40, the product, x]. Where it
+/// saturates, an objective of negative weight has no second derivatives in the convex Hessian.
+std::shared_ptr<native::Program> hock_schittkowski_71(bool saturates = false);
 native::Stages its_stages();
 extern const std::vector<double> its_lower, its_upper, its_start;
 
 /// That problem at a cold start from x.
 struct Started {
-  explicit Started(std::vector<double> x = its_start, double mu = 0.1, double objective_scale = 1.0);
+  explicit Started(std::vector<double> x = its_start, double mu = 0.1, double objective_scale = 1.0,
+                   bool saturates = false);
 
   native::Layout layout;
   interior_point::ProgramProblem problem;

@@ -112,6 +112,40 @@ ROBOTRAJ_TEST(derivatives_of_graphs_are_those_of_casadi) {
   }
 }
 
+ROBOTRAJ_TEST(saturations_keep_their_positive_curvature_alone) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> within(-1.5, 1.5);
+  const SX u = SX::sym("u", 3), c = SX::sym("c"), m = SX::sym("m", 3);
+  const SX operands = SX::vertcat({3 * u(0) / (2 + u(1)), u(2) * c}), t = tanh(operands);
+  const SX y = SX::vertcat({u(0) * u(2) - 2 * t(0), u(1) * t(1) + t(0), u(0) * u(1)});
+  // The weights of both saturations are no functions of their operands.
+  const SX weights = SX::vertcat({m(1) - 2 * m(0), m(1) * u(1)}), slopes = SX::jacobian(operands, u);
+  SX wanted = SX::hessian(SX::dot(m, y), u);
+  for (casadi_int k = 0; k < 2; ++k) {
+    const SX curvature = -2 * weights(k) * t(k) * (1 - t(k) * t(k)), by_u = slopes(k, casadi::Slice());
+    wanted -= fmin(curvature, 0) * mtimes(by_u.T(), by_u);
+  }
+  const Function convex("convex", {u, c, m}, {SX::densify(SX::tril(wanted))});
+  ScalarGraph graph;
+  const Nodes own = graph.add_argument(3), constant = graph.add_argument(1);
+  const Nodes results = graph.read(Function("y", {u, c}, {y}), {own, constant}).front();
+  const Nodes multipliers = graph.add_argument(3);
+  const Derivatives exact = native::hessian(graph, native::gradient(graph, results, multipliers, own), own);
+  const auto found = native::convexified(graph, exact, results, multipliers, own);
+  CHECK(found.has_value());
+  for (int point = 0; point < 20; ++point) {
+    std::vector<double> at, factors;
+    for (int i = 0; i < 3; ++i) {
+      at.push_back(within(random));
+      factors.push_back(within(random));
+    }
+    const std::vector<double> with{within(random)};
+    const DM matrix = convex(std::vector<DM>{at, with, factors}).at(0);
+    check_close(run(Tape(graph, *found), {at, with, factors}), entries(matrix, exact));
+  }
+  CHECK(!native::convexified(graph, exact, {results[2]}, {multipliers[2]}, own).has_value());
+}
+
 ROBOTRAJ_TEST(equal_expressions_are_one_node) {
   ScalarGraph graph;
   const Nodes x = graph.add_argument(2);

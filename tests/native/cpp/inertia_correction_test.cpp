@@ -46,6 +46,22 @@ ROBOTRAJ_TEST(directions_descend_where_the_objective_is_concave) {
   CHECK(newton.solve(at, {zero, zero, zero, zero, zero}, 0.0, 0.0, step.get()) == interior_point::Solved::indefinite);
 }
 
+ROBOTRAJ_TEST(negative_curvature_of_saturations_is_dropped_before_the_hessian_is_damped) {
+  Started its({3.0, 3.0, 3.0, std::sqrt(13.0)}, 0.1, -100.0, true);
+  interior_point::Iterate& at = *its.run.current;
+  for (int i = 0; i < 6; ++i) at.at->rows[i] = 0.0;
+  at.turned();
+  interior_point::Room step(its.problem);
+  CHECK(its.run.direction.find(at, its.run.mu, step.get()));
+  CHECK(left_of_rows(its, step, at.residual()) < 1e-6);
+  // Without its curvature, which is all that the Hessian has here, the direction needs no damping.
+  for (const double entry : its.run.direction.newton.hessian()) CHECK(entry == 0.0);
+  const std::vector<double> none(6, 0.0);
+  const double* zero = none.data();
+  const interior_point::Side side{zero, zero, zero, zero, zero};
+  CHECK(its.run.direction.newton.solve(at, side, 0.0, 0.0, step.get()) == interior_point::Solved::good);
+}
+
 ROBOTRAJ_TEST(second_order_steps_count_the_products_of_the_changes) {
   Started its;
   interior_point::Iterate& at = *its.run.current;

@@ -48,7 +48,7 @@ ROBOTRAJ_TEST(directions_solve_the_primal_dual_system) {
     }
     const Eigen::VectorXd expected = matrix.fullPivLu().solve(-side);
     interior_point::Newton& newton = its.run.direction.newton;
-    its.problem.hessian(at.at->x, at.at->rows, newton.hessian());
+    its.problem.hessian(at.at->x, at.at->rows, false, newton.hessian());
     interior_point::Room step(its.problem);
     const double* given = side.data();
     CHECK(newton.solve(at, {given, given + n, given + n + m, given + n + m + s, given + n + m + 2 * s}, delta_w,

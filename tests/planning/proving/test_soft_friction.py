@@ -76,3 +76,12 @@ def test_rates_of_torque_balances_have_the_same_friction() -> None:
     phase = rt.Phase(robot, 1.5, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.objectives.Jerk(), dynamics=soft)
     solver = rt.InteriorPoint(tolerance=1e-6, max_iterations=100, fallback=None)
     assert rt.plan(phase, rt.Mesh(20, rt.HermiteSimpson()), solver=solver, check=False).success
+
+
+def test_a_trot_with_dry_friction_takes_few_iterations() -> None:
+    # With damping of every variable, where the curvature of friction was negative, it took 173.
+    robot = rt.load("go1", root="floating")
+    feet = tuple(name for name in rt.gait.limb_ends(robot) if name.endswith("foot"))
+    solution = rt.plan(rt.gait.trot(robot, feet=feet, duration=0.3, speed=0.18, clearance=0.018), check=False)
+    assert solution.success
+    assert solution.iterations <= 120

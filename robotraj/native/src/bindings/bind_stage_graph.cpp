@@ -23,7 +23,8 @@ auto slopes_of(const StageGraph& graph, std::optional<std::size_t> output) {
 
 auto curvature_of(const StageGraph& graph) {
   StageGraph::Curvature found = graph.curvature();
-  return std::tuple(std::move(found.tape), to_arrays(found.vv), to_arrays(found.rv), to_arrays(found.rr));
+  return std::tuple(std::move(found.tape), std::move(found.convex), to_arrays(found.vv), to_arrays(found.rv),
+                    to_arrays(found.rr));
 }
 
 auto chain_of(const StageGraph& graph) {

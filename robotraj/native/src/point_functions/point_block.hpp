@@ -48,6 +48,11 @@ class PointBlock {
   virtual void gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) = 0;
   /// Nonzeros (hessian, E) of one triangle of sum_i m_i d^2 y_i/dv^2, with m (n_y, E).
   virtual void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) = 0;
+  /// Whether the function saturates: the Hessian without the negative curvature of saturations then differs.
+  virtual bool saturates() const { return false; }
+  virtual void convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
+    hessian(v, c, m, nonzeros, pool);
+  }
 
   /// Calls evaluate(pool) with the block's own threads, for callers that have no pool: one after another.
   template <typename Evaluate>

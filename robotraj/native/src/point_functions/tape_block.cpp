@@ -52,6 +52,7 @@ TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Tor
   for (const Recipe* recipe : {&recipes_.values, &recipes_.jacobian, &recipes_.cost, &recipes_.gradient})
     check(*recipe, false);
   check(recipes_.hessian, true);
+  check(recipes_.convex, true);
 }
 
 TapeBlock::Parts TapeBlock::parts(const Recipe& recipe) const {
@@ -101,8 +102,8 @@ void TapeBlock::prepare(std::size_t threads) {
   const std::size_t lanes = kernels_.lanes;
   std::size_t tape = 0, buffer = 0, given = 0;
   if (torques_) tape = std::max(torques_->arguments.memory(), torques_->curvature.memory());
-  for (const Recipe* recipe :
-       {&recipes_.values, &recipes_.jacobian, &recipes_.cost, &recipes_.gradient, &recipes_.hessian}) {
+  for (const Recipe* recipe : {&recipes_.values, &recipes_.jacobian, &recipes_.cost, &recipes_.gradient,
+                               &recipes_.hessian, &recipes_.convex}) {
     tape = std::max(tape, recipe->tape.memory());
     buffer = std::max(buffer, parts(*recipe).end);
     for (const Call& call : recipe->calls) {
@@ -236,6 +237,10 @@ void TapeBlock::gradient(const double* v, const double* c, double* gradient, Thr
 
 void TapeBlock::hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
   run(recipes_.hessian, v, c, m, nonzeros, pool);
+}
+
+void TapeBlock::convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
+  run(saturates() ? recipes_.convex : recipes_.hessian, v, c, m, nonzeros, pool);
 }
 
 }  // namespace robotraj::native

@@ -51,11 +51,12 @@ struct Torques {
   std::size_t size() const { return robot.tree.positions() + 2 * robot.tree.rates(); }
 };
 
-/// The recipes of a stage function y = fn(v, c): values, Jacobian, cost, gradient of the cost, Hessian.
+/// The recipes of a stage function y = fn(v, c): values, Jacobian, cost, gradient of the cost, Hessian, and the Hessian
+/// without the negative curvature of saturations, in the same order; empty without saturations.
 ///
 /// Tapes take (v, c), then tau where there are torques, then m where it is the Hessian's.
 struct Recipes {
-  Recipe values, jacobian, cost, gradient, hessian;
+  Recipe values, jacobian, cost, gradient, hessian, convex;
 };
 
 class TapeBlock : public PointBlock {
@@ -68,6 +69,8 @@ class TapeBlock : public PointBlock {
   void cost(const double* v, const double* c, double* cost, ThreadPool& pool) override;
   void gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) override;
   void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override;
+  bool saturates() const override { return !recipes_.convex.tape.empty(); }
+  void convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override;
 
  private:
   /// Work memory of a thread for a pack of points.

@@ -226,13 +226,17 @@ void Program::jacobian_to(double* out) {
 
 const Numbers& Program::hessian(const double* lam, double lam_f) {
   prepare_in_order();
-  if (!combine_hessians(lam, lam_f, &Work::hessian_in_order, hessian_.data()))
+  if (!combine_hessians(lam, lam_f, &Work::hessian_in_order, hessian_.data(), false))
     std::fill(hessian_.begin(), hessian_.end(), 0.0);
   return hessian_;
 }
 
-void Program::hessian_to(const double* lam, double lam_f, double* out) {
-  combine_hessians(lam, lam_f, &Work::hessian_in_place, out);
+void Program::hessian_to(const double* lam, double lam_f, double* out, bool convex) {
+  combine_hessians(lam, lam_f, &Work::hessian_in_place, out, convex);
+}
+
+bool Program::saturates() const {
+  return std::any_of(terms_.begin(), terms_.end(), [](const Term& term) { return term.block->saturates(); });
 }
 
 bool Program::combine_jacobians(Combination Work::*combination, double* out) {
@@ -249,7 +253,8 @@ bool Program::combine_jacobians(Combination Work::*combination, double* out) {
   return sum != nullptr;
 }
 
-bool Program::combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out) {
+bool Program::combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out,
+                               bool convex) {
   const double* sum = nullptr;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& term = terms_[i];
@@ -263,7 +268,8 @@ bool Program::combine_hessians(const double* lam, double lam_f, Combination Work
     if (work.has_cost)
       for (std::size_t e = 0; e < sizes.count; ++e) work.m[e * sizes.outputs + sizes.costed] += lam_f * term.weights[e];
     timed(times.functions, [&] {
-      term.block->hessian(work.v.data(), term.constants.data(), work.m.data(), work.hessian.data(), pool_);
+      const auto evaluate = convex ? &PointBlock::convex_hessian : &PointBlock::hessian;
+      (*term.block.*evaluate)(work.v.data(), term.constants.data(), work.m.data(), work.hessian.data(), pool_);
     });
     timed(times.combinations, [&] { (work.*combination).apply(work.hessian.data(), sum, out, pool_); });
     sum = out;

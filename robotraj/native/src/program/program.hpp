@@ -82,7 +82,10 @@ class Program {
   /// The two functions below write entry e to places[e], and leave it out where that is negative.
   void place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian);
   void jacobian_to(double* out);
-  void hessian_to(const double* lam, double lam_f, double* out);
+  /// `convex`: without the negative curvature of saturations.
+  void hessian_to(const double* lam, double lam_f, double* out, bool convex = false);
+  /// Whether a block saturates.
+  bool saturates() const;
 
   void set_offsets(const double* offset, double cost_offset);
   void set_gather_offset(std::size_t term, const double* offset);
@@ -107,7 +110,7 @@ class Program {
   void prepare_in_order();
   /// False where no block has any.
   bool combine_jacobians(Combination Work::*combination, double* out);
-  bool combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out);
+  bool combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out, bool convex);
   template <typename Evaluate>
   void timed(double& seconds, Evaluate&& evaluate);
 

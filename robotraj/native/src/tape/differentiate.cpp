@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 namespace robotraj::native {
 
@@ -113,8 +114,8 @@ std::vector<Row> forward(ScalarGraph& graph, const Nodes& results, const std::ve
   return found;
 }
 
-/// Derivatives of all results by each of u, backward from the results; `seeds` are the rows of the results.
-std::vector<Row> backward(ScalarGraph& graph, const Nodes& results, const std::vector<Row>& seeds, const Nodes& u) {
+/// Derivatives of all results by every node that depends on u, backward from the results; `seeds` are their rows.
+std::vector<Row> adjoints(ScalarGraph& graph, const Nodes& results, const std::vector<Row>& seeds, const Nodes& u) {
   const Nodes order = graph.order(results);
   Rules rules(graph);
   const std::vector<bool> depends = dependent(graph, order, u);
@@ -127,7 +128,7 @@ std::vector<Row> backward(ScalarGraph& graph, const Nodes& results, const std::v
     if (!depends[at] || rows[at].empty() || !graph.is_computed(*each)) continue;
     const ScalarGraph::Part part = graph.part(*each);
     const Partials by = rules.of(*each);
-    const Row own = std::move(rows[at]);
+    const Row& own = rows[at];
     const auto pass = [&](Node to, Node factor) {
       if (factor != kNone && depends[static_cast<std::size_t>(to)])
         add(graph, own, factor, 0, last, rows[static_cast<std::size_t>(to)]);
@@ -135,9 +136,21 @@ std::vector<Row> backward(ScalarGraph& graph, const Nodes& results, const std::v
     pass(part.first, by.first);
     pass(part.second, by.second);
   }
-  std::vector<Row> found;
-  for (const Node each : u) found.push_back(rows[static_cast<std::size_t>(each)]);
+  return rows;
+}
+
+/// Derivatives of all results by each of u.
+std::vector<Row> backward(ScalarGraph& graph, const Nodes& results, const std::vector<Row>& seeds, const Nodes& u) {
+  std::vector<Row> rows = adjoints(graph, results, seeds, u), found;
+  for (const Node each : u) found.push_back(std::move(rows[static_cast<std::size_t>(each)]));
   return found;
+}
+
+/// One seed for each result: its weight.
+std::vector<Row> weighted(const Nodes& weights) {
+  std::vector<Row> seeds;
+  for (const Node each : weights) seeds.push_back({{0, each}});
+  return seeds;
 }
 
 Nodes nodes_of(const Derivatives& derivatives) {
@@ -184,10 +197,8 @@ Derivatives jacobian(ScalarGraph& graph, const Nodes& y, const Nodes& u) {
 }
 
 Nodes gradient(ScalarGraph& graph, const Nodes& y, const Nodes& m, const Nodes& u) {
-  std::vector<Row> seeds;
-  for (const Node each : m) seeds.push_back({{0, each}});
   Nodes found;
-  for (const Row& row : backward(graph, y, seeds, u))
+  for (const Row& row : backward(graph, y, weighted(m), u))
     found.push_back(row.empty() ? graph.constant(0.0) : row.front().second);
   return found;
 }
@@ -208,6 +219,42 @@ Derivatives hessian(ScalarGraph& graph, const Nodes& gradient, const Nodes& u) {
       if (place >= k) above.push_back({place, k, node});
   }
   return in_order(shorter(graph, below, above));
+}
+
+std::optional<Nodes> convexified(ScalarGraph& graph, const Derivatives& exact, const Nodes& y, const Nodes& m,
+                                 const Nodes& u) {
+  const Nodes order = graph.order(y);
+  const std::vector<bool> depends = dependent(graph, order, u);
+  Nodes saturations, operands;
+  for (const Node each : order)
+    if (graph.part(each).operation == casadi::OP_TANH && depends[static_cast<std::size_t>(each)]) {
+      saturations.push_back(each);
+      operands.push_back(graph.part(each).first);
+    }
+  if (saturations.empty()) return std::nullopt;
+  std::map<std::pair<Node, Node>, std::size_t> index;
+  for (std::size_t i = 0; i < exact.size(); ++i) index.emplace(std::pair(exact[i].row, exact[i].column), i);
+  Nodes found = nodes_of(exact);
+  const std::vector<Row> weights = adjoints(graph, y, weighted(m), u);
+  const auto last = static_cast<Node>(u.size());
+  const std::vector<Row> slopes = forward(graph, operands, std::vector<Range>(operands.size(), Range{0, last}), u);
+  for (std::size_t k = 0; k < saturations.size(); ++k) {
+    const Node t = saturations[k];
+    const Row& weight = weights[static_cast<std::size_t>(t)];
+    if (weight.empty()) continue;
+    const Node slope = graph.difference(graph.constant(1.0), graph.product(t, t));
+    const Node curvature =
+        graph.product(weight.front().second, graph.product(graph.constant(-2.0), graph.product(t, slope)));
+    const Node negative = graph.operation(casadi::OP_FMIN, curvature, graph.constant(0.0));
+    for (const auto& [row, by_row] : slopes[k])
+      for (const auto& [column, by_column] : slopes[k]) {
+        const auto at = index.find({row, column});
+        if (at == index.end()) continue;
+        Node& entry = found[at->second];
+        entry = graph.difference(entry, graph.product(negative, graph.product(by_row, by_column)));
+      }
+  }
+  return found;
 }
 
 }  // namespace robotraj::native

@@ -1,6 +1,9 @@
 // Derivatives of scalar graphs, as nodes of the same graph.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "scalar_graph.hpp"
 
 namespace robotraj::native {
@@ -24,5 +27,11 @@ Nodes gradient(ScalarGraph& graph, const Nodes& y, const Nodes& m, const Nodes& 
 /// The lower triangle of the second derivatives by u of a function whose gradient is given. Each entry is computed once,
 /// from the one or the other of its two places in the matrix, whichever takes fewer operations for all together.
 Derivatives hessian(ScalarGraph& graph, const Nodes& gradient, const Nodes& u);
+
+/// The lower triangle of the second derivatives by u of sum_i m_i y_i, without the negative curvature of saturations
+/// t = tanh(z). Each adds k dz/du dz/du' to it, with k the second derivative by z alone; here k is at least zero.
+/// Nothing where y has no saturations. The entries are those of `exact`, in the same order.
+std::optional<Nodes> convexified(ScalarGraph& graph, const Derivatives& exact, const Nodes& y, const Nodes& m,
+                                 const Nodes& u);
 
 }  // namespace robotraj::native

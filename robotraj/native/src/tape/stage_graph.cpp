@@ -71,26 +71,36 @@ StageGraph::Curvature StageGraph::curvature() const {
   const Nodes m = own.add_argument(y_.size()), u = joined({v_, r_});
   const Nodes slopes = native::gradient(own, y_, m, u);
   const auto n = static_cast<Node>(v_.size());
+  const Derivatives entries = hessian(own, slopes, u);
   Curvature found;
-  Nodes vv, rv, rr;
-  for (const Derivative& each : hessian(own, slopes, u)) {
-    const Node row = each.row - n, column = each.column - n;
+  // Places among the entries, in the order of the tape.
+  std::vector<std::size_t> vv, rv, rr;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Node row = entries[i].row - n, column = entries[i].column - n;
     if (row < 0) {
-      vv.push_back(each.node);
-      found.vv.emplace_back(each.row, each.column);
+      vv.push_back(i);
+      found.vv.emplace_back(entries[i].row, entries[i].column);
     } else if (column < 0) {
-      rv.push_back(each.node);
-      found.rv.emplace_back(row, each.column);
+      rv.push_back(i);
+      found.rv.emplace_back(row, entries[i].column);
     } else {
-      rr.push_back(each.node);
+      rr.push_back(i);
       found.rr.emplace_back(row, column);
       if (row == column) continue;
-      rr.push_back(each.node);
+      rr.push_back(i);
       found.rr.emplace_back(column, row);
     }
   }
-  const Nodes by_r(slopes.begin() + n, slopes.end());
-  found.tape = Tape(own, joined({by_r, vv, rv, rr}));
+  const auto tape = [&](const Nodes& of_entries) {
+    Nodes nodes(slopes.begin() + n, slopes.end());
+    for (const auto* places : {&vv, &rv, &rr})
+      for (const std::size_t place : *places) nodes.push_back(of_entries[place]);
+    return Tape(own, nodes);
+  };
+  Nodes exact;
+  for (const Derivative& each : entries) exact.push_back(each.node);
+  found.tape = tape(exact);
+  if (const std::optional<Nodes> convex = convexified(own, entries, y_, m, u)) found.convex = tape(*convex);
   return found;
 }
 

@@ -46,8 +46,10 @@ class StageGraph {
   Tape gradient(std::size_t which) const;
 
   /// With l = d(m' y)/dr: (v, c, r, m) -> l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr.
+  /// `convex` has no negative curvature of saturations (`convexified`); nothing without saturations.
   struct Curvature {
     Tape tape;
+    std::optional<Tape> convex;
     Pattern vv, rv, rr;
   };
   Curvature curvature() const;

@@ -29,9 +29,10 @@ class Feasibility final : public Problem {
   void residual(const double* x, const double* s, double* out) override;
   void add_slack_product(const double* lam, double* out) const override;
   void jacobian(const double* x, StageValues& values) override { original_.jacobian(x, values); }
-  void hessian(const double* x, const double* lam, StageValues& values) override {
-    original_.row_hessian(x, lam, values);
+  void hessian(const double* x, const double* lam, bool convex, StageValues& values) override {
+    original_.row_hessian(x, lam, convex, values);
   }
+  bool saturates() const override { return original_.saturates(); }
   const double* damping() const override { return damping_.data(); }
   void set_barrier(double mu) override;
 

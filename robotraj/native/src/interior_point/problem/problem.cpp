@@ -141,14 +141,14 @@ void ProgramProblem::jacobian(const double* x, StageValues& values) {
   program_->jacobian_to(values.data());
 }
 
-void ProgramProblem::hessian(const double* x, const double* lam, StageValues& values) {
+void ProgramProblem::hessian(const double* x, const double* lam, bool convex, StageValues& values) {
   program_->set_point(x);
-  program_->hessian_to(lam, objective_scale, values.data());
+  program_->hessian_to(lam, objective_scale, values.data(), convex);
 }
 
-void ProgramProblem::row_hessian(const double* x, const double* lam, StageValues& values) {
+void ProgramProblem::row_hessian(const double* x, const double* lam, bool convex, StageValues& values) {
   program_->set_point(x);
-  program_->hessian_to(lam, 0.0, values.data());
+  program_->hessian_to(lam, 0.0, values.data(), convex);
 }
 
 }  // namespace robotraj::interior_point

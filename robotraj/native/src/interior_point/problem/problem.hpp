@@ -38,7 +38,10 @@ class Problem {
   virtual void add_slack_product(const double* lam, double* out) const = 0;
   virtual void jacobian(const double* x, StageValues& values) = 0;
   /// Of the Lagrangian in x, but for a diagonal that `damping` holds; null where there is none.
-  virtual void hessian(const double* x, const double* lam, StageValues& values) = 0;
+  /// `convex`: without the negative curvature of saturations.
+  virtual void hessian(const double* x, const double* lam, bool convex, StageValues& values) = 0;
+  /// Whether a function saturates.
+  virtual bool saturates() const = 0;
   virtual const double* damping() const { return nullptr; }
   /// Called before a function that depends on mu is evaluated.
   virtual void set_barrier(double) {}
@@ -73,9 +76,10 @@ class ProgramProblem final : public Problem {
   void residual(const double* x, const double* s, double* out) override;
   void add_slack_product(const double* lam, double* out) const override;
   void jacobian(const double* x, StageValues& values) override;
-  void hessian(const double* x, const double* lam, StageValues& values) override;
+  void hessian(const double* x, const double* lam, bool convex, StageValues& values) override;
+  bool saturates() const override { return program_->saturates(); }
   /// Without the objective.
-  void row_hessian(const double* x, const double* lam, StageValues& values);
+  void row_hessian(const double* x, const double* lam, bool convex, StageValues& values);
 
  private:
   std::shared_ptr<native::Program> program_;

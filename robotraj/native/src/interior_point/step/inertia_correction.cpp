@@ -67,7 +67,8 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   mu_ = mu;
   second_order_ = false;
   const Side side = this->side(iterate, mu, iterate.residual());
-  problem_.hessian(iterate.at->x, iterate.at->rows, newton.hessian());
+  problem_.hessian(iterate.at->x, iterate.at->rows, false, newton.hessian());
+  bool convex = !problem_.saturates();
   newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
   const double root = std::pow(std::max(mu, options_.tolerance), kPower);
   double delta_w = 0.0, delta_c = options_.least_row_correction * root;
@@ -75,7 +76,11 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   const Timed timed(seconds);
   while (delta_w <= kLargest) {
     switch (newton.solve(iterate, side, delta_w, delta_c, step)) {
-      case Solved::indefinite: delta_w = larger(delta_w); break;
+      case Solved::indefinite:
+        if (convex) delta_w = larger(delta_w);
+        else problem_.hessian(iterate.at->x, iterate.at->rows, true, newton.hessian());
+        convex = true;
+        break;
       case Solved::dependent:
         if (!corrected) delta_c = options_.row_correction * root;
         else delta_w = larger(delta_w);

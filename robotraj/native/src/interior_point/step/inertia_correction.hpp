@@ -13,6 +13,10 @@ namespace robotraj::interior_point {
 ///     delta_c = delta_c_bar mu^(1/4) where rows depend on each other.
 ///
 /// Where rows still depend on each other with delta_c, delta_w grows; beyond its largest value there is no step.
+///
+/// Before delta_w is added, the Hessian loses the negative curvature of saturations, such as F tanh(v / v_s) of dry
+/// friction. It is large within v_s of a reversal, and a delta_w of its size would shorten the steps of all variables.
+/// Near an optimum the exact Hessian has the right inertia, so that convergence stays quadratic.
 /// Source: the paper, algorithm IC.
 class InertiaCorrection {
  public:
