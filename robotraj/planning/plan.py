@@ -155,7 +155,7 @@ def plan(
                      goals, a motor at every joint, a kinked cost  MeshesOfLines()
                      goals, a motor at every joint                 Mesh of 16 intervals, HermiteSimpson()
                      goals, contacts                               ProportionalMeshes()
-                     goals                                         Mesh of 20 intervals, HermiteSimpson()
+                     goals                                         Mesh of 30 intervals, HermiteSimpson()
                      otherwise                                     Mesh of 20 intervals, RadauIIA()
     solver           engine=Compiled()                             Ipopt()
                      shooting or moving knots                      Ipopt()

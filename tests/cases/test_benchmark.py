@@ -29,7 +29,8 @@ def test_every_case_reaches_its_optimum_at_a_tolerance_of_1e_6(case: Case) -> No
 @pytest.mark.parametrize("case", EVERY, ids=lambda case: case.name)
 def test_the_default_call_proves_every_case(case: Case) -> None:
     solution = rt.plan(case.problem, guess=case.guess)
-    assert solution.proof is not None and solution.proof.motion_holds
+    assert solution.proof is not None and solution.proof.holds
+    assert solution.objective == pytest.approx(case.exact, rel=solution.proof.goals.objective, abs=1e-5)
     assert rt.validate(solution).passed
 
 

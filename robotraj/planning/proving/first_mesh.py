@@ -18,7 +18,7 @@ COARSE = 16
 """Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
 CORNERED = 32
 """Intervals of the first mesh of an arm whose objective has corners, such as the absolute power, by ``LINES``."""
-SYSTEM = 20
+SYSTEM = 30
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
 PATH = 48
 """Intervals of the first mesh of a motion on a path, which has two states and one control."""

@@ -15,7 +15,7 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
-from robotraj.transcription.refinement.assess import errors_of
+from robotraj.transcription.refinement.assess import control_jumps, errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.refinement.path_bends import path_bends
@@ -25,11 +25,12 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 Array = NDArray[np.float64]
 
-ORDER, ORDER_OF_ENDS = 2.0, 1.5
+ORDER, ORDER_OF_ENDS, ORDER_OF_SWITCHES = 2.0, 1.5, 1.0
 """Orders of convergence of an objective in the number of intervals: with integrals, and of the ends alone.
 
-In least time controls stay at their limits and switch inside intervals. Both orders were measured with arms, against
-meshes four times as fine: between 1 and 2 for least times, above 2 for integrals of squared torques.
+In least time controls stay at their limits and switch inside intervals. The first two orders were measured with arms,
+against meshes four times as fine: between 1 and 2 for least times, above 2 for integrals of squared torques. The last
+is that of systems whose controls are unknowns of their own, where a switch costs a share of its interval.
 """
 SMALL = 1e-2
 """Least size of an objective to which its errors are relative."""
@@ -82,7 +83,7 @@ class Measured:
         """Refine the mesh of every phase to the goals, with at least ``growth`` times as many intervals."""
         measures = zip(parts, self.errors, self.broken, strict=True)
         return tuple(
-            refinement.refine(part.mesh, _assessment(errors, broken, growth), self.proof.goals.error)
+            refinement.refine(part.mesh, _assessment(part, errors, broken, growth), self.proof.goals.error)
             for part, errors, broken in measures
         )
 
@@ -139,8 +140,7 @@ def measured(
     on_paths = all(part.phase.path is not None for part in parts)
     bending = bending or on_paths
     coarse = float(sum(each.sum() for each in bends)) / size if bending else 0.0
-    terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
-    order = ORDER if any(isinstance(term, Integral) for term in terms) else ORDER_OF_ENDS
+    order = _order(parts)
     unsettled = expected
     coarser = before if bending else _coarser(before, count)
     if coarser is not None:
@@ -163,6 +163,14 @@ def measured(
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
     return Measured(proof, true, count, before, needs, broken, coarse, order).with_violations(solution)
+
+
+def _order(parts: Sequence[PhaseSolution]) -> float:
+    """Return the order of convergence of the objective in the number of intervals."""
+    terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
+    if any(isinstance(term, Integral) for term in terms):
+        return ORDER
+    return ORDER_OF_ENDS if all(part.exact for part in parts) else ORDER_OF_SWITCHES
 
 
 def proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Proof | None:
@@ -204,6 +212,6 @@ def _coarser(before: Measured | None, count: int) -> Measured | None:
     return before if before is not None and before.intervals < count else None
 
 
-def _assessment(errors: Array, broken: Array, growth: float) -> Assessment:
+def _assessment(part: PhaseSolution, errors: Array, broken: Array, growth: float) -> Assessment:
     nothing = np.zeros(len(errors))
-    return Assessment(errors, nothing, nothing, broken, True, nothing, growth)
+    return Assessment(errors, control_jumps(part.trajectory), nothing, broken, True, nothing, growth)

@@ -34,7 +34,7 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
         errors = np.maximum(errors, len(errors) * path_bends(phase, trajectory) / trajectory.duration)
     return Assessment(
         errors,
-        _jumps(trajectory, moving),
+        control_jumps(trajectory, moving),
         _decays(trajectory),
         broken_rows(phase, trajectory),
         settled,
@@ -54,7 +54,11 @@ def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh) -> Array:
     return np.maximum(interval_errors(phase, trajectory, inputs), of_integrals)
 
 
-def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
+def control_jumps(trajectory: PhaseTrajectory, moving: bool = False) -> Array:
+    """Return the largest change of a control in every interval or at its ends, relative to its range, (K,).
+
+    Jumps at moving knots are ignored, since these knots follow the switches.
+    """
     values = trajectory.u.values
     every = np.vstack(list(values))
     if not every.shape[1]:
@@ -63,7 +67,6 @@ def _jumps(trajectory: PhaseTrajectory, moving: bool) -> Array:
     span = np.where(span > 0, span, 1.0)
     inside = np.array([np.max(np.ptp(value, axis=0) / span) for value in values])
     if moving:
-        # Moving knots follow the switches.
         return inside
     # A switch may also stand between the last node of one interval and the first of the next.
     ends = np.array([np.max(np.abs(b[0] - a[-1]) / span) for a, b in zip(values[:-1], values[1:], strict=True)])

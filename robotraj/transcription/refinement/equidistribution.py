@@ -4,7 +4,7 @@ The residual of s-point collocation on an interval of length h falls about as h^
 
     n = (e / (SAFETY tolerance))^(1 / (s + 1))
 
-parts. The sum of n over an interval's length is a density of knots; the next mesh has equal shares of it.
+parts. Where a control jumps inside an interval its error falls as h, and the power is 1. The sum of n over an interval's length is a density of knots; the next mesh has equal shares of it.
 
 Where the required lengths h grow too fast along the phase, they are replaced by
 
@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""
+JUMP = 0.2
+"""Relative change of a control in an interval that counts as a jump; the error then falls with the length alone."""
 LEAST_GROWTH = 1.1
 """Least growth of the number of intervals; with less, the change of the objective would not be significant."""
 HALVED, NEARLY = 2.0, 0.3
@@ -87,6 +89,7 @@ class Equidistribute(Refinement):
         The same mesh is returned if all errors are below the tolerance and ``assessment.growth`` is 1.
         """
         orders = np.array([error_order(scheme) for scheme in mesh.schemes], dtype=float)
+        orders[assessment.jumps > JUMP] = 1.0
         parts = (assessment.errors / (SAFETY * tolerance)) ** (1.0 / orders)
         parts = np.where(assessment.errors > tolerance, np.maximum(parts, 1.0), 1.0)
         broken = np.append(0.0, np.append(assessment.broken, 0.0))

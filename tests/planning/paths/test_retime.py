@@ -237,7 +237,7 @@ def test_a_plan_under_a_limit_of_jerk_moves_near_its_own_path(arm, objective):
     t = np.linspace(0.0, gentle.duration, 3001)
     sample = gentle.at(t)
     assert np.abs(np.diff(sample.a, axis=0) / np.diff(t)[:, None]).max() < 500 * (1 + 1e-3)
-    known = own.at(np.linspace(0.0, own.duration, 4001)).q
+    known = own.at(np.linspace(0.0, own.duration, 20001)).q
     near = np.abs(sample.q[::30, None] - known[None]).max(axis=2).min(axis=1)
     assert near.max() <= 1e-3 * (1 + 1e-6)
     assert gentle.problem.phases[0].constraints[0].deviation == 1e-3

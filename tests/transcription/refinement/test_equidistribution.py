@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,13 @@ def test_intervals_within_the_tolerance_stay_and_others_are_cut_by_the_order_of_
     refined = rt.refinement.Equidistribute().refine(mesh, seen([0.1, 4, 4, 0.1]), TOLERANCE)
     assert refined.knots == pytest.approx([0, 1 / 4, 3 / 8, 1 / 2, 5 / 8, 3 / 4, 1])
     assert refined.given == mesh.given
+
+
+def test_the_error_of_an_interval_with_a_jump_falls_with_its_length_alone() -> None:
+    """4 times the tolerance needs 16 parts by the order 1, of which 4 are allowed at once; the smooth interval 2."""
+    jumping = replace(seen([0.1, 4, 4, 0.1]), jumps=np.array([0.0, 0.9, 0.1, 0.0]))
+    refined = rt.refinement.Equidistribute().refine(rt.Mesh(4), jumping, TOLERANCE)
+    assert refined.knots == pytest.approx([0, 1 / 4, 5 / 16, 3 / 8, 7 / 16, 1 / 2, 5 / 8, 3 / 4, 1])
 
 
 def test_a_mesh_that_holds_stays() -> None:
