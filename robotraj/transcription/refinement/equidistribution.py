@@ -4,7 +4,8 @@ The residual of s-point collocation on an interval of length h falls about as h^
 
     n = (e / (SAFETY tolerance))^(1 / (s + 1))
 
-parts. Where a control jumps inside an interval its error falls as h, and the power is 1. The sum of n over an interval's length is a density of knots; the next mesh has equal shares of it.
+parts. Where a control jumps inside an interval its error falls as h, and the power is 1. The sum of n over an
+interval's length is a density of knots; the next mesh has equal shares of it.
 
 Where the required lengths h grow too fast along the phase, they are replaced by
 
