@@ -45,6 +45,8 @@ WARM_SHARE = 1e-2
 
 The violation measures the distance of the start from the central path.
 """
+LEAST_BARRIER, NEARBY_SHARE = 1e-8, 1e-3
+"""The same two where only few rows or bounds differ: a larger barrier would first leave the known solution."""
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
 FACTORS = (100.0, 10.0)
@@ -216,7 +218,9 @@ class InteriorPoint(Solver):
         warm = warm_start(multipliers, formulation)
         barrier = self.initial_barrier
         if warm:
-            barrier = min(barrier, max(WARM_BARRIER, WARM_SHARE * largest_violation(native, start, program)))
+            known_rows = self.adaptive_barrier and "lam" in warm
+            least, share = (LEAST_BARRIER, NEARBY_SHARE) if known_rows else (WARM_BARRIER, WARM_SHARE)
+            barrier = min(barrier, max(least, share * largest_violation(native, start, program)))
         tried: list[NativeOutcome] = []
         iterations = 0
         factors = FACTORS if self.barrier_factor is None else (self.barrier_factor,)

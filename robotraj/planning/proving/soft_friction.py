@@ -21,7 +21,7 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 
-SOFTENING, SOFTENING_OF_GAITS = (10.0, 4.0, 2.0, 1.2), (10.0,)
+SOFTENING, SOFTENING_OF_GAITS = (6.0, 1.5), (10.0,)
 """Factors c on v_s for the first solves, for arms and for robots whose root moves.
 
 Arms are solved on a finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends

@@ -58,4 +58,25 @@ ROBOTRAJ_TEST(an_acceptable_error_counts_only_in_a_row) {
   CHECK(convergence.check(at) == Converged::no);
 }
 
+ROBOTRAJ_TEST(the_adaptive_rule_ends_with_small_products) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  double largest = 0.0;
+  for (int i = 0; i < 5; ++i) {
+    largest = std::max(largest, at.at->lower[i] * at.below()[i]);
+    if (i > 0) largest = std::max(largest, at.at->upper[i] * at.above()[i]);
+  }
+  interior_point::Options options;
+  options.violation_tolerance = 1e3;
+  interior_point::Convergence convergence(options);
+  for (const double share : {9.0, 11.0}) {
+    options.tolerance = share * largest;
+    CHECK(interior_point::error(at, 0.0) < options.tolerance);
+    options.adaptive_barrier = false;
+    CHECK(convergence.check(at) == Converged::solved);
+    options.adaptive_barrier = true;
+    CHECK((convergence.check(at) == Converged::solved) == (share > 10.0));
+  }
+}
+
 }  // namespace robotraj::tests

@@ -1,6 +1,7 @@
 // Search directions where the Hessian is indefinite, and those of the same factors.
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 
 #include "check.hpp"
@@ -84,6 +85,30 @@ ROBOTRAJ_TEST(second_order_steps_count_the_products_of_the_changes) {
   CHECK(its.run.direction.aim(at, mu, false, plain.get()));
   CHECK(its.run.direction.find(at, mu, again.get()));
   for (int i = 0; i < 5; ++i) CHECK(std::abs(again->s[i] - plain->s[i]) < 1e-6);
+}
+
+ROBOTRAJ_TEST(centring_moves_the_products_of_a_longer_step_into_their_range) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  interior_point::Room before(its.problem), step(its.problem);
+  const double mu = 1e-3;
+  CHECK(its.run.direction.find(at, mu, before.get()));
+  CHECK(its.run.direction.find(at, mu, step.get()));
+  CHECK(its.run.direction.center(at, 1.0, 1.0, step.get()));
+  int moved = 0;
+  for (int i = 0; i < 5; ++i) {
+    const double product = (at.at->lower[i] + before->lower[i]) * (at.below()[i] + before->s[i]);
+    const double change = std::max(-10.0 * mu, std::clamp(product, 0.1 * mu, 10.0 * mu) - product);
+    const double linear = at.at->lower[i] * step->s[i] + at.below()[i] * step->lower[i];
+    CHECK(std::abs(at.at->lower[i] * at.below()[i] + linear - mu - change) < 1e-6);
+    if (change != 0.0) ++moved;
+    if (i == 0) continue;  // no upper bound
+    const double above = (at.at->upper[i] + before->upper[i]) * (at.above()[i] - before->s[i]);
+    const double change_above = std::max(-10.0 * mu, std::clamp(above, 0.1 * mu, 10.0 * mu) - above);
+    const double linear_above = -at.at->upper[i] * step->s[i] + at.above()[i] * step->upper[i];
+    CHECK(std::abs(at.at->upper[i] * at.above()[i] + linear_above - mu - change_above) < 1e-6);
+  }
+  CHECK(moved > 0);
 }
 
 ROBOTRAJ_TEST(corrections_solve_for_other_residuals_by_the_same_factors) {

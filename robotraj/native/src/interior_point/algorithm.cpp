@@ -56,7 +56,7 @@ End Algorithm::iterate(double mu) {
 }
 
 bool Algorithm::step() {
-  if (!barrier.is_free()) return run.direction.find(*run.current, run.mu, run.step.get());
+  if (!barrier.is_free()) return barrier.follow();
   search.reset();
   return barrier.choose();
 }

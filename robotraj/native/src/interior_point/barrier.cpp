@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "interior_point/problem/convergence.hpp"
 
@@ -13,6 +14,11 @@ constexpr double kComplementarityTolerance = 1e-4;
 constexpr std::size_t kRemembered = 4;
 constexpr double kProgress = 0.9, kFixed = 0.8, kLargestBarrier = 1e5;
 constexpr double kAsLong = 0.9;  // share of the predictor's length that a corrected step keeps
+constexpr int kCenterings = 2;
+constexpr double kLong = 0.9;    // length of a step that is not centred
+constexpr double kLonger = 0.3;  // by how much further than its length a step is centred
+constexpr double kGain = 0.1;    // share of kLonger by which one of its lengths must grow,
+constexpr double kLoss = 0.99;   // and the least ratio of the other one
 
 }  // namespace
 
@@ -58,6 +64,43 @@ bool Barrier::update() {
 }
 
 bool Barrier::choose() {
+  if (!second_order_step()) return false;
+  center();
+  return true;
+}
+
+bool Barrier::follow() {
+  if (!run_.direction.find(*run_.current, run_.mu, run_.step.get())) return false;
+  if (run_.options.adaptive_barrier) center();
+  return true;
+}
+
+void Barrier::center() {
+  Run& run = run_;
+  Iterate& at = *run.current;
+  const VectorKernels& vectors = native::vector_kernels_of();
+  const native::Bounds bounds = run.problem.bounds();
+  const double tau = run.tau();
+  const Vectors& step = run.step.get();
+  const auto lengths = [&] {
+    return std::pair{vectors.longest_step(bounds, at.below(), at.above(), step.s, tau),
+                     vectors.longest_dual_step(bounds, at.at->lower, step.lower, at.at->upper, step.upper, tau)};
+  };
+  auto [primal, dual] = lengths();
+  for (int count = 0; count < kCenterings && std::min(primal, dual) < kLong; ++count) {
+    if (!before_) before_ = std::make_unique<Room>(run.problem);
+    before_->copy(run.step);
+    bool better = run.direction.center(at, std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger), step);
+    const auto [of_primal, of_dual] = lengths();
+    const bool gains = of_primal >= primal + kGain * kLonger || of_dual >= dual + kGain * kLonger;
+    better = better && gains && of_primal >= kLoss * primal && of_dual >= kLoss * dual;
+    if (!better) return run.step.copy(*before_);
+    primal = of_primal;
+    dual = of_dual;
+  }
+}
+
+bool Barrier::second_order_step() {
   Run& run = run_;
   const VectorKernels& vectors = native::vector_kernels_of();
   Iterate& at = *run.current;

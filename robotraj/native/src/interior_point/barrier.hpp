@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 
 #include "run.hpp"
 
@@ -14,10 +15,12 @@ namespace robotraj::interior_point {
 /// Adaptive: mu = sigma mean(z s), sigma = (mean(z s) after the step of mu = 0 / mean(z s))^3, as long as the error of
 /// the optimality conditions falls below 0.9 of the largest of the last four; else monotone from 0.8 mean(z s) on, until
 /// it does again. The step of the chosen mu also corrects the complementarity by the products of the changes in the step
-/// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one.
+/// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one. A step that the
+/// bounds shorten to less than 0.9 is centred at most twice, for steps that are longer by 0.3, as long as it lengthens.
 /// Sources: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods, SIAM J. Optim.
 /// 19 (2009), sections 3 and 4; Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim.
-/// 2 (1992), for the correction.
+/// 2 (1992), for the correction; Gondzio, Multiple centrality corrections in a primal-dual method for linear
+/// programming, Computational Optimization and Applications 6 (1996), for the centring.
 class Barrier {
  public:
   explicit Barrier(Run& run) : run_(run) {}
@@ -29,12 +32,17 @@ class Barrier {
   bool is_free() const { return run_.options.adaptive_barrier && free_; }
   /// Makes the step of the current iterate, for a parameter that it chooses; false where there is no step.
   bool choose();
+  /// Makes the step of the parameter that falls monotonically.
+  bool follow();
 
  private:
   bool decrease();
   double least() const;
+  bool second_order_step();
+  void center();
 
   Run& run_;
+  std::unique_ptr<Room> before_;  // the step before it is centred
   bool free_ = true;
   std::deque<double> errors_;
 };

@@ -8,6 +8,7 @@ namespace robotraj::interior_point {
 namespace {
 
 constexpr double kLargestMean = 100.0;  // s_max
+constexpr double kAdaptiveGap = 0.1;    // largest product of the adaptive rule, relative to the tolerance
 
 double mean(double sum, int count) { return count > 0 ? sum / count : 0.0; }
 
@@ -52,10 +53,17 @@ double mean_complementarity(Iterate& iterate) {
   return mean(sum, problem.bound_count());
 }
 
+bool Convergence::close(Iterate& iterate) const {
+  if (!options_.adaptive_barrier) return true;
+  const double largest = native::vector_kernels_of().largest_complementarity(
+      iterate.problem().bounds(), iterate.at->lower, iterate.below(), iterate.at->upper, iterate.above(), 0.0);
+  return largest <= kAdaptiveGap * options_.tolerance;
+}
+
 Converged Convergence::check(Iterate& iterate) {
   const double now = error(iterate, 0.0);
   const bool feasible = iterate.largest_violation() <= options_.violation_tolerance;
-  if (now <= options_.tolerance && feasible) return Converged::solved;
+  if (now <= options_.tolerance && feasible && close(iterate)) return Converged::solved;
   acceptable_ = now <= options_.acceptable_tolerance && feasible ? acceptable_ + 1 : 0;
   return acceptable_ >= options_.acceptable_iterations ? Converged::acceptable : Converged::no;
 }

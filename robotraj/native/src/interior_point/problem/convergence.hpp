@@ -22,7 +22,9 @@ double mean_complementarity(Iterate& iterate);
 /// `acceptable` after `acceptable_iterations` in a row with E_0 <= `acceptable_tolerance`.
 enum class Converged { no, solved, acceptable };
 
-/// Solved where E_0 <= eps_tol and no row is violated by more than `violation_tolerance`.
+/// Solved where E_0 <= eps_tol and no row is violated by more than `violation_tolerance`. The adaptive rule of the
+/// barrier also needs products |S z| <= eps_tol / 10: it may arrive there with products that are still a hundred times
+/// its parameter, and the objective is then off by their sum.
 class Convergence {
  public:
   explicit Convergence(const Options& options) : options_(options) {}
@@ -31,6 +33,8 @@ class Convergence {
   Converged check(Iterate& iterate);
 
  private:
+  bool close(Iterate& iterate) const;
+
   const Options& options_;
   int acceptable_ = 0;
 };

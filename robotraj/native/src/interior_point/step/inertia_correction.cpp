@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
 constexpr double kShrink = 1.0 / 3.0, kGrow = 8.0, kGrowFirst = 100.0;
-constexpr double kPower = 0.25;  // kappa_c
+constexpr double kPower = 0.25;                                // kappa_c
+constexpr double kLeastProduct = 0.1, kLargestProduct = 10.0;  // of a distance and its multiplier, relative to mu
 
 /// Adds the time from its construction to its destruction to a sum.
 class Timed {
@@ -108,6 +109,25 @@ bool InertiaCorrection::aim(Iterate& iterate, double mu, bool second_order, cons
     // The distance from the upper bound changes by -ds.
     lower_products_[i] = step.lower[i] * step.s[i];
     upper_products_[i] = -step.upper[i] * step.s[i];
+  }
+  return correct(iterate, iterate.residual(), step);
+}
+
+bool InertiaCorrection::center(Iterate& iterate, double primal, double dual, const Vectors& step) {
+  const native::Bounds bounds = problem_.bounds();
+  const double least = kLeastProduct * mu_, largest = kLargestProduct * mu_;
+  if (!second_order_) {
+    std::fill_n(lower_products_, problem_.slacks(), 0.0);
+    std::fill_n(upper_products_, problem_.slacks(), 0.0);
+    second_order_ = true;
+  }
+  const auto change = [&](double product) { return std::max(-largest, std::clamp(product, least, largest) - product); };
+  for (int i = 0; i < problem_.slacks(); ++i) {
+    const double ds = primal * step.s[i];
+    if (std::isfinite(bounds.lower[i]))
+      lower_products_[i] -= change((iterate.at->lower[i] + dual * step.lower[i]) * (iterate.below()[i] + ds));
+    if (std::isfinite(bounds.upper[i]))
+      upper_products_[i] -= change((iterate.at->upper[i] + dual * step.upper[i]) * (iterate.above()[i] - ds));
   }
   return correct(iterate, iterate.residual(), step);
 }

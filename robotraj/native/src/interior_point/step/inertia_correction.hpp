@@ -32,6 +32,9 @@ class InertiaCorrection {
   /// The same with another barrier parameter. `second_order` subtracts the products dz ds of the changes in `step` from
   /// the complementarity: Newton's step neglects them.
   bool aim(Iterate& iterate, double mu, bool second_order, const Vectors& step);
+  /// Corrects a step of `find` or `aim` so that a longer one stays centred: products of distances and multipliers after
+  /// the lengths `primal` and `dual` that are outside of [0.1 mu, 10 mu] are moved to it, by at most 10 mu downwards.
+  bool center(Iterate& iterate, double primal, double dual, const Vectors& step);
 
   double seconds = 0.0;  ///< spent on linear algebra
 
