@@ -53,12 +53,23 @@ def test_sums_of_multipliers_are_those_of_the_finer_mesh(phase: rt.Phase, scheme
         assert own.sum() == pytest.approx(of_fine.sum(), rel=0.1, abs=0.1)
 
 
+def reach(further: float = 0.0) -> rt.Phase:
+    end = [1.1 + further, -0.8, 0.6, -0.6, -0.6, 1.2]
+    ends = rt.State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0), rt.State(q=end, v=0)
+    return rt.Phase(rt.load("ur5"), 1.0, *ends, rt.Effort())
+
+
+def test_a_solve_from_another_end_on_the_same_mesh_starts_at_a_barrier_that_fits() -> None:
+    solver, mesh = rt.InteriorPoint(tolerance=1e-6), rt.Mesh(30)
+    known = rt.plan(reach(), mesh, solver=solver)
+    plain, nearby = (rt.plan(reach(1e-3), mesh, known, own) for own in (solver, solver.from_nearby()))
+    assert nearby.objective == pytest.approx(plain.objective, rel=2e-5)
+    assert nearby.iterations < 0.7 * plain.iterations
+
+
 def test_a_solve_from_another_mesh_takes_fewer_iterations_with_multipliers() -> None:
-    robot = rt.load("ur5")
-    ends = rt.State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0), rt.State(q=[1.1, -0.8, 0.6, -0.6, -0.6, 1.2], v=0)
-    phase = rt.Phase(robot, 1.0, *ends, rt.Effort())
     solver = rt.InteriorPoint(tolerance=1e-6).from_nearby()
-    coarse, mesh = rt.plan(phase, rt.Mesh(16)), rt.Mesh(48)
+    coarse, mesh = rt.plan(reach(), rt.Mesh(16)), rt.Mesh(48)
     warm = rt.plan(coarse.problem, mesh, coarse, solver)
     assert coarse.multipliers is not None
     numbers = Multipliers(coarse.multipliers.rows, coarse.multipliers.bounds)
