@@ -24,8 +24,8 @@ from robotraj.problem.problem import Problem
 SOFTENING, SOFTENING_OF_GAITS = (6.0, 1.5), (10.0,)
 """Factors c on v_s for the first solves, for arms and for robots whose root moves.
 
-More factors between those of arms took more iterations to worse optima (``benchmarks/barrier.md``). Arms are solved on a
-finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends little on friction, are
+More factors between those of arms took more iterations to worse optima (``benchmarks/barrier.md``). Arms are solved on
+a finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends little on friction, are
 softened once and keep their mesh: the next solve starts from the multipliers too.
 """
 
