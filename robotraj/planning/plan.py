@@ -282,7 +282,7 @@ def _method(settings: Settings) -> Callable[..., Solution]:
 
         return prove
     if settings.tolerance is not None:
-        from robotraj.planning.refine import adapt
+        from robotraj.planning.refining.adapt import adapt
 
         return adapt
     return solve

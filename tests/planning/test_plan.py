@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning import refine as adaptive
 from robotraj.planning import solve as solving
+from robotraj.planning.refining import adapt as adaptive
 from robotraj.solvers.base import Iteration
 
 BLOCK = rt.System(
@@ -162,7 +162,7 @@ class Pressed(rt.Ipopt):
 
 def test_ctrl_c_between_meshes_keeps_what_the_last_one_found(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(adaptive, "_next", pressed)
+        patch.setattr(adaptive, "finer_meshes", pressed)
         solution = rt.plan(cartpole(), tolerance=1e-9, check=False)
     assert solution.status is rt.solvers.Status.INTERRUPTED
     assert len(solution.refinement) == 1

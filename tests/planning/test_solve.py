@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning import refine as adaptive
 from robotraj.planning import solve as solving
+from robotraj.planning.refining import adapt as adaptive
 
 RADAU = rt.Mesh(5, rt.schemes.RadauIIA(3))
 

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import robotraj as rt
 from robotraj.planning import duality_gap
-from robotraj.planning import refine as adaptive
+from robotraj.planning.refining import adapt as adaptive
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.error import interval_errors
 

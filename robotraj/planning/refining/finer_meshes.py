@@ -1,0 +1,110 @@
+"""The next meshes of a plan that is refined to a tolerance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+from robotraj.transcription.refinement.base import Assessment, Refinement
+from robotraj.transcription.schemes.collocation import Collocation
+from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.onestep import OneStep
+
+ROOM = 0.1
+"""Largest relative change of the length of a moving interval from one mesh to the next."""
+GROWTH = 1.1
+"""Ratio of the numbers of points over two meshes below which the next one grows by as much at once."""
+ROUND_OFF = 1e-13
+"""Error below which a mesh is not refined."""
+
+
+def finer_meshes(
+    solution: Solution,
+    assessments: Sequence[Assessment],
+    refinement: Refinement,
+    tolerance: float,
+    settled: bool,
+    barely_grown: bool,
+) -> list[Mesh]:
+    """Return the mesh of every phase that follows the mesh of a solution.
+
+    While the objective changes, errors must be smaller than the tolerance. Where the meshes barely grow, the goal falls
+    until they do: with an interval or two more, errors would stay the same for mesh after mesh. If the errors are small
+    enough but ``refinement`` returns no finer mesh, the goal falls further. Otherwise every interval whose knots are
+    fixed is halved.
+    """
+    meshes = [part.mesh for part in solution.phases]
+    worst = max(float(each.errors.max()) for each in assessments)
+    goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
+    finer = _refined_to(solution, assessments, refinement, tolerance, goal)
+    while barely_grown and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
+        goal *= 0.3
+        finer = _refined_to(solution, assessments, refinement, tolerance, goal)
+    if worst <= tolerance and not settled and not _is_finer(meshes, finer):
+        closer = _refined_to(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
+        if not _is_finer(meshes, closer):
+            closer = [_halved(mesh) for mesh in meshes]
+        finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
+    return finer
+
+
+def split_where_broken(
+    solution: Solution, assessments: Sequence[Assessment], refinement: Refinement, tolerance: float
+) -> list[Mesh]:
+    """Return meshes whose intervals are split where path rows are violated, as long as an objective changes."""
+    rough = [replace(each, settled=False) for each in assessments]
+    return _refined_to(solution, rough, refinement, tolerance, tolerance)
+
+
+def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
+    """Whether meshes have more points and none has fewer; meshes whose knots move are ignored."""
+    pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
+    more = [_points(b) - _points(a) for a, b in pairs]
+    return not more or (min(more) >= 0 and max(more) > 0)
+
+
+def _has_grown(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
+    """Whether meshes have ``GROWTH`` times as many points; true where all knots move."""
+    pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
+    return sum(_points(b) for _, b in pairs) >= GROWTH * sum(_points(a) for a, _ in pairs)
+
+
+def _points(mesh: Mesh) -> int:
+    return sum(len(scheme.nodes) if isinstance(scheme, Collocation) else 1 for scheme in mesh.schemes)
+
+
+def _halved(mesh: Mesh) -> Mesh:
+    """Halve every interval, where errors are round-off and the objective has not settled.
+
+    The residual does not measure the effect of control polynomials, Bernstein bounds and quadrature on the objective.
+    """
+    knots = np.interp(np.arange(2 * mesh.count + 1) / 2, np.arange(mesh.count + 1), mesh.knots)
+    return Mesh(tuple(knots.tolist()), tuple(scheme for scheme in mesh.schemes for _ in range(2)))
+
+
+def _is_integrated(part: PhaseSolution) -> bool:
+    """Whether a scheme of one step integrates the phase; its intervals are split until the objective settles."""
+    return any(isinstance(scheme, OneStep) for scheme in part.mesh.schemes)
+
+
+def _refined_to(
+    solution: Solution, assessments: Sequence[Assessment], refinement: Refinement, tolerance: float, goal: float
+) -> list[Mesh]:
+    """Refine the mesh of every phase to a goal, and meshes of schemes of one step to the tolerance."""
+    pairs = zip(solution.phases, assessments, strict=True)
+    return [_refined(part, own, refinement, tolerance if _is_integrated(part) else goal) for part, own in pairs]
+
+
+def _refined(part: PhaseSolution, assessment: Assessment, refinement: Refinement, tolerance: float) -> Mesh:
+    """Refine the mesh of a phase; moving knots start from their last places."""
+    mesh = part.mesh
+    if not isinstance(mesh, MovingMesh):
+        return refinement.refine(mesh, assessment, tolerance)
+    inner = (part.knots[1:-1] - part.t0) / part.duration
+    refined = refinement.refine(Mesh((0.0, *inner, 1.0), mesh.schemes), assessment, tolerance)
+    # Knots are near the switches by now and need little room.
+    return MovingMesh(refined.intervals, refined.scheme, max(mesh.least, 1 - ROOM), min(mesh.most, 1 + ROOM))
