@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kThreshold = 1e-6;  // of pivots, beside the largest entry of their column
 constexpr double kSmall = 1e-20;     // pivots below it are zero
+constexpr int kFew = 12;             // entries of inequalities that are eliminated
 
 std::vector<std::int32_t> in_order(std::size_t count) {
   std::vector<std::int32_t> places(count);
@@ -95,14 +96,12 @@ SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices)
   for (int i = 0; i < layout.slacks; ++i) {
     const int row = layout.inequality_rows + i;
     const auto end = std::upper_bound(entry, jacobian.rows.end(), row);
-    const auto at = static_cast<int>(entry - jacobian.rows.begin());
-    if (end - entry > 1) {
+    if (end - entry > kFew) {
       row_of[static_cast<std::size_t>(row)] = size++;
       kept_.push_back(i);
-    } else if (entry == end) {
-      bounds_.push_back({i, -1, -1});
     } else {
-      bounds_.push_back({i, jacobian.columns[static_cast<std::size_t>(at)], at});
+      const auto at = [&](auto place) { return static_cast<std::size_t>(place - jacobian.rows.begin()); };
+      eliminated_.push_back({i, at(entry), at(end)});
     }
     entry = end;
   }
@@ -114,6 +113,10 @@ SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices)
     const int row = row_of[static_cast<std::size_t>(jacobian.rows[e])];
     of_jacobian_.push_back(row < 0 ? -1 : entries.add(row, jacobian.columns[e]));
   }
+  for (const Eliminated& each : eliminated_)
+    for (std::size_t e = each.begin; e < each.end; ++e)
+      for (std::size_t other = each.begin; other <= e; ++other)
+        products_.push_back(entries.add(jacobian.columns[e], jacobian.columns[other]));
   std::vector<int> groups;
   const std::vector<int>& given = matrices.groups();
   for (auto numbers = given.begin(); numbers != given.end(); numbers += layout.columns + layout.rows) {
@@ -125,7 +128,7 @@ SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices)
         groups[begin + static_cast<std::size_t>(at)] = numbers[layout.columns + row];
   }
   factors_ = std::make_unique<ldl::Factors>(entries.pattern(), groups);
-  for (auto* places : {&diagonal_, &of_hessian_, &of_jacobian_})
+  for (auto* places : {&diagonal_, &of_hessian_, &of_jacobian_, &products_})
     for (std::int32_t& place : *places) place = place < 0 ? -1 : entries.place(place);
   values_.resize(factors_->pattern().rows.size());
   right_.resize(static_cast<std::size_t>(size));
@@ -144,11 +147,12 @@ Pivots SparseSolver::factorise_and_solve(const StageValues& jacobian, const Stag
   for (int i = 0; i < layout.columns; ++i) value(*diagonal++) += system.dx[i];
   for (int i = 0; i < layout.inequality_rows; ++i) value(*diagonal++) -= system.de ? system.de[i] : 0.0;
   for (const int i : kept_) value(*diagonal++) -= system.ds[i];
-  for (const Bound& bound : bounds_) {
-    if (bound.entry < 0) continue;
-    const double a = jacobian[static_cast<std::size_t>(bound.entry)];
-    value(diagonal_[static_cast<std::size_t>(bound.column)]) += a * a / system.ds[bound.row];
-  }
+  const std::int32_t* product = products_.data();
+  for (const Eliminated& each : eliminated_)
+    for (std::size_t e = each.begin; e < each.end; ++e) {
+      const double scaled = jacobian[e] / system.ds[each.row];
+      for (std::size_t other = each.begin; other <= e; ++other) value(*product++) += scaled * jacobian[other];
+    }
   const ldl::Inertia inertia = factors_->factorise(values_.data(), kThreshold, kSmall);
   const int rows = layout.inequality_rows + static_cast<int>(kept_.size());
   if (inertia.zero > 0 || inertia.negative < rows) return Pivots::dependent;
@@ -164,10 +168,10 @@ void SparseSolver::solve(const StageValues& jacobian, const NewtonSystem& system
   for (int i = 0; i < layout.columns; ++i) *to++ = -system.f[i];
   for (int i = 0; i < layout.inequality_rows; ++i) *to++ = -system.g[i];
   for (const int i : kept_) *to++ = -system.inequalities[i];
-  for (const Bound& bound : bounds_)
-    if (bound.entry >= 0)
-      right_[static_cast<std::size_t>(bound.column)] -=
-          jacobian[static_cast<std::size_t>(bound.entry)] * system.inequalities[bound.row] / system.ds[bound.row];
+  const std::vector<std::int32_t>& columns = matrices_.jacobian().columns;
+  for (const Eliminated& each : eliminated_)
+    for (std::size_t e = each.begin; e < each.end; ++e)
+      right_[static_cast<std::size_t>(columns[e])] -= jacobian[e] * system.inequalities[each.row] / system.ds[each.row];
   factors_->solve(right_.data());
   const double* from = right_.data();
   std::copy_n(from, layout.columns, system.z);
@@ -176,10 +180,10 @@ void SparseSolver::solve(const StageValues& jacobian, const NewtonSystem& system
   from += layout.inequality_rows;
   double* lam = system.lam + layout.inequality_rows;
   for (const int i : kept_) lam[i] = *from++;
-  for (const Bound& bound : bounds_) {
-    const double product =
-        bound.entry < 0 ? 0.0 : jacobian[static_cast<std::size_t>(bound.entry)] * system.z[bound.column];
-    lam[bound.row] = (product + system.inequalities[bound.row]) / system.ds[bound.row];
+  for (const Eliminated& each : eliminated_) {
+    double product = 0.0;
+    for (std::size_t e = each.begin; e < each.end; ++e) product += jacobian[e] * system.z[columns[e]];
+    lam[each.row] = (product + system.inequalities[each.row]) / system.ds[each.row];
   }
 }
 

@@ -39,7 +39,7 @@ class SparseMatrices final : public NewtonMatrices {
 ///     [ A_e                         -D_e         ]
 ///     [ A_i                                 -D_s ]
 ///
-/// where inequalities A_b of one entry, bounds of unknowns above all, are eliminated on the diagonal. The reduced
+/// where inequalities A_b of few entries, bounds and friction cones above all, are eliminated. The reduced
 /// Hessian is positive definite where the matrix has as many negative eigenvalues as rows.
 /// Source: Waechter and Biegler, Mathematical Programming 106 (2006), section 3.1.
 class SparseSolver final : public NewtonSolver {
@@ -53,14 +53,16 @@ class SparseSolver final : public NewtonSolver {
                   std::size_t begin, std::size_t end, StageResidual left) override;
 
  private:
-  /// An inequality with at most one entry.
-  struct Bound {
-    int row, column, entry;  ///< number among the inequalities; column and entry -1 where there is none
+  /// An inequality that is eliminated, and its entries in the Jacobian.
+  struct Eliminated {
+    int row;                 ///< number among the inequalities
+    std::size_t begin, end;  ///< entries
   };
 
   const SparseMatrices& matrices_;
-  std::vector<Bound> bounds_;
-  std::vector<int> kept_;                                          ///< inequalities that are rows of the matrix
+  std::vector<Eliminated> eliminated_;
+  std::vector<std::int32_t> products_;  ///< places of their entries' products, of each with itself and those before it
+  std::vector<int> kept_;               ///< inequalities that are rows of the matrix
   std::vector<std::int32_t> diagonal_, of_jacobian_, of_hessian_;  ///< places of entries in the matrix, -1 for none
   Numbers values_, right_;
   std::unique_ptr<ldl::Factors> factors_;
