@@ -1,4 +1,4 @@
-"""Inequalities of few entries are eliminated, those of many are rows of the matrix: both hold with their multipliers."""
+"""Inequalities of few entries are eliminated, those of many are rows of the matrix: both hold at the optimum."""
 
 from __future__ import annotations
 
