@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
@@ -40,7 +40,7 @@ class Torques:
     @property
     def tree(self) -> RigidTree:
         """The robot in the format of the compiled module."""
-        return _tree(self.model.text)
+        return _tree(self.model)
 
     def are_in(self, expression: ca.SX) -> bool:
         """Whether the expression depends on the torques."""
@@ -59,11 +59,13 @@ class Torques:
         return replace(self, arguments=ca.substitute(self.arguments, symbols, expressions))
 
 
-@lru_cache(maxsize=16)
-def _tree(text: str) -> RigidTree:
-    model = pin.Model()
-    model.loadFromString(text)
-    return rigid_tree(model)
+_TREES: WeakKeyDictionary[SymbolicModel, RigidTree] = WeakKeyDictionary()
+
+
+def _tree(model: SymbolicModel) -> RigidTree:
+    if model not in _TREES:
+        _TREES[model] = rigid_tree(model.model)
+    return _TREES[model]
 
 
 def separate_torques(point: Point) -> Torques | None:
@@ -83,7 +85,7 @@ def separate_torques(point: Point) -> Torques | None:
         point.inverse_dynamics = _sliding(point.robot.model, point.a)
         return None
     try:
-        _tree(model.text)
+        _tree(model)
     except ValueError:
         return None
     point.inverse_dynamics = ca.SX.sym("r", point.robot.nv)

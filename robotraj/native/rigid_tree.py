@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,8 +58,9 @@ def _axis(name: str, joint: pin.JointModel, neutral: npt.NDArray[np.float64]) ->
     if joint.nq == 1 and joint.nv == 1:
         data = joint.createData()
         joint.calc(data, neutral)
-        linear, angular = np.split(np.array(data.S).reshape(6), 2)
+        motion = np.array(data.S).reshape(6)
+        linear, angular = motion[:3], motion[3:]
         for direction, other in ((angular, linear), (linear, angular)):
-            if np.linalg.norm(other) < _TINY and abs(np.linalg.norm(direction) - 1.0) < _TINY:
+            if math.hypot(*other) < _TINY and abs(math.hypot(*direction) - 1.0) < _TINY:
                 return direction, direction is angular
     raise ValueError(f"joint '{name}' ({joint.shortname()}) neither turns about an axis nor slides along one")
