@@ -23,7 +23,6 @@ from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.problem.constraints.base import Where, symbols_of
-from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
@@ -42,51 +41,49 @@ def unheld_ends(problem: Problem) -> tuple[Conflict, ...]:
     The torques that hold it are the needed bounds. Phases of Systems and phases with design parameters are skipped, and
     so are poses that no torque balances.
     """
-    found = [
-        conflict
-        for phase in problem.phases
-        for end, bounds in phase.joint_ends.items()
-        for conflict in _unheld(phase, end.value, bounds, phase.duration_bounds[1] if end is Where.END else 0.0)
-    ]
+    found = [conflict for phase in problem.phases for conflict in _unheld(phase)]
     return tuple(sorted(found, key=lambda conflict: -conflict.relative))
 
 
-def _unheld(phase: Phase, end: str, bounds: Bounds, time: float) -> list[Conflict]:
+def _unheld(phase: Phase) -> list[Conflict]:
     robot, limits = phase.robot, phase.limits
     if robot is None or not isinstance(limits, Limits) or phase.design:
         return []
     size = robot.nq + robot.nv
-    lower, upper = bounds.lower[:size], bounds.upper[:size]
-    if not np.array_equal(lower, upper) or np.any(lower[robot.nq :]):
-        return []
     joints = [list(limits.joints).index(joint) for joint in robot.actuated]
     allowed = np.asarray(limits.effort)[joints]
-    excess = _least_excess(phase, lower, allowed)
-    named = zip(robot.actuated, joints, allowed, excess, strict=True)
-    return [
-        Conflict(
-            phase.name,
-            f"effort limit, {joint}",
-            time,
-            float(limit),
-            float(limit + over),
-            "N m" if robot.units[i] == "rad" else "N",
-            float(over / limit),
-            True,
-            f"holding the {end} needs it",
-        )
-        for joint, i, limit, over in named
-        if over > NOTICED * limit
-    ]
+    data, found = robot.model.createData(), []
+    for end, bounds in phase.joint_ends.items():
+        lower, upper = bounds.lower[:size], bounds.upper[:size]
+        if not np.array_equal(lower, upper) or np.any(lower[robot.nq :]):
+            continue
+        time = phase.duration_bounds[1] if end is Where.END else 0.0
+        named = zip(robot.actuated, joints, allowed, _least_excess(phase, lower, allowed, data), strict=True)
+        found += [
+            Conflict(
+                phase.name,
+                f"effort limit, {joint}",
+                time,
+                float(limit),
+                float(limit + over),
+                "N m" if robot.units[i] == "rad" else "N",
+                float(over / limit),
+                True,
+                f"holding the {end.value} needs it",
+            )
+            for joint, i, limit, over in named
+            if over > NOTICED * limit
+        ]
+    return found
 
 
-def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
+def _least_excess(phase: Phase, state: Array, allowed: Array, data: pin.Data) -> Array:
     """Return the excess e (nu,) [N m, N] of the torques that hold a state; zeros where no torque does."""
     robot = phase.robot
     assert robot is not None
     friction = np.asarray(robot.friction, dtype=float)
     if not phase.contacts and (robot.nu == robot.nv or not friction.any()):
-        return _excess_without_contacts(robot, state, allowed, friction)
+        return _excess_without_contacts(robot, state, allowed, friction, data)
     body = InverseDynamics().of(robot, None, phase.bound_contacts)
     point = cast(RobotPoint, symbols_of(body, phase.parameter_names))
     columns = [ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.z, point.u, point.p)]
@@ -120,9 +117,9 @@ def _least_excess(phase: Phase, state: Array, allowed: Array) -> Array:
     return np.asarray(found.x[nu : 2 * nu]) if found.status == 0 else np.zeros(nu)
 
 
-def _excess_without_contacts(robot: Robot, state: Array, allowed: Array, friction: Array) -> Array:
+def _excess_without_contacts(robot: Robot, state: Array, allowed: Array, friction: Array, data: pin.Data) -> Array:
     """Return the excess of the only torques that balance gravity; zeros where a joint without a motor falls."""
-    gravity = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), state[: robot.nq])
+    gravity = pin.computeGeneralizedGravity(robot.model, data, state[: robot.nq])
     torques = robot.actuation.T @ gravity
     left = float(np.abs(robot.actuation @ torques - gravity).max(initial=0.0))
     if left >= NOTICED * max(1.0, float(np.abs(gravity).max(initial=0.0))):

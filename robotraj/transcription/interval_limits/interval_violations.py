@@ -190,30 +190,34 @@ def _violations(
     with np.errstate(invalid="ignore"):
         bends = np.abs(seen[:, :-2] - 2.0 * seen[:, 1:-1] + seen[:, 2:])
     # A parabola through three places exceeds the middle one by at most half of its bend.
-    if not np.any(seen[:, 1:-1] + bends > allowed) and not np.any(seen[:, (0, -1)] > allowed):
+    near = np.any(seen[:, 1:-1] + bends > allowed, axis=1) | np.any(seen[:, (0, -1)] > allowed, axis=1)
+    k, r = np.nonzero(near)
+    if not k.size:
         return []
-    worst = seen.argmax(axis=1)
-    extreme = np.take_along_axis(values, worst[:, None], axis=1)[:, 0]
-    above = extreme - upper >= lower - extreme
-    amount, place = np.take_along_axis(seen, worst[:, None], axis=1)[:, 0], places[worst]
+    # From here on, pairs of an interval and a row: (p, m) at the places, (p,) at the worst one.
+    each, own, low, high, most = np.arange(k.size), seen[k, :, r], lower[r], upper[r], allowed[r]
+    worst = own.argmax(axis=1)
+    excess, tau = own[each, worst], places[worst]
+    extreme = values[k, worst, r]
+    beyond = extreme - high >= low - extreme
     inner = np.clip(worst, 1, len(places) - 2)
-    before, here, after = (np.take_along_axis(seen, (inner + i)[:, None], axis=1)[:, 0] for i in (-1, 0, 1))
+    before, here, after = (own[each, inner + i] for i in (-1, 0, 1))
     with np.errstate(divide="ignore", invalid="ignore"):
         bend = before - 2 * here + after
         aside = 0.5 * (before - after) / bend
         peak = here - 0.25 * (before - after) * aside
-        high = (bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(amount, allowed))
-    k, r = np.nonzero(high)
-    tau = places[inner[k, r]] + aside[k, r] * (places[1] - places[0])
-    sharp = _sharp_bends(seen, bends, places, allowed, amount)
-    k, r, tau = (np.concatenate(both) for both in zip((k, r, tau), sharp, strict=True))
-    if k.size:
-        exact = reader.at(starts[k] + lengths[k] * tau, k)[np.arange(k.size), r]
-        over = np.maximum(lower[r] - exact, exact - upper[r])
+        peaks = np.flatnonzero((bend < 0) & (np.abs(aside) <= 1) & (peak > np.maximum(excess, most)))
+    at_peaks = places[inner[peaks]] + aside[peaks] * (places[1] - places[0])
+    sharp, at_bends = _sharp_bends(own, bends[k, :, r], places, most, excess)
+    p, closer = np.append(peaks, sharp), np.append(at_peaks, at_bends)
+    if p.size:
+        exact = reader.at(starts[k[p]] + lengths[k[p]] * closer, k[p])[np.arange(p.size), r[p]]
+        over = np.maximum(low[p] - exact, exact - high[p])
         for i in np.argsort(over, kind="stable").tolist():
-            if over[i] > amount[k[i], r[i]]:
-                amount[k[i], r[i]], place[k[i], r[i]] = over[i], tau[i]
-                above[k[i], r[i]] = exact[i] > upper[r[i]]
+            if over[i] > excess[p[i]]:
+                excess[p[i]], tau[p[i]], beyond[p[i]] = over[i], closer[i], exact[i] > high[p[i]]
+    amount, place, above = np.full(near.shape, -np.inf), np.zeros(near.shape), np.zeros(near.shape, dtype=bool)
+    amount[k, r], place[k, r], above[k, r] = excess, tau, beyond
     # A violation at a knot is counted once, in the interval on its right. It is kept on the left in two cases. The
     # worst place of the right interval is its own right knot, or a curve jumps to a value within its limits.
     shared = (place[:-1] == 1.0) & (place[1:] < 1.0) & (seen[1:, 0] >= amount[:-1] * (1.0 - ROUNDING))
@@ -221,26 +225,25 @@ def _violations(
     times = starts[:, None] + lengths[:, None] * place
     found = []
     for interval, row in np.argwhere(amount > allowed).tolist():
-        tau, time, by = (float(each[interval, row]) for each in (place, times, amount))
-        found.append(IntervalViolation(phase, interval, rows[row], tau, time, by, bool(above[interval, row])))
+        at, time, by = (float(side[interval, row]) for side in (place, times, amount))
+        found.append(IntervalViolation(phase, interval, rows[row], at, time, by, bool(above[interval, row])))
     return found
 
 
-def _sharp_bends(
-    seen: Array, bend: Array, places: Array, allowed: Array, known: Array
-) -> tuple[Indices, Indices, Array]:
-    """Return closer places (interval, row, tau) where a row bends so much that its excess may be above the known one.
+def _sharp_bends(seen: Array, bend: Array, places: Array, allowed: Array, known: Array) -> tuple[Indices, Array]:
+    """Return closer places (p, tau) where a row bends so much that its excess may be above the known one.
 
     Parameters
     ----------
-    seen : ndarray (K, m, rows)
-        Excess over the bounds at the places (m,).
+    seen : ndarray (P, m)
+        Excess over the bound at the places (m,), for pairs p of an interval and a row.
+    bend : ndarray (P, m - 2)
+        Absolute second differences.
     places, allowed : ndarray
-    known : ndarray (K, rows)
+    known : ndarray (P,)
         Largest excess at the places.
     """
-    near = (bend > allowed) & (seen[:, 1:-1] + bend > np.maximum(known, allowed)[:, None])
-    k, i, r = (np.repeat(each, len(CLOSER)) for each in np.nonzero(near))
-    middle = places[i + 1]
-    steps = np.tile(CLOSER, len(k) // len(CLOSER)) * (places[1] - places[0])
-    return k, r, np.clip(middle + steps, places[0], places[-1])
+    near = (bend > allowed[:, None]) & (seen[:, 1:-1] + bend > np.maximum(known, allowed)[:, None])
+    p, i = (np.repeat(each, len(CLOSER)) for each in np.nonzero(near))
+    steps = np.tile(CLOSER, len(p) // len(CLOSER)) * (places[1] - places[0])
+    return p, np.clip(places[i + 1] + steps, places[0], places[-1])
