@@ -21,12 +21,12 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 
-SOFTENING, SOFTENING_OF_GAITS = (6.0, 1.5), (10.0,)
+SOFTENING, SOFTENING_OF_GAITS = (10.0, 4.0, 2.0, 1.2), (10.0,)
 """Factors c on v_s for the first solves, for arms and for robots whose root moves.
 
-More factors between those of arms took more iterations to worse optima (``benchmarks/barrier.md``). Arms are solved on
-a finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends little on friction, are
-softened once and keep their mesh: the next solve starts from the multipliers too.
+Arms are solved on a finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends
+little on friction, are softened once and keep their mesh: the next solve starts from the multipliers too. Fewer
+factors for arms are faster, and fewer plans are proved (``benchmarks/barrier.md``).
 """
 
 
