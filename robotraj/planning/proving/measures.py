@@ -214,4 +214,6 @@ def _coarser(before: Measured | None, count: int) -> Measured | None:
 
 def _assessment(part: PhaseSolution, errors: Array, broken: Array, growth: float) -> Assessment:
     nothing = np.zeros(len(errors))
-    return Assessment(errors, control_jumps(part.trajectory), nothing, broken, True, nothing, growth)
+    # Errors of exact motions are those of the objective's integral, which do not depend on jumps of the torques.
+    jumps = nothing if part.exact else control_jumps(part.trajectory)
+    return Assessment(errors, jumps, nothing, broken, True, nothing, growth)
