@@ -99,7 +99,7 @@ def _is_augmented(phase: Phase) -> bool:
     return dae is not body or bool(body.invariants)
 
 
-def has_corners(phase: Phase) -> bool:
+def is_kinked(phase: Phase) -> bool:
     """Whether an objective that is not smooth adds variables, and the motion is free to leave the guess.
 
     Along a given path only the timing is left, and solvers agree on its optimum.
@@ -162,7 +162,7 @@ STICKING = Condition("dry friction", lambda case: needs_softening(case.problem))
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)
-CORNERS = any_phase("a kinked cost", has_corners)
+KINKED = any_phase("a kinked cost", is_kinked)
 FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
 NATIVE = Condition("solver in C++", _calls_native)
 STAGEWISE = Condition("solver by stages", _has_narrow_stages)

@@ -16,8 +16,8 @@ from robotraj.transcription.schemes.radau import RadauIIA
 
 COARSE = 16
 """Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
-CORNERED = 32
-"""Intervals of the first mesh of an arm whose objective has corners, such as the absolute power, by ``LINES``."""
+KINKED = 32
+"""Intervals of the first mesh of an arm whose objective has kinks, such as the absolute power, by ``LINES``."""
 SYSTEM = 30
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
 PATH = 48
@@ -80,7 +80,7 @@ class MeshesOnPaths:
 class MeshesOfLines:
     """Meshes whose controls are lines on every interval, so that no power is hidden between the points."""
 
-    intervals: int = CORNERED
+    intervals: int = KINKED
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
         """Return the mesh of each phase."""

@@ -18,7 +18,7 @@ from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
 from robotraj.planning.proving.soft_friction import is_of_arms, needs_softening, softened, softenings
 from robotraj.planning.proving.solves import Solves
-from robotraj.planning.setting_conditions import has_corners
+from robotraj.planning.setting_conditions import is_kinked
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Proof
@@ -262,7 +262,7 @@ class _Refining:
             return solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
         # as the signs of powers do.
-        return solver.from_nearby(altered=any(phase.rows.rates or has_corners(phase) for phase in self.problem.phases))
+        return solver.from_nearby(altered=any(phase.rows.rates or is_kinked(phase) for phase in self.problem.phases))
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
         """Measure a solution between its points, and compare it with the solutions ``before``."""
