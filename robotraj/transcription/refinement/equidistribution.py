@@ -32,8 +32,11 @@ Array = NDArray[np.float64]
 
 SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""
-JUMP = 0.2
-"""Relative change of a control in an interval that counts as a jump; the error then falls with the length alone."""
+JUMP, STEEP = 0.2, 6.0
+"""Least change of a control in an interval that counts as a jump, relative to its range, and the same per phase.
+
+On few intervals a smooth control changes by as much in each of them.
+"""
 LEAST_GROWTH = 1.1
 """Least growth of the number of intervals; with less, the change of the objective would not be significant."""
 HALVED, NEARLY = 2.0, 0.3
@@ -90,7 +93,7 @@ class Equidistribute(Refinement):
         The same mesh is returned if all errors are below the tolerance and ``assessment.growth`` is 1.
         """
         orders = np.array([error_order(scheme) for scheme in mesh.schemes], dtype=float)
-        orders[assessment.jumps > JUMP] = 1.0
+        orders[assessment.jumps > np.maximum(JUMP, STEEP * np.diff(mesh.knots))] = 1.0
         parts = (assessment.errors / (SAFETY * tolerance)) ** (1.0 / orders)
         parts = np.where(assessment.errors > tolerance, np.maximum(parts, 1.0), 1.0)
         broken = np.append(0.0, np.append(assessment.broken, 0.0))
