@@ -78,10 +78,14 @@ def test_rates_of_torque_balances_have_the_same_friction() -> None:
     assert rt.plan(phase, rt.Mesh(20, rt.HermiteSimpson()), solver=solver, check=False).success
 
 
-def test_a_trot_with_dry_friction_takes_few_iterations() -> None:
-    # With damping of every variable, where the curvature of friction was negative, it took 173.
+def test_trots_with_dry_friction_take_few_iterations() -> None:
+    # With damping of every variable, where the curvature of friction was negative, they took 562 in sum. One trot alone
+    # takes a third more or less with the round-off.
     robot = rt.load("go1", root="floating")
     feet = tuple(name for name in rt.gait.limb_ends(robot) if name.endswith("foot"))
-    solution = rt.plan(rt.gait.trot(robot, feet=feet, duration=0.3, speed=0.18, clearance=0.018), check=False)
-    assert solution.success
-    assert solution.iterations <= 120
+    trots = [
+        rt.plan(rt.gait.trot(robot, feet=feet, duration=0.3, speed=speed, clearance=0.018), check=False)
+        for speed in (0.18, 0.2, 0.25)
+    ]
+    assert all(solution.success for solution in trots)
+    assert sum(solution.iterations for solution in trots) <= 420
