@@ -150,8 +150,8 @@ class _Adaptation:
         """Return the assessments of all phases, the largest error, and whether the objective has settled."""
         allowed = self._allowed(solution)
         changes = np.abs(np.diff([*(step.objective for step in self._compared), solution.objective]))
-        # If each mesh halves the distance to the optimum, the remaining distance equals the last change. A mesh may
-        # miss the intervals that matter, so that its change says little after a large one.
+        # If each mesh halves the distance to the optimum, the remaining distance equals the last change. That change is
+        # no measure of the distance if refinement left out the intervals that matter, so the one before counts too.
         settled = len(changes) > 0 and changes[-1] <= 0.5 * allowed and bool(np.all(changes[-2:] <= CALMED * allowed))
         settled = settled and _quadrature_error(solution) <= allowed
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
