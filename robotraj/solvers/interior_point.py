@@ -258,6 +258,9 @@ class InteriorPoint(Solver):
         if (status in UNSOLVED or exhausted) and self.fallback is not None:
             reason = f"the interior-point method ended with {found.status!r}"
             outcome = fall_back(self.fallback, nlp, progress, multipliers, reason, self._left(ready))
+            if outcome.status is Status.ITERATION_LIMIT and not exhausted:
+                # The fallback has found nothing: other guesses are tried, as after this method alone.
+                outcome = replace(outcome, status=status)
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: interior point": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}

@@ -40,8 +40,8 @@ _REMEDIES = {
     "1e-3 * rt.objectives.SpeedVariation() to the objective.",
     Status.INFEASIBLE: "The solver found no point near the last iterate that meets all rows; see violations(). Allow "
     "more time, relax the rows named there, or start from another guess.",
-    Status.NOT_ON_THIS_MESH: "A motion on another mesh meets all rows, so the limits do not conflict. Use more "
-    "intervals, a scheme whose control has more values, or no mesh.",
+    Status.NOT_ON_THIS_MESH: "A motion on another mesh meets all rows, so the limits do not conflict. Start "
+    "from another guess or use more intervals, a scheme whose control has more values, or no mesh.",
     Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",
     Status.TIME_LIMIT: "Raise time_limit, or continue from here with guess=solution.",
     Status.MEMORY_LIMIT: "Raise memory_limit, or plan on fewer intervals.",

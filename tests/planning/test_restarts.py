@@ -228,6 +228,15 @@ def test_a_weak_cartpole_is_not_called_infeasible_after_one_guess() -> None:
     assert rt.validate(solution).passed
 
 
+def test_a_fallback_without_result_does_not_end_the_plan() -> None:
+    robot = rt.load("cartpole")
+    weak = robot.limits.with_(effort=5.0)
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.5, np.pi], v=0)
+    solver = rt.InteriorPoint(fallback=rt.Ipopt(max_iterations=3))
+    solution = rt.plan(rt.Phase(robot, 3.0, *ends, rt.Effort(), limits=weak), solver=solver)
+    assert "from a variation of the default guess" in solution.message
+
+
 def test_more_variations_are_tried_where_a_joint_has_no_motor() -> None:
     def restarts(name: str) -> rt.planning.Restarts:
         robot = rt.load(name)
