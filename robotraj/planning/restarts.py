@@ -45,8 +45,8 @@ RESTARTED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 RESTARTED_FROM = ", from a "
 """Separates the message of a solver from the description of the start that led to its solution."""
 
-VARIATION = "variation of the default guess, which did not converge"
-"""Description of a start from a variation of the default guess."""
+VARIATION = "variation of the guess, which did not converge"
+"""Description of a start from a variation of the guess."""
 
 UNRELAXED = 2
 """Largest number of variations from which the problem itself is solved, although its relaxed form has conflicts."""
@@ -77,7 +77,7 @@ def restarted(
     nlp : Nlp
         Its NLP, with the guessed durations.
     guess : InitialGuess, Solution or None
-        Guess of the user. The default guess is varied only where none is given.
+        Guess of the user. It is varied, but for a solution; the default guess is varied where none is given.
     solve : callable
         ``solve(problem, guess)`` solves on the same mesh.
     restarts : Restarts
@@ -122,10 +122,10 @@ def restarted(
             return replace(found, message=message, times=failed.times, iterations=failed.iterations)
         # All rows are met on a coarse mesh, so no limit excludes a motion.
         least, relaxed = (), motion
-    if not all(conflict.physical for conflict in least) and guess is None:
+    if not all(conflict.physical for conflict in least) and not isinstance(guess, Solution):
         # Constraints of the user, such as obstacles, may be passed on another side.
         for branch, seed in enumerate(restarts.seeds[:UNRELAXED], 1):
-            found = solve(problem, other_guess(problem, branch, (seed,)))
+            found = solve(problem, other_guess(problem, branch, (seed,), given=guess))
             failed = _counted(failed, found)
             if found.status is Status.INTERRUPTED:
                 return replace(failed, status=Status.INTERRUPTED)
@@ -166,7 +166,7 @@ class _Start:
         Whether conflicts of joint limits alone end the search. With a motor at every joint they seldom depend on the
         guess.
     varied : bool
-        Whether the guess is a variation of the default guess.
+        Whether the guess is a variation of the user's guess or of the default guess.
     """
 
     problem: Problem
@@ -186,7 +186,7 @@ class _Start:
 
 
 def _starts(failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, restarts: Restarts) -> Iterator[_Start]:
-    """Yield longer motions where durations are free, the last iterate, and variations of the default guess.
+    """Yield longer motions where durations are free, the last iterate, and variations of the guess.
 
     The last iterate is tried after a guess of the user, such as keyframes, and where all durations are fixed. Longer
     motions replace it where durations are free and the guess is a straight line, a solution or none.
@@ -215,9 +215,9 @@ def _starts(failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, r
     if left and (isinstance(guess, InitialGuess) and not isinstance(guess, StraightLine) or not any(free)):
         left -= 1
         yield _Start(problem, failed, certain=not any(free) and all(map(_is_driven_at_every_joint, problem.phases)))
-    if guess is None:
+    if not isinstance(guess, Solution):
         for branch, seed in enumerate(restarts.seeds[:left], 1):
-            varied = other_guess(problem, branch, (seed,))
+            varied = other_guess(problem, branch, (seed,), given=guess)
             yield replace(longer or _Start(problem, None), guess=varied, varied=True)
 
 

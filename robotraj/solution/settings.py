@@ -31,7 +31,7 @@ class Restarts(OneLine):
         Factors by which guessed free durations are multiplied. For each factor a motion without objective is planned
         first, and is the guess of the problem. They need a free duration.
     seeds : sequence of int
-        Seeds of random variations of the default guess. They need a plan without ``guess=``.
+        Seeds of random variations of the guess. A guess that is a solution is not varied.
 
     Raises
     ------
