@@ -168,7 +168,10 @@ class Solver(OneLine, ABC):
         return False
 
     def at_most(self, iterations: int) -> Solver:
-        """Return this solver with at most this number of iterations; itself where it has no such limit."""
+        """Return this solver for a solve that may fail: no more than these iterations, and no fallback.
+
+        A solver without such a limit returns itself.
+        """
         return self
 
     def with_early_stop(self) -> Solver:

@@ -150,9 +150,8 @@ class InteriorPoint(Solver):
         return replace(self, initial_barrier=barrier, adaptive_barrier=self.adaptive_barrier or not altered)
 
     def at_most(self, iterations: int) -> InteriorPoint:
-        """Return this solver, and its fallback, with no more than these iterations."""
-        fallback = None if self.fallback is None else self.fallback.at_most(iterations)
-        return replace(self, max_iterations=min(self.max_iterations, iterations), fallback=fallback)
+        """Return this solver with no more than these iterations and no fallback."""
+        return replace(self, max_iterations=min(self.max_iterations, iterations), fallback=None)
 
     def within(self, seconds: float) -> InteriorPoint:
         """Return this solver with a limit of wall-clock seconds for one solve."""
