@@ -19,6 +19,11 @@ if TYPE_CHECKING:
     from robotraj.native import Program
     from robotraj.solvers.stagewise.program import Program as Written
 
+WARM_BARRIER, WARM_SHARE = 1e-4, 1e-2
+"""Smallest first barrier parameter of a solve that starts from multipliers, and its ratio to the largest violation."""
+LEAST_BARRIER, NEARBY_SHARE = 1e-8, 1e-3
+"""The same two where only few rows or bounds differ: a larger barrier would first leave the known solution."""
+
 
 @dataclass(frozen=True, eq=False)
 class CompiledProgram:
@@ -68,8 +73,16 @@ def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dic
     return {} if of_bounds is None else {"lower_duals": of_bounds[0], "upper_duals": of_bounds[1]}
 
 
-def largest_violation(native: Program, start: NDArray[np.float64], program: Written) -> float:
-    """Return the largest violation of a scaled row at a start."""
+def warm_barrier(native: Program, start: NDArray[np.float64], program: Written, known_rows: bool) -> float:
+    """Return the first barrier parameter of a solve that starts from multipliers, in ``known_rows`` of all rows.
+
+    The largest violation of a scaled row at the start measures its distance from the central path.
+    """
+    least, share = (LEAST_BARRIER, NEARBY_SHARE) if known_rows else (WARM_BARRIER, WARM_SHARE)
+    return max(least, share * _largest_violation(native, start, program))
+
+
+def _largest_violation(native: Program, start: NDArray[np.float64], program: Written) -> float:
     rows = native.rows(start)
     equalities = rows.size - program.lower.size
     outside = np.maximum(program.lower - rows[equalities:], rows[equalities:] - program.upper)

@@ -46,6 +46,11 @@ def formulate(nlp: Nlp) -> Formulation:
         unknowns = program.nu + program.nx
         if np.all(program.equalities <= unknowns) and np.max(unknowns * program.equalities) <= WIDEST:
             return reduction
+    return assembled(nlp)
+
+
+def assembled(nlp: Nlp) -> Assembled:
+    """Write an NLP as a whole. The module is imported on first use: arms seldom need it."""
     from robotraj.solvers.assembled.program import assemble
 
     return assemble(nlp)

@@ -22,9 +22,9 @@ from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted
-from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, largest_violation, report, warm_start
+from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
 from robotraj.solvers.fallback import fall_back
-from robotraj.solvers.formulation import Formulation, formulate, options
+from robotraj.solvers.formulation import Formulation, assembled, formulate, options
 from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
@@ -38,15 +38,6 @@ if TYPE_CHECKING:
     from robotraj.native import Outcome as NativeOutcome
     from robotraj.transcription.nlp import Nlp
 
-WARM_BARRIER = 1e-4
-"""Smallest first barrier parameter of a solve that starts from multipliers."""
-WARM_SHARE = 1e-2
-"""First barrier parameter of such a solve, relative to the largest violation of a scaled row at its start.
-
-The violation measures the distance of the start from the central path.
-"""
-LEAST_BARRIER, NEARBY_SHARE = 1e-8, 1e-3
-"""The same two where only few rows or bounds differ: a larger barrier would first leave the known solution."""
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
 FACTORS = (100.0, 10.0)
@@ -74,7 +65,7 @@ class InteriorPoint(Solver):
     """A primal-dual interior-point method with a filter line search.
 
     A problem that couples only neighbouring intervals is solved stage by stage. Problems with contacts, closed gaits,
-    design parameters, integrals or shooting are solved by a sparse factorisation.
+    design parameters, integrals or shooting are solved by a sparse factorisation, and others where stages lose digits.
 
     Parameters
     ----------
@@ -174,9 +165,7 @@ class InteriorPoint(Solver):
                 zeros = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
                 return Outcome(Status.OVERDETERMINED, f"interior point: {why}", nlp.guess, zeros, 0)
             return fall_back(self.fallback, nlp, progress, multipliers, why, self._left(began))
-        compiled = CompiledProgram(native_program(program, nlp.engine, self._threads), self._threads)
-        with compiled.alone:
-            return self._run(formulation, compiled, began, progress, multipliers)
+        return self._solve_formulated(formulation, began, progress, multipliers)
 
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
@@ -202,6 +191,14 @@ class InteriorPoint(Solver):
     def _threads(self) -> int:
         return self.threads or len(os.sched_getaffinity(0))
 
+    def _solve_formulated(
+        self, formulation: Formulation, began: float, progress: Progress | None, multipliers: Multipliers | None
+    ) -> Outcome:
+        native = native_program(formulation.program, formulation.nlp.engine, self._threads)
+        compiled = CompiledProgram(native, self._threads)
+        with compiled.alone:
+            return self._run(formulation, compiled, began, progress, multipliers)
+
     def _run(
         self,
         formulation: Formulation,
@@ -218,11 +215,9 @@ class InteriorPoint(Solver):
         barrier = self.initial_barrier
         if warm:
             known_rows = self.adaptive_barrier and "lam" in warm
-            least, share = (LEAST_BARRIER, NEARBY_SHARE) if known_rows else (WARM_BARRIER, WARM_SHARE)
-            barrier = min(barrier, max(least, share * largest_violation(native, start, program)))
+            barrier = min(barrier, warm_barrier(native, start, program, known_rows))
         tried: list[NativeOutcome] = []
-        iterations = 0
-        factors = FACTORS if self.barrier_factor is None else (self.barrier_factor,)
+        iterations, factors = 0, FACTORS if self.barrier_factor is None else (self.barrier_factor,)
         attempts = [(barrier, factor, warm) for factor in factors]
         longest = PATIENCE if isinstance(formulation, Reduction) else PATIENCE_ASSEMBLED
         while attempts:
@@ -242,7 +237,9 @@ class InteriorPoint(Solver):
             tried.append(found)
             iterations += found.iterations
             status = STATUSES.get(found.status, Status.SOLVER_ERROR)
-            if iterations >= self.max_iterations or status not in (Status.STALLED, Status.ITERATION_LIMIT):
+            # On fine meshes the recursion loses digits where few motors bring many states to their end.
+            imprecise = found.status == "step failed" and isinstance(formulation, Reduction)
+            if iterations >= self.max_iterations or status not in (Status.STALLED, Status.ITERATION_LIMIT) or imprecise:
                 break
             if status is Status.ITERATION_LIMIT:
                 # The weight of the barrier stays, and rows weigh less beside the objective.
@@ -252,6 +249,11 @@ class InteriorPoint(Solver):
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready
+        if imprecise and iterations < self.max_iterations:
+            rest = replace(self, max_iterations=self.max_iterations - iterations, time_limit=self._left(ready))
+            outcome = rest._solve_formulated(assembled(nlp), time.perf_counter(), progress, multipliers)
+            times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent}
+            return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         # A default limit ends this method, not the plan.
         exhausted = status is Status.ITERATION_LIMIT and self.max_iterations == InteriorPoint.max_iterations
         if (status in UNSOLVED or exhausted) and self.fallback is not None:
@@ -265,8 +267,7 @@ class InteriorPoint(Solver):
         parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
         # Vectors, line search and residuals; the time of Python around the solve is negligible.
         parts["solve: steps"] = max(0.0, spent - sum(parts.values()))
-        y, lam = found.y, found.lam
-        sizes = len(nlp.rows), len(nlp.variables)
+        y, lam, sizes = found.y, found.lam, (len(nlp.rows), len(nlp.variables))
         w = formulation.columns(y)
         origin = CompiledOrigin(nlp, w, formulation, lam, compiled)
         return Outcome(

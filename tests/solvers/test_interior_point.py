@@ -308,3 +308,12 @@ def test_an_objective_that_is_no_number_is_not_solved() -> None:
     phase = rt.Phase(block, 2.0, *ends, cost, controls=controls)
     solution = rt.plan(phase, rt.Mesh(10), solver=rt.InteriorPoint(fallback=None), check=False, progress=False)
     assert solution.status is rt.solvers.Status.INVALID_NUMBER
+
+
+def test_fine_meshes_of_robots_without_all_motors_are_solved_as_a_whole() -> None:
+    """One motor brings four states to their end: the recursion over 640 stages loses its digits there."""
+    robot = rt.load("acrobot")
+    phase = rt.Phase(robot, 2.0, rt.State(q=0, v=0), rt.State(q=[np.pi, 0], v=0), rt.Effort())
+    coarse = rt.plan(phase, rt.Mesh(100))
+    fine = rt.plan(phase, rt.Mesh(640), guess=coarse, solver=rt.InteriorPoint(fallback=None))
+    assert fine.objective == pytest.approx(coarse.objective, rel=1e-4)
