@@ -23,31 +23,48 @@ class Functions final : public native::PointBlock {
  public:
   explicit Functions(bool saturates) : PointBlock({1, 4, 0, 3, 12, 10, 0}), saturates_(saturates) {}
   void prepare(std::size_t) override {}
-  void values(const double* v, const double*, double* y, ThreadPool&) override {
+  void evaluate(native::Evaluation which, const double* v, const double*, const double* m, double* out,
+                ThreadPool&) override {
+    using native::Evaluation;
+    double y[3];
+    switch (which) {
+      case Evaluation::values: return values(v, out);
+      case Evaluation::jacobian: return jacobian(v, out);
+      case Evaluation::cost:
+        values(v, y);
+        *out = y[0];
+        return;
+      case Evaluation::gradient: return gradient(v, out);
+      case Evaluation::hessian: return hessian(v, m, out);
+      case Evaluation::convex_hessian: {
+        const double without_negative[] = {std::max(0.0, m[0]), m[1], m[2]};
+        return hessian(v, without_negative, out);
+      }
+    }
+  }
+  bool saturates() const override { return saturates_; }
+
+ private:
+  static void values(const double* v, double* y) {
     y[0] = v[0] * v[3] * (v[0] + v[1] + v[2]) + v[2];
     y[1] = v[0] * v[1] * v[2] * v[3];
     y[2] = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3];
   }
-  void jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) override {
-    gradient(v, c, nonzeros, pool);
+  static void jacobian(const double* v, double* nonzeros) {
+    gradient(v, nonzeros);
     for (int j = 0; j < 4; ++j) {
       nonzeros[4 + j] = 1.0;
       for (int k = 0; k < 4; ++k) nonzeros[4 + j] *= k == j ? 1.0 : v[k];
       nonzeros[8 + j] = 2.0 * v[j];
     }
   }
-  void cost(const double* v, const double* c, double* cost, ThreadPool& pool) override {
-    double y[3];
-    values(v, c, y, pool);
-    *cost = y[0];
-  }
-  void gradient(const double* v, const double*, double* gradient, ThreadPool&) override {
+  static void gradient(const double* v, double* gradient) {
     gradient[0] = v[3] * (2.0 * v[0] + v[1] + v[2]);
     gradient[1] = v[0] * v[3];
     gradient[2] = v[0] * v[3] + 1.0;
     gradient[3] = v[0] * (v[0] + v[1] + v[2]);
   }
-  void hessian(const double* v, const double*, const double* m, double* nonzeros, ThreadPool&) override {
+  static void hessian(const double* v, const double* m, double* nonzeros) {
     const double objective[] = {2.0 * v[3], v[3], v[3], 2.0 * v[0] + v[1] + v[2], 0.0, 0.0, v[0], 0.0, v[0], 0.0};
     for (int i = 0, e = 0; i < 4; ++i)
       for (int j = i; j < 4; ++j, ++e) {
@@ -56,13 +73,7 @@ class Functions final : public native::PointBlock {
         nonzeros[e] = m[0] * objective[e] + m[1] * product + (i == j ? 2.0 * m[2] : 0.0);
       }
   }
-  bool saturates() const override { return saturates_; }
-  void convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override {
-    const double without_negative[] = {std::max(0.0, m[0]), m[1], m[2]};
-    hessian(v, c, without_negative, nonzeros, pool);
-  }
 
- private:
   bool saturates_;
 };
 

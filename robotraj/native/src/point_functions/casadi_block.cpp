@@ -8,8 +8,8 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-#include <sstream>
 
 namespace nb = nanobind;
 
@@ -57,13 +57,12 @@ void PointFunction::call(Memory& memory, double* result) const {
   if (failed) std::fill_n(result, results_ * batch_, std::numeric_limits<double>::quiet_NaN());
 }
 
-void PointFunction::evaluate(std::size_t count, std::initializer_list<const double*> arguments, double* result,
-                             ThreadPool& pool) {
+void PointFunction::evaluate(std::size_t count, const double* const* arguments, double* result, ThreadPool& pool) {
   pool.split(count, batch_, [&](std::size_t thread, std::size_t begin, std::size_t end) {
     Memory& memory = memories_[thread];
     std::size_t point = begin;
     for (; point + batch_ <= end; point += batch_) {
-      for (std::size_t i = 0; i < widths_.size(); ++i) memory.arguments[i] = arguments.begin()[i] + point * widths_[i];
+      for (std::size_t i = 0; i < widths_.size(); ++i) memory.arguments[i] = arguments[i] + point * widths_[i];
       call(memory, result + point * results_);
     }
     if (point == end) return;
@@ -71,7 +70,7 @@ void PointFunction::evaluate(std::size_t count, std::initializer_list<const doub
     for (std::size_t i = 0; i < widths_.size(); ++i) {
       memory.arguments[i] = scratch;
       for (std::size_t k = 0; k < batch_; ++k, scratch += widths_[i])
-        std::copy_n(arguments.begin()[i] + std::min(point + k, end - 1) * widths_[i], widths_[i], scratch);
+        std::copy_n(arguments[i] + std::min(point + k, end - 1) * widths_[i], widths_[i], scratch);
     }
     call(memory, scratch);
     std::copy_n(scratch, (end - point) * results_, result + point * results_);
@@ -79,56 +78,35 @@ void PointFunction::evaluate(std::size_t count, std::initializer_list<const doub
 }
 
 CasadiBlock::CasadiBlock(const PointSizes& sizes, const Functions& functions) : PointBlock(sizes) {
-  const std::vector<std::size_t> point = {sizes.inputs, sizes.constants};
-  const std::vector<std::size_t> weighed = {sizes.inputs, sizes.constants, sizes.outputs};
+  const char* const names[] = {"values", "jacobian", "cost", "gradient", "hessian"};
   for (const auto& [name, given] : functions) {
-    const auto& [text, batch] = given;
-    const auto make = [&name = name, &text = text, batch = batch](const std::vector<std::size_t>& arguments,
-                                                                  std::size_t results) {
-      return PointFunction(name, text, batch, arguments, results);
-    };
-    if (name == "values") values_ = make(point, sizes.outputs);
-    else if (name == "jacobian") jacobian_ = make(point, sizes.jacobian);
-    else if (name == "cost") cost_ = make(point, 1);
-    else if (name == "gradient") gradient_ = make(point, sizes.inputs);
-    else if (name == "hessian") hessian_ = make(weighed, sizes.hessian);
-    else
+    const auto known = std::find(std::begin(names), std::end(names), name);
+    if (known == std::end(names))
       throw std::invalid_argument("'" + name +
                                   "' is no evaluation of a block: values, jacobian, cost, gradient or hessian");
+    const auto which = static_cast<Evaluation>(known - std::begin(names));
+    std::vector<std::size_t> arguments = {sizes.inputs, sizes.constants};
+    if (which == Evaluation::hessian) arguments.push_back(sizes.outputs);
+    functions_[known - std::begin(names)] =
+        PointFunction(name, given.first, given.second, arguments, sizes.results(which));
   }
-  const auto need = [&](const char* name, bool wanted) {
-    if (wanted && !functions.count(name))
-      throw std::invalid_argument(std::string("the function '") + name + "' is missing");
-  };
-  need("values", !functions.count("cost"));
-  need("jacobian", sizes.jacobian > 0);
-  need("cost", sizes.costed >= 0);
-  need("gradient", sizes.costed >= 0);
-  need("hessian", sizes.hessian > 0);
+  const bool costs = sizes.costed >= 0;
+  const bool wanted[] = {!functions.count("cost"), sizes.jacobian > 0, costs, costs, sizes.hessian > 0};
+  for (std::size_t i = 0; i < functions_.size(); ++i)
+    if (wanted[i] && !functions.count(names[i]))
+      throw std::invalid_argument(std::string("the function '") + names[i] + "' is missing");
 }
 
 void CasadiBlock::prepare(std::size_t threads) {
-  for (PointFunction* function : {&values_, &jacobian_, &cost_, &gradient_, &hessian_}) function->prepare(threads);
+  for (PointFunction& function : functions_) function.prepare(threads);
 }
 
-void CasadiBlock::values(const double* v, const double* c, double* y, ThreadPool& pool) {
-  values_.evaluate(sizes().count, {v, c}, y, pool);
-}
-
-void CasadiBlock::jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) {
-  jacobian_.evaluate(sizes().count, {v, c}, nonzeros, pool);
-}
-
-void CasadiBlock::cost(const double* v, const double* c, double* cost, ThreadPool& pool) {
-  cost_.evaluate(sizes().count, {v, c}, cost, pool);
-}
-
-void CasadiBlock::gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) {
-  gradient_.evaluate(sizes().count, {v, c}, gradient, pool);
-}
-
-void CasadiBlock::hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
-  hessian_.evaluate(sizes().count, {v, c, m}, nonzeros, pool);
+void CasadiBlock::evaluate(Evaluation which, const double* v, const double* c, const double* m, double* out,
+                           ThreadPool& pool) {
+  // Its functions do not saturate.
+  if (which == Evaluation::convex_hessian) which = Evaluation::hessian;
+  const double* const arguments[] = {v, c, m};
+  functions_[static_cast<std::size_t>(which)].evaluate(sizes().count, arguments, out, pool);
 }
 
 void bind_casadi_block(nb::module_& m) {

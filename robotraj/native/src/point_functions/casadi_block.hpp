@@ -3,7 +3,7 @@
 
 #include <casadi/core/function.hpp>
 
-#include <initializer_list>
+#include <array>
 #include <map>
 #include <string>
 #include <utility>
@@ -23,7 +23,7 @@ class PointFunction {
 
   void prepare(std::size_t threads);
   /// Evaluates at `count` points; where the function fails or throws, its results are NaN.
-  void evaluate(std::size_t count, std::initializer_list<const double*> arguments, double* result, ThreadPool& pool);
+  void evaluate(std::size_t count, const double* const* arguments, double* result, ThreadPool& pool);
 
  private:
   struct Memory {
@@ -55,14 +55,11 @@ class CasadiBlock : public PointBlock {
   CasadiBlock(const PointSizes& sizes, const Functions& functions);
 
   void prepare(std::size_t threads) override;
-  void values(const double* v, const double* c, double* y, ThreadPool& pool) override;
-  void jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) override;
-  void cost(const double* v, const double* c, double* cost, ThreadPool& pool) override;
-  void gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) override;
-  void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override;
+  void evaluate(Evaluation which, const double* v, const double* c, const double* m, double* out,
+                ThreadPool& pool) override;
 
  private:
-  PointFunction values_, jacobian_, cost_, gradient_, hessian_;
+  std::array<PointFunction, 5> functions_;  ///< by their `Evaluation`
 };
 
 }  // namespace robotraj::native

@@ -9,6 +9,17 @@
 
 namespace robotraj::native {
 
+/// What is evaluated at the points, with v (n_v, E), constants c (n_c, E) and, for Hessians, multipliers m (n_y, E).
+enum class Evaluation {
+  values,          ///< y (n_y, E)
+  jacobian,        ///< nonzeros (jacobian, E) of dy/dv
+  cost,            ///< the costed output (E,); only where `costed >= 0`, as is the gradient
+  gradient,        ///< (n_v, E), of the costed output
+  hessian,         ///< nonzeros (hessian, E) of one triangle of sum_i m_i d^2 y_i/dv^2
+  convex_hessian,  ///< the same without the negative curvature of saturations
+};
+constexpr std::size_t kEvaluations = 6;
+
 /// Sizes of a block: E points, and per point the inputs, the outputs and the nonzeros of the derivatives.
 struct PointSizes {
   std::size_t count = 0;       ///< E, the number of points
@@ -18,6 +29,12 @@ struct PointSizes {
   std::size_t jacobian = 0;    ///< nonzeros of dy/dv, 0 where the block has none
   std::size_t hessian = 0;     ///< nonzeros of one triangle of d^2(m' y)/dv^2, 0 where the block has none
   std::ptrdiff_t costed = -1;  ///< the output that carries cost, -1 if none does
+
+  /// Numbers that an evaluation gives at one point.
+  std::size_t results(Evaluation which) const {
+    const std::size_t numbers[kEvaluations] = {outputs, jacobian, 1, inputs, hessian, hessian};
+    return numbers[static_cast<std::size_t>(which)];
+  }
 };
 
 /// One point function at E points.
@@ -38,21 +55,11 @@ class PointBlock {
   /// Makes work memory for this many threads; called before the first evaluation, and again when there are more.
   virtual void prepare(std::size_t threads) = 0;
 
-  /// y (n_y, E) at v (n_v, E) with the constants c (n_c, E).
-  virtual void values(const double* v, const double* c, double* y, ThreadPool& pool) = 0;
-  /// Nonzeros (jacobian, E) of dy/dv.
-  virtual void jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) = 0;
-  /// The costed output (E,). Called only where `sizes().costed >= 0`, as is `gradient`.
-  virtual void cost(const double* v, const double* c, double* cost, ThreadPool& pool) = 0;
-  /// Gradient (n_v, E) of the costed output.
-  virtual void gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) = 0;
-  /// Nonzeros (hessian, E) of one triangle of sum_i m_i d^2 y_i/dv^2, with m (n_y, E).
-  virtual void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) = 0;
-  /// Whether the function saturates: the Hessian without the negative curvature of saturations then differs.
+  /// Writes the results at all points; `m` is null but for Hessians.
+  virtual void evaluate(Evaluation which, const double* v, const double* c, const double* m, double* out,
+                        ThreadPool& pool) = 0;
+  /// Whether the function saturates: its two Hessians then differ.
   virtual bool saturates() const { return false; }
-  virtual void convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
-    hessian(v, c, m, nonzeros, pool);
-  }
 
   /// Calls evaluate(pool) with the block's own threads, for callers that have no pool: one after another.
   template <typename Evaluate>

@@ -49,10 +49,8 @@ TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Tor
            "the tapes of the torques' arguments take others than their block has");
     }
   }
-  for (const Recipe* recipe : {&recipes_.values, &recipes_.jacobian, &recipes_.cost, &recipes_.gradient})
-    check(*recipe, false);
-  check(recipes_.hessian, true);
-  check(recipes_.convex, true);
+  for (std::size_t i = 0; i < recipes_.size(); ++i)
+    check(recipes_[i], i >= static_cast<std::size_t>(Evaluation::hessian));
 }
 
 TapeBlock::Parts TapeBlock::parts(const Recipe& recipe) const {
@@ -102,11 +100,10 @@ void TapeBlock::prepare(std::size_t threads) {
   const std::size_t lanes = kernels_.lanes;
   std::size_t tape = 0, buffer = 0, given = 0;
   if (torques_) tape = std::max(torques_->arguments.memory(), torques_->curvature.memory());
-  for (const Recipe* recipe : {&recipes_.values, &recipes_.jacobian, &recipes_.cost, &recipes_.gradient,
-                               &recipes_.hessian, &recipes_.convex}) {
-    tape = std::max(tape, recipe->tape.memory());
-    buffer = std::max(buffer, parts(*recipe).end);
-    for (const Call& call : recipe->calls) {
+  for (const Recipe& recipe : recipes_) {
+    tape = std::max(tape, recipe.tape.memory());
+    buffer = std::max(buffer, parts(recipe).end);
+    for (const Call& call : recipe.calls) {
       tape = std::max(tape, call.tape->memory());
       given = std::max(given, call.inputs.size() + call.multipliers.size());
     }
@@ -198,8 +195,10 @@ std::size_t TapeBlock::effort(const Recipe& recipe) const {
   return 3 * instructions + 2 * recipe.products.size() + (torques_ ? a_joint * torques_->robot.tree.count : 0);
 }
 
-void TapeBlock::run(const Recipe& recipe, const double* v, const double* c, const double* m, double* out,
-                    ThreadPool& pool) {
+void TapeBlock::evaluate(Evaluation which, const double* v, const double* c, const double* m, double* out,
+                         ThreadPool& pool) {
+  if (which == Evaluation::convex_hessian && !saturates()) which = Evaluation::hessian;
+  const Recipe& recipe = recipes_[static_cast<std::size_t>(which)];
   const std::size_t inputs = sizes().inputs, constants = sizes().constants, outputs = sizes().outputs;
   const std::size_t lanes = kernels_.lanes;
   // Waking a thread, and waiting for one that has no core at the moment, costs more than little work does.
@@ -217,30 +216,6 @@ void TapeBlock::run(const Recipe& recipe, const double* v, const double* c, cons
       store(work.buffer.data() + recipe.result * lanes, recipe.results, points, lanes, out + point * recipe.results);
     }
   });
-}
-
-void TapeBlock::values(const double* v, const double* c, double* y, ThreadPool& pool) {
-  run(recipes_.values, v, c, nullptr, y, pool);
-}
-
-void TapeBlock::jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) {
-  run(recipes_.jacobian, v, c, nullptr, nonzeros, pool);
-}
-
-void TapeBlock::cost(const double* v, const double* c, double* cost, ThreadPool& pool) {
-  run(recipes_.cost, v, c, nullptr, cost, pool);
-}
-
-void TapeBlock::gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) {
-  run(recipes_.gradient, v, c, nullptr, gradient, pool);
-}
-
-void TapeBlock::hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
-  run(recipes_.hessian, v, c, m, nonzeros, pool);
-}
-
-void TapeBlock::convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) {
-  run(saturates() ? recipes_.convex : recipes_.hessian, v, c, m, nonzeros, pool);
 }
 
 }  // namespace robotraj::native

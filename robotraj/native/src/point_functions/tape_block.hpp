@@ -5,6 +5,7 @@
 #include "parallel/pack.hpp"
 #include "point_block.hpp"
 
+#include <array>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -51,26 +52,20 @@ struct Torques {
   std::size_t size() const { return robot.tree.positions() + 2 * robot.tree.rates(); }
 };
 
-/// The recipes of a stage function y = fn(v, c): values, Jacobian, cost, gradient of the cost, Hessian, and the Hessian
-/// without the negative curvature of saturations, in the same order; empty without saturations.
+/// The recipes of a stage function y = fn(v, c) by their `Evaluation`; that of the convex Hessian, which has the entries
+/// of the other one, is empty without saturations.
 ///
 /// Tapes take (v, c), then tau where there are torques, then m where it is the Hessian's.
-struct Recipes {
-  Recipe values, jacobian, cost, gradient, hessian, convex;
-};
+using Recipes = std::array<Recipe, kEvaluations>;
 
 class TapeBlock : public PointBlock {
  public:
   TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Torques> torques, const Kernels& kernels);
 
   void prepare(std::size_t threads) override;
-  void values(const double* v, const double* c, double* y, ThreadPool& pool) override;
-  void jacobian(const double* v, const double* c, double* nonzeros, ThreadPool& pool) override;
-  void cost(const double* v, const double* c, double* cost, ThreadPool& pool) override;
-  void gradient(const double* v, const double* c, double* gradient, ThreadPool& pool) override;
-  void hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override;
-  bool saturates() const override { return !recipes_.convex.tape.empty(); }
-  void convex_hessian(const double* v, const double* c, const double* m, double* nonzeros, ThreadPool& pool) override;
+  void evaluate(Evaluation which, const double* v, const double* c, const double* m, double* out,
+                ThreadPool& pool) override;
+  bool saturates() const override { return !recipes_.back().tape.empty(); }
 
  private:
   /// Work memory of a thread for a pack of points.
@@ -88,7 +83,6 @@ class TapeBlock : public PointBlock {
   std::size_t effort(const Recipe& recipe) const;
   void check(const Recipe& recipe, bool multiplied) const;
   void check(const Call& call, bool multiplied) const;
-  void run(const Recipe& recipe, const double* v, const double* c, const double* m, double* out, ThreadPool& pool);
   void run_pack(const Recipe& recipe, Work& work) const;
   void run_tape(const Tape& tape, std::initializer_list<const double*> arguments, Packs& memory, double* result) const;
   void run_calls(const Recipe& recipe, Work& work, double* results) const;

@@ -118,11 +118,18 @@ void Program::set_point(const double* y) {
 const Numbers& Program::values(std::size_t index) {
   Work& work = work_[index];
   if (!work.y_known) {
-    const Term& term = terms_[index];
-    timed(times.functions, [&] { term.block->values(work.v.data(), term.constants.data(), work.y.data(), pool_); });
+    evaluate(index, Evaluation::values, work.y);
     work.y_known = true;
   }
   return work.y;
+}
+
+void Program::evaluate(std::size_t index, Evaluation which, Numbers& out) {
+  const Term& term = terms_[index];
+  const Work& work = work_[index];
+  const double* m = which >= Evaluation::hessian ? work.m.data() : nullptr;
+  timed(times.functions,
+        [&] { term.block->evaluate(which, work.v.data(), term.constants.data(), m, out.data(), pool_); });
 }
 
 const Numbers& Program::row_values() {
@@ -152,7 +159,7 @@ double Program::objective() {
       const double* costed = values(i).data() + sizes.costed;
       for (std::size_t e = 0; e < sizes.count; ++e) sum += term.weights[e] * costed[e * sizes.outputs];
     } else {
-      timed(times.functions, [&] { term.block->cost(work.v.data(), term.constants.data(), work.cost.data(), pool_); });
+      evaluate(i, Evaluation::cost, work.cost);
       for (std::size_t e = 0; e < sizes.count; ++e) sum += term.weights[e] * work.cost[e];
     }
   }
@@ -166,9 +173,7 @@ const Numbers& Program::gradient() {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     Work& work = work_[i];
     if (!work.has_cost) continue;
-    const Term& term = terms_[i];
-    timed(times.functions,
-          [&] { term.block->gradient(work.v.data(), term.constants.data(), work.gradient.data(), pool_); });
+    evaluate(i, Evaluation::gradient, work.gradient);
     timed(times.combinations,
           [&] { work.to_gradient.apply(work.gradient.data(), gradient_.data(), gradient_.data(), pool_); });
   }
@@ -242,11 +247,9 @@ bool Program::saturates() const {
 bool Program::combine_jacobians(Combination Work::*combination, double* out) {
   const double* sum = nullptr;  // the first term's combination keeps the linear part
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    const Term& term = terms_[i];
-    if (!term.jacobian.entries()) continue;
+    if (!terms_[i].jacobian.entries()) continue;
     Work& work = work_[i];
-    timed(times.functions,
-          [&] { term.block->jacobian(work.v.data(), term.constants.data(), work.jacobian.data(), pool_); });
+    evaluate(i, Evaluation::jacobian, work.jacobian);
     timed(times.combinations, [&] { (work.*combination).apply(work.jacobian.data(), sum, out, pool_); });
     sum = out;
   }
@@ -267,10 +270,7 @@ bool Program::combine_hessians(const double* lam, double lam_f, Combination Work
     });
     if (work.has_cost)
       for (std::size_t e = 0; e < sizes.count; ++e) work.m[e * sizes.outputs + sizes.costed] += lam_f * term.weights[e];
-    timed(times.functions, [&] {
-      const auto evaluate = convex ? &PointBlock::convex_hessian : &PointBlock::hessian;
-      (*term.block.*evaluate)(work.v.data(), term.constants.data(), work.m.data(), work.hessian.data(), pool_);
-    });
+    evaluate(i, convex ? Evaluation::convex_hessian : Evaluation::hessian, work.hessian);
     timed(times.combinations, [&] { (work.*combination).apply(work.hessian.data(), sum, out, pool_); });
     sum = out;
   }

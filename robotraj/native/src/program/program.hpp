@@ -106,6 +106,7 @@ class Program {
 
   void check(std::size_t index) const;
   const Numbers& values(std::size_t index);
+  void evaluate(std::size_t index, Evaluation which, Numbers& out);
   void forget();
   void prepare_in_order();
   /// False where no block has any.
