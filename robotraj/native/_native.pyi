@@ -1,7 +1,7 @@
 """The compiled module. Arrays of many points are flat, point after point: element i of point e has index e n + i."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -281,14 +281,6 @@ class Tape:
 
 Pattern = tuple[Indices, Indices]
 
-class LinearPart:
-    """Outputs A(c) v + b(c) of a stage."""
-
-    def pattern(self) -> Pattern:
-        """Rows and columns of the nonzeros of A."""
-    def at(self, constants: Array, count: int) -> Array:
-        """Return the nonzeros of A, then b, at each of ``count`` points c."""
-
 class StageGraph:
     """A stage function y = psi(v, c, r), where r = RNEA(x) with x = chi(v, c), and its derivatives.
 
@@ -324,11 +316,10 @@ class StageGraph:
     @property
     def arguments(self) -> int: ...
     def values(self) -> Tape: ...
-    def output(self, which: int) -> Tape: ...
-    def slopes(self, output: int | None = None) -> tuple[Tape, Pattern, Pattern]:
-        """Nonzeros of dy/dv, then of dy/dr, of all outputs or of one."""
-    def gradient(self, which: int) -> Tape:
-        """Return d y_i/dv as a dense column, for stages without torques."""
+    def slopes(self) -> tuple[Tape, Pattern, Pattern]:
+        """Nonzeros of dy/dv, then of dy/dr."""
+    def gradient(self) -> Tape:
+        """Return dy/dv of the only output as a dense column, for stages without torques."""
     def curvature(self) -> tuple[Tape, Tape | None, Pattern, Pattern, Pattern]:
         """With l = d(m' y)/dr: l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr.
 
@@ -341,9 +332,10 @@ class StageGraph:
         """Return (v, c) -> x, dx/dv, and (v, c, g) -> lower triangle of sum_i g_i d^2 x_i/dv^2; then their patterns."""
     def selected(self, outputs: Indices) -> StageGraph:
         """Return the graph with some of its outputs."""
-    def split(self) -> tuple[Indices, LinearPart]:
-        """Return the outputs that are not affine in v, and the linear part of the others.
+    def split(self) -> tuple[Indices, Tape, Pattern]:
+        """Return the outputs that are not affine in v, and of the others, A(c) v + b(c), nonzeros of A, then b.
 
+        The tape takes no v and c; the pattern is that of A.
         Torques and results of other functions that are called count as functions of v.
         """
     def constant_slopes(self) -> Array:
@@ -436,7 +428,7 @@ class TapeBlock(PointBlock):
         inputs: int,
         constants: int,
         values: Recipe,
-        jacobian: Recipe,
+        jacobian: Recipe | None = None,
         hessian: Recipe | None = None,
         convex: Recipe | None = None,
         cost: Recipe | None = None,
@@ -730,77 +722,6 @@ class SymmetricFactors:
     def entries(self) -> int: ...
     @property
     def largest_front(self) -> int: ...
-
-class StageSystem:
-    """Newton's system of a stagewise program, as the iterations solve it.
-
-    Sizes are those of every stage; columns are (u_0, x_0, u_1, x_1, ...), rows [dynamics, equalities, inequalities],
-    each stage after stage, with -1 at the next state in the dynamics. Hessian entries are of one triangle.
-    """
-
-    def __init__(
-        self,
-        controls: Indices,
-        states: Indices,
-        equalities: Indices,
-        inequalities: Indices,
-        jacobian_rows: Indices,
-        jacobian_columns: Indices,
-        hessian_rows: Indices,
-        hessian_columns: Indices,
-        processor: str = "",
-    ) -> None: ...
-    def fill(self, jacobian: Array, hessian: Array) -> None:
-        """Set the values of the entries."""
-    def solve(
-        self, dx: Array | None, de: Array | None, ds: Array, f: Array, g: Array
-    ) -> tuple[Literal["good", "indefinite", "dependent"], Array, Array]:
-        """Solve (H + dx) z + A' lam = -f, A z - (0, de, ds) lam = -g; without ``dx`` by the last factors."""
-    def residual(
-        self, dx: Array, de: Array | None, f: Array, g: Array, z: Array, lam: Array
-    ) -> tuple[Array, Array, float]:
-        """Evaluate (H + dx) z + A' lam + f, A z - (0, de, 0) lam + g and the greatest of them but for inequalities."""
-    def jacobian_times(self, x: Array) -> Array: ...
-    def transposed_times(self, lam: Array) -> Array: ...
-    def hessian_times(self, x: Array) -> Array: ...
-
-class SlackVectors:
-    """What an iteration does with all slacks s between bounds l and u, distances s - l below and u - s above.
-
-    Distances are 1 and multipliers 0 where there is no bound.
-    """
-
-    def __init__(self, lower: Array, upper: Array, processor: str = "") -> None: ...
-    def measures(self, x: Array) -> tuple[float, float, bool]:
-        """Find max |x|, sum |x| and whether all of x is finite."""
-    def add(self, x: Array, y: Array) -> Array: ...
-    def distances(self, s: Array) -> tuple[Array, Array, float, float]:
-        """Find both distances, the sum of their logarithms, and the sum of those of slacks with one bound."""
-    def barrier(self, below: Array, above: Array, mu: float, damping: float, ds: Array) -> tuple[Array, float]:
-        """Gradient of -mu sum(log distances) + damping sum(distances of slacks with one bound); its product with ds."""
-    def complementarity(
-        self, below: Array, above: Array, lower_duals: Array, upper_duals: Array, mu: float
-    ) -> tuple[Array, Array, float]:
-        """Evaluate multiplier distance - mu of both bounds and the greatest of them."""
-    def longest_step(self, below: Array, above: Array, ds: Array, tau: float) -> float:
-        """Find the longest step of at most 1 that leaves 1 - tau of every distance."""
-    def longest_dual_step(
-        self, lower_duals: Array, lower_step: Array, upper_duals: Array, upper_step: Array, tau: float
-    ) -> float: ...
-    def clamped(self, distance: Array, z: Array, mu: float, kappa: float) -> Array:
-        """Multipliers of the lower bounds, moved between mu / (kappa distance) and kappa mu / distance."""
-    def eliminated(self, system: Array, side: Array) -> tuple[Array, Array, Array, Array]:
-        """Eliminate the slacks and the multipliers of their bounds from Newton's system.
-
-        ``system`` is [s - l, u - s, z_l, z_u, D, D_e], ``side`` [f, c_l, c_u, g]; gives what s = inverse
-        (lam - gradient) and A x - weights lam = -rows are made of.
-        """
-    def recovered(
-        self, system: Array, side: Array, inverse: Array, gradient: Array, lam: Array
-    ) -> tuple[Array, Array, Array]:
-        """Find s, z_l and z_u of lam."""
-    def residual(self, system: Array, side: Array, step: Array, lam: Array, rows: Array) -> tuple[Array, Array, float]:
-        """Evaluate the three equations of the step [s, z_l, z_u], rows - s - D_e lam, the greatest of the former."""
 
 class Options:
     """Options of a solve, by name; what is not named keeps its default. See ``interior_point/problem/options.hpp``.

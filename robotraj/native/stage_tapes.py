@@ -84,10 +84,9 @@ class Tapes:
         """Rows and columns of the nonzeros of the Hessian's lower triangle."""
         return self._hessian[1]
 
-    @property
-    def _output(self) -> int:
-        assert self._costed is not None
-        return self._costed
+    @cached_property
+    def _costed_graph(self) -> StageGraph:
+        return self._graph.selected(np.array([self._costed]))
 
     @property
     def _torques(self) -> Torques | None:
@@ -99,11 +98,11 @@ class Tapes:
 
     @cached_property
     def _cost(self) -> Recipe:
-        return plain(self._graph.output(self._output))
+        return plain(self._costed_graph.values())
 
     @cached_property
     def _gradient(self) -> Recipe:
-        return plain(self._graph.gradient(self._output))
+        return plain(self._costed_graph.gradient())
 
     @cached_property
     def _jacobian(self) -> tuple[Recipe, Pattern]:

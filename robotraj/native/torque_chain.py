@@ -102,15 +102,15 @@ class TorqueChain(Tapes):
     @cached_property
     def _gradient(self) -> Recipe:
         # Addends are not part of the objective.
-        return self._first(self._output, ())[0]
+        return self._first(self._costed_graph, (), dense=True)[0]
 
     @cached_property
     def _jacobian(self) -> tuple[Recipe, Pattern]:
-        return self._first(None, self._added)
+        return self._first(self._graph, self._added)
 
-    def _first(self, output: int | None, added: Sequence[Added]) -> tuple[Recipe, Pattern]:
+    def _first(self, graph: StageGraph, added: Sequence[Added], dense: bool = False) -> tuple[Recipe, Pattern]:
         """Return dy/dv with the addends' derivatives, or the gradient of one output as a dense column."""
-        tape, by_v, by_r = self._graph.slopes(output)
+        tape, by_v, by_r = graph.slopes()
         through = len(by_r[0]) > 0
         calls, torques = Calls(added, "jacobian"), len(self._torque_pattern[0]) if through else 0
         parts = _ChainParts.after(tape, torques, 0, self._argument_numbers, 0, calls.numbers)
@@ -118,10 +118,10 @@ class TorqueChain(Tapes):
         sums = [copied(entries(*by_v, 1)), *calls.terms(parts.calls, self._graph.inputs)]
         if through:
             sums.append(matched(entries(*by_r, 1 + len(by_v[0])), self._rates(terms, parts)))
-        if output is None:
-            made = terms.collect(sums)
-        else:
+        if dense:
             made = terms.collect([flipped(each) for each in sums], full=self._graph.inputs)
+        else:
+            made = terms.collect(sums)
         recipe = self._recipe(tape, parts.made, terms, made, jacobian=through, calls=calls)
         return recipe, (made.rows, made.columns)
 

@@ -6,8 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from robotraj.native._native import NotATape, StageGraph
+from robotraj.native._native import NotATape, StageGraph, Tape
 from robotraj.native.build import load_native
+from robotraj.native.stage_tapes import plain
 
 RNG = np.random.default_rng(0)
 NONE = ca.SX(0, 1)
@@ -16,6 +17,12 @@ NONE = ca.SX(0, 1)
 def graph_of(v: ca.SX, c: ca.SX, y: list[ca.SX], r: ca.SX = NONE, x: ca.SX = NONE) -> StageGraph:
     made: StageGraph = load_native().StageGraph(ca.Function("stage", [v, c, r], [ca.vertcat(*y), x]).serialize())
     return made
+
+
+def evaluated(linear: Tape, points: np.ndarray) -> np.ndarray:
+    """What the tape of a linear part gives at each of some constants, (E, n_c) -> (E, m)."""
+    block = load_native().TapeBlock(len(points), 0, points.shape[1], plain(linear))
+    return block.values(np.zeros(0), points.ravel()).reshape(len(points), -1)
 
 
 def test_affine_outputs_are_found_and_evaluated() -> None:
@@ -29,14 +36,13 @@ def test_affine_outputs_are_found_and_evaluated() -> None:
     ]
     bent = [v[0] * v[1], ca.sin(v[2]), ca.fabs(v[0]), ca.if_else(v[0] > 0, v[1], v[2])]
     y = [bent[0], *affine[:3], bent[1], bent[2], *affine[3:], bent[3]]
-    curved, linear = graph_of(v, c, y).split()
+    curved, linear, (rows, columns) = graph_of(v, c, y).split()
     assert curved.tolist() == [0, 4, 5, 8]
 
     exact = ca.Function("affine", [v, c], [ca.vertcat(*affine)])
     slopes = ca.Function("slopes", [v, c], [ca.jacobian(ca.vertcat(*affine), v)])
     points = RNG.uniform(-1, 1, (11, 2))
-    rows, columns = linear.pattern()
-    for point, numbers in zip(points, linear.at(points.ravel(), len(points)).reshape(len(points), -1), strict=True):
+    for point, numbers in zip(points, evaluated(linear, points), strict=True):
         matrix = np.zeros((len(affine), 3))
         matrix[rows, columns] = numbers[: len(rows)]
         at = RNG.uniform(-1, 1, 3)
@@ -66,9 +72,9 @@ def test_results_of_called_functions_are_not_affine() -> None:
     table = ca.interpolant("table", "bspline", [np.linspace(-4, 4, 12)], np.linspace(-1, 1, 12) ** 2)
     v, c = ca.SX.sym("v", 2), ca.SX.sym("c", 1)
     graph = graph_of(v, c, [v[1] + table(v[0]), 3 * v[0] + c])
-    curved, linear = graph.split()
+    curved, linear, _ = graph.split()
     assert curved.tolist() == [0]
-    assert linear.at(np.array([0.5]), 1).tolist() == [3, 0.5]
+    assert evaluated(linear, np.array([[0.5]])).tolist() == [[3, 0.5]]
     np.testing.assert_array_equal(graph.constant_slopes().reshape(2, 2).T, [[np.nan, np.nan], [3, 0]])
     with pytest.raises(NotATape, match="calls another function"):
         graph.values()

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.native.build import load_native
+from robotraj.native.stage_tapes import Pattern, plain
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import array, entries, native, summed
 from robotraj.solvers.stagewise.stage_cache import StageCache
@@ -22,7 +24,7 @@ from robotraj.transcription.assembly.point_functions import PointFunctions
 
 if TYPE_CHECKING:
     from robotraj.native import Csr
-    from robotraj.native._native import LinearPart
+    from robotraj.native._native import Recipe
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -32,11 +34,12 @@ Indices = NDArray[np.int_]
 class _Parts:
     """Linear outputs A(c) v + b(c) of point functions, and the others as ``rest``.
 
-    ``linear`` evaluates the nonzeros of A, then b. ``rest`` is None where all outputs are linear.
+    ``linear`` gives the nonzeros of A, then b. ``rest`` is None where all outputs are linear.
     """
 
     outputs: Indices
-    linear: LinearPart
+    linear: Recipe
+    pattern: Pattern
     rest: PointFunctions | None
 
 
@@ -84,16 +87,18 @@ def extract_linear(form: Form) -> Form:
 
 
 def _split_outputs(stage: PointFunctions) -> _Parts:
-    curved, linear = stage.graph.split()
+    curved, linear, pattern = stage.graph.split()
     rest = restricted(stage, curved.tolist()) if curved.size else None
-    return _Parts(np.delete(np.arange(stage.outputs), curved), linear, rest)
+    return _Parts(np.delete(np.arange(stage.outputs), curved), plain(linear), pattern, rest)
 
 
 def _linear_part(block: Block, parts: _Parts) -> tuple[Csr, Array]:
     """Return the matrix (E m, n_w) and constants (E m,) of m linear outputs at E places."""
     count, m = block.count, parts.outputs.size
-    rows, columns = parts.linear.pattern()
-    numbers = parts.linear.at(np.ascontiguousarray(block.constants.T).ravel(), count).reshape(count, -1)
+    rows, columns = parts.pattern
+    constants = np.ascontiguousarray(block.constants.T).ravel()
+    evaluator = load_native().TapeBlock(count, 0, block.constants.shape[0], parts.linear)
+    numbers = evaluator.values(np.zeros(0), constants).reshape(count, -1)
     nonzeros, values = numbers[:, : rows.size], numbers[:, rows.size :]
     place = np.arange(count)[:, None]
     at = (place * m + rows).ravel(), (place * block.stage.inputs + columns).ravel(), nonzeros.ravel()

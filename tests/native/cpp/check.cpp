@@ -107,15 +107,9 @@ std::shared_ptr<native::Program> hock_schittkowski_71(bool saturates) {
   native::Pattern jacobian, hessian;
   for (int row = 0; row < 6; ++row)
     for (int column = 0; column < 4; ++column)
-      if (row < 2 || column == row - 2) {
-        jacobian.rows.push_back(row);
-        jacobian.columns.push_back(column);
-      }
+      if (row < 2 || column == row - 2) jacobian.add(row, column);
   for (int i = 0; i < 4; ++i)
-    for (int j = i; j < 4; ++j) {
-      hessian.rows.push_back(i);
-      hessian.columns.push_back(j);
-    }
+    for (int j = i; j < 4; ++j) hessian.add(i, j);
   native::Term term;
   term.block = std::make_shared<Functions>(saturates);
   term.gather = term.gradient = identity(4);

@@ -1,10 +1,13 @@
-// The Riccati recursion against a dense solve: factors, further right-hand sides, residuals and products.
+// The Riccati recursion against a dense solve, for every kind of processor: factors, further right-hand sides, residuals
+// and products.
 #include <Eigen/Dense>
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
 #include "check.hpp"
+#include "kernels/packed.hpp"
 #include "newton/riccati_solver.hpp"
 
 namespace robotraj::tests {
@@ -16,8 +19,10 @@ using native::Pivots;
 
 /// Random stages with a positive Hessian and independent rows, dense and as the recursion takes them.
 struct Random {
-  explicit Random(const native::Stages& stages, double curvature = 0.1)
+  explicit Random(const native::Stages& stages, const native::Kernels& chosen = *native::kernels().front(),
+                  double curvature = 0.1)
       : layout(stages),
+        kernels(chosen),
         jacobian(MatrixXd::Zero(layout.rows, layout.columns)),
         hessian(MatrixXd::Zero(layout.columns, layout.columns)) {
     for (std::size_t k = 0; k < layout.count(); ++k) {
@@ -50,26 +55,26 @@ struct Random {
     for (int i = 0; i < layout.rows; ++i)
       for (int j = 0; j < layout.columns; ++j)
         if (jacobian(i, j) != 0.0) {
-          of_jacobian.rows.push_back(i);
-          of_jacobian.columns.push_back(j);
+          of_jacobian.add(i, j);
           first.push_back(jacobian(i, j));
         }
     for (int i = 0; i < layout.columns; ++i)
       for (int j = i; j < layout.columns; ++j)
         if (hessian(i, j) != 0.0) {
-          of_hessian.rows.push_back(i);
-          of_hessian.columns.push_back(j);
+          of_hessian.add(i, j);
           second.push_back(hessian(i, j));
         }
-    matrices = std::make_unique<native::StageMatrices>(layout, of_jacobian, of_hessian);
+    matrices = std::make_unique<native::StageMatrices>(layout, of_jacobian, of_hessian, kernels.riccati);
     of_rows = matrices->empty_jacobian();
     of_cost = matrices->empty_hessian();
-    matrices->fill_jacobian(first, of_rows);
-    matrices->fill_hessian(second, of_cost);
+    for (std::size_t e = 0; e < first.size(); ++e)
+      if (const auto place = matrices->jacobian_places[e]; place >= 0) of_rows[place] = first[e];
+    for (std::size_t e = 0; e < second.size(); ++e) of_cost[matrices->hessian_places[e]] = second[e];
     solver = std::make_unique<native::RiccatiSolver>(*matrices);
   }
 
   native::Layout layout;
+  const native::Kernels& kernels;
   std::mt19937 random{4};
   std::normal_distribution<double> normal;
   MatrixXd jacobian, hessian;
@@ -84,14 +89,24 @@ const native::Stages shapes[] = {
     {{2, 2, 0}, {5, 5, 5}, {5, 0, 1}, {1, 1, 1}},                          // the first state is given
     {{4}, {3}, {2}, {5}},
     {{1, 8, 0, 11, 0}, {9, 3, 16, 8, 7}, {0, 2, 0, 1, 0}, {3, 20, 0, 9, 1}},
+    {{18, 12, 12, 0}, {0, 18, 18, 18}, {0, 0, 0, 6}, {30, 42, 42, 6}},  // an arm's
 };
+
+/// Calls test(stages) for random stages of every shape and every kind of processor.
+template <typename Test>
+void for_each(Test&& test) {
+  for (const native::Kernels* kernels : native::kernels())
+    for (const native::Stages& stages : shapes) {
+      Random its(stages, *kernels);
+      test(its);
+    }
+}
 
 }  // namespace
 
 ROBOTRAJ_TEST(the_recursion_solves_what_a_dense_solve_does) {
-  for (const native::Stages& stages : shapes) {
+  for_each([](Random& its) {
     for (const bool damped : {false, true}) {
-      Random its(stages);
       const int n = its.layout.columns, m = its.layout.rows, first = its.layout.equality_rows;
       const int second = its.layout.inequality_rows;
       const VectorXd dx = its.numbers(n, 1).cwiseAbs();
@@ -119,28 +134,25 @@ ROBOTRAJ_TEST(the_recursion_solves_what_a_dense_solve_does) {
         const VectorXd at = its.numbers(n + m, 1);
         found = at;
         VectorXd left(n + m);
-        its.solver->residual(its.of_rows, its.of_cost, system, 0, its.layout.count(),
-                             {left.data(), left.data() + n, left.data() + n + first, left.data() + n + second});
+        const double most =
+            its.solver->residual(its.of_rows, its.of_cost, system, 0, its.layout.count(),
+                                 {left.data(), left.data() + n, left.data() + n + first, left.data() + n + second});
         VectorXd of_rows = matrix * at + side;
         of_rows.tail(m - second) += ds.cwiseProduct(at.tail(m - second));
         CHECK((left - of_rows).lpNorm<Eigen::Infinity>() < 1e-10);
+        CHECK(most == left.head(n + second).lpNorm<Eigen::Infinity>());
       }
     }
-  }
+  });
 }
 
-ROBOTRAJ_TEST(products_of_stages_are_dense_products) {
-  for (const native::Stages& stages : shapes) {
-    Random its(stages);
+ROBOTRAJ_TEST(transposed_products_of_stages_are_dense_products) {
+  for_each([](Random& its) {
     const VectorXd x = its.numbers(its.layout.columns, 1), lam = its.numbers(its.layout.rows, 1);
-    VectorXd rows = lam, columns = x;
-    its.matrices->jacobian_times(its.of_rows, x.data(), 2.0, rows.data(), rows.data());
-    CHECK((rows - 2.0 * lam - its.jacobian * x).lpNorm<Eigen::Infinity>() < 1e-11);
-    its.matrices->transposed_times(its.of_rows, lam.data(), 0.5, columns.data(), columns.data());
-    CHECK((columns - 0.5 * x - its.jacobian.transpose() * lam).lpNorm<Eigen::Infinity>() < 1e-11);
-    its.matrices->hessian_times(its.of_cost, x.data(), 0.0, x.data(), columns.data());
-    CHECK((columns - its.hessian * x).lpNorm<Eigen::Infinity>() < 1e-10);
-  }
+    VectorXd columns = x;
+    its.matrices->transposed_times(its.of_rows, lam.data(), columns.data(), columns.data());
+    CHECK((columns - x - its.jacobian.transpose() * lam).lpNorm<Eigen::Infinity>() < 1e-11);
+  });
 }
 
 ROBOTRAJ_TEST(rows_that_depend_on_each_other_and_negative_curvature_are_reported) {
@@ -159,8 +171,26 @@ ROBOTRAJ_TEST(rows_that_depend_on_each_other_and_negative_curvature_are_reported
   twice.jacobian.row(3) = 2.0 * twice.jacobian.row(2);
   twice.make();
   CHECK(pivots(twice) == Pivots::dependent);
-  Random concave({{3, 0}, {2, 2}, {0, 0}, {0, 0}}, -50.0);
+  Random concave({{3, 0}, {2, 2}, {0, 0}, {0, 0}}, *native::kernels().front(), -50.0);
   CHECK(pivots(concave) == Pivots::indefinite);
+}
+
+ROBOTRAJ_TEST(derivatives_of_stages_out_of_order_or_of_two_stages_are_refused) {
+  const native::Layout layout({{1, 0}, {1, 1}, {0, 0}, {0, 0}});
+  const auto refused = [&](native::Pattern jacobian, native::Pattern hessian) {
+    try {
+      native::StageMatrices(layout, jacobian, hessian);
+      return false;
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+  };
+  const native::Pattern rows{{0, 0, 0}, {0, 1, 2}}, diagonal{{0, 1, 2}, {0, 1, 2}};
+  CHECK(!refused(rows, diagonal));
+  for (const std::vector<std::int32_t>& columns : {std::vector<std::int32_t>{1, 0, 2}, {0, 0, 2}})
+    CHECK(refused({{0, 0, 0}, columns}, diagonal));
+  CHECK(refused(rows, {{1, 0, 2}, {1, 0, 2}}));
+  CHECK(refused(rows, {{0, 1, 2}, {2, 1, 2}}));
 }
 
 }  // namespace robotraj::tests

@@ -126,7 +126,13 @@ Outcome solve(Solved& self, const Doubles& y, const Doubles& lower, const Double
   return outcome;
 }
 
-Result copy(const Numbers& values) { return to_numpy(values); }
+/// What `evaluate` gives of the program at y.
+template <typename Evaluate>
+auto at(Solved& self, const Doubles& y, Evaluate&& evaluate) {
+  const Alone alone(self.busy);
+  self.program->set_point(checked(y, self.program->columns(), "y"));
+  return evaluate(*self.program);
+}
 
 }  // namespace
 
@@ -203,42 +209,32 @@ void bind_program(nb::module_& m) {
       .def(
           "rows",
           [](Solved& self, const Doubles& y) {
-            const Alone alone(self.busy);
-            self.program->set_point(checked(y, self.program->columns(), "y"));
-            return copy(self.program->row_values());
+            return at(self, y, [](Program& program) { return to_numpy(program.row_values()); });
           },
           nb::arg("y"))
       .def(
           "objective",
           [](Solved& self, const Doubles& y) {
-            const Alone alone(self.busy);
-            self.program->set_point(checked(y, self.program->columns(), "y"));
-            return self.program->objective();
+            return at(self, y, [](Program& program) { return program.objective(); });
           },
           nb::arg("y"))
       .def(
           "gradient",
           [](Solved& self, const Doubles& y) {
-            const Alone alone(self.busy);
-            self.program->set_point(checked(y, self.program->columns(), "y"));
-            return copy(self.program->gradient());
+            return at(self, y, [](Program& program) { return to_numpy(program.gradient()); });
           },
           nb::arg("y"))
       .def(
           "jacobian",
           [](Solved& self, const Doubles& y) {
-            const Alone alone(self.busy);
-            self.program->set_point(checked(y, self.program->columns(), "y"));
-            return copy(self.program->jacobian());
+            return at(self, y, [](Program& program) { return to_numpy(program.jacobian()); });
           },
           nb::arg("y"))
       .def(
           "hessian",
           [](Solved& self, const Doubles& y, const Doubles& lam, double lam_f) {
-            const Alone alone(self.busy);
             const double* multipliers = checked(lam, self.program->rows(), "lam");
-            self.program->set_point(checked(y, self.program->columns(), "y"));
-            return copy(self.program->hessian(multipliers, lam_f));
+            return at(self, y, [&](Program& program) { return to_numpy(program.hessian(multipliers, lam_f)); });
           },
           nb::arg("y"), nb::arg("lam"), nb::arg("lam_f") = 1.0);
 }

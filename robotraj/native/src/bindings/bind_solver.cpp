@@ -16,8 +16,6 @@ namespace robotraj::native {
 using interior_point::Options;
 using interior_point::Outcome;
 
-static Result copy(const Numbers& values) { return to_numpy(values); }
-
 /// Calls `use` with the name and the member of every option.
 template <typename Use>
 static void each_option(Use&& use) {
@@ -65,13 +63,13 @@ void bind_solver(nb::module_& m) {
 
   nb::class_<Outcome>(m, "Outcome")
       .def_prop_ro(
-          "y", [](const Outcome& o) { return copy(o.y); }, nb::rv_policy::move)
+          "y", [](const Outcome& o) { return to_numpy(o.y); }, nb::rv_policy::move)
       .def_prop_ro(
-          "lam", [](const Outcome& o) { return copy(o.lam); }, nb::rv_policy::move)
+          "lam", [](const Outcome& o) { return to_numpy(o.lam); }, nb::rv_policy::move)
       .def_prop_ro(
-          "lower_duals", [](const Outcome& o) { return copy(o.lower_duals); }, nb::rv_policy::move)
+          "lower_duals", [](const Outcome& o) { return to_numpy(o.lower_duals); }, nb::rv_policy::move)
       .def_prop_ro(
-          "upper_duals", [](const Outcome& o) { return copy(o.upper_duals); }, nb::rv_policy::move)
+          "upper_duals", [](const Outcome& o) { return to_numpy(o.upper_duals); }, nb::rv_policy::move)
       .def_ro("status", &Outcome::status)
       .def_ro("message", &Outcome::message)
       .def_ro("iterations", &Outcome::iterations)

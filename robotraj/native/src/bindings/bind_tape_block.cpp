@@ -57,15 +57,15 @@ Recipe recipe_of(const Tape& tape, bool jacobian, bool hessian, std::size_t made
 }
 
 std::shared_ptr<TapeBlock> block_of(std::size_t count, std::size_t inputs, std::size_t constants, const Recipe& values,
-                                    const Recipe& jacobian, const Recipe* hessian, const Recipe* convex,
+                                    const Recipe* jacobian, const Recipe* hessian, const Recipe* convex,
                                     const Recipe* cost, const Recipe* gradient, std::ptrdiff_t costed,
                                     const Torques* torques, const std::string& processor) {
-  const PointSizes sizes{
-      count, inputs, constants, values.results, jacobian.results, hessian ? hessian->results : 0, cost ? costed : -1};
   const auto or_none = [](const Recipe* recipe) { return recipe ? *recipe : Recipe{}; };
-  return std::make_shared<TapeBlock>(
-      sizes, Recipes{values, jacobian, or_none(cost), or_none(gradient), or_none(hessian), or_none(convex)},
-      torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
+  Recipes recipes{values, or_none(jacobian), or_none(cost), or_none(gradient), or_none(hessian), or_none(convex)};
+  const PointSizes sizes{
+      count, inputs, constants, values.results, recipes[1].results, recipes[4].results, cost ? costed : -1};
+  return std::make_shared<TapeBlock>(sizes, std::move(recipes),
+                                     torques ? std::optional<Torques>(*torques) : std::nullopt, kernels_of(processor));
 }
 
 }  // namespace
@@ -84,8 +84,8 @@ void bind_tape_block(nb::module_& m) {
            nb::arg("gravity"), nb::arg("flies"))
       .def_prop_ro("positions", [](const RigidTree& robot) { return robot.tree.positions(); })
       .def_prop_ro("rates", [](const RigidTree& robot) { return robot.tree.rates(); })
-      .def("jacobian_pattern", [](const RigidTree& robot) { return to_arrays(jacobian_pattern(robot.tree)); })
-      .def("hessian_pattern", [](const RigidTree& robot) { return to_arrays(hessian_pattern(robot.tree)); });
+      .def("jacobian_pattern", [](const RigidTree& robot) { return jacobian_pattern(robot.tree); })
+      .def("hessian_pattern", [](const RigidTree& robot) { return hessian_pattern(robot.tree); });
 
   nb::class_<Tape>(m, "Tape")
       .def(
@@ -127,7 +127,7 @@ void bind_tape_block(nb::module_& m) {
 
   nb::class_<TapeBlock, PointBlock>(m, "TapeBlock")
       .def(nb::new_(&block_of), nb::arg("count"), nb::arg("inputs"), nb::arg("constants"), nb::arg("values"),
-           nb::arg("jacobian"), nb::arg("hessian") = nb::none(), nb::arg("convex") = nb::none(),
+           nb::arg("jacobian") = nb::none(), nb::arg("hessian") = nb::none(), nb::arg("convex") = nb::none(),
            nb::arg("cost") = nb::none(), nb::arg("gradient") = nb::none(), nb::arg("costed") = -1,
            nb::arg("torques") = nb::none(), nb::arg("processor") = "");
 }

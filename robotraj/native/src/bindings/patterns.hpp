@@ -1,25 +1,25 @@
-// Patterns of sparse matrices on their way to NumPy.
+// Patterns of sparse matrices on their way to NumPy: tuples of rows and columns.
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
-#include "rigid_body/rigid_tree.hpp"
+#include "sparse/pattern.hpp"
 
-namespace robotraj::native {
+namespace nanobind::detail {
 
-using IndexResult = Owned<std::int64_t>;
+template <>
+struct type_caster<robotraj::native::Pattern> {
+  NB_TYPE_CASTER(robotraj::native::Pattern, const_name("tuple"))
 
-/// Rows and columns.
-inline auto to_arrays(const Pattern& pattern) {
-  std::vector<std::int64_t> rows, columns;
-  for (const auto& [row, column] : pattern) {
-    rows.push_back(row);
-    columns.push_back(column);
+  bool from_python(handle, std::uint8_t, cleanup_list*) noexcept { return false; }
+  static handle from_cpp(const robotraj::native::Pattern& pattern, rv_policy, cleanup_list*) noexcept {
+    const auto wide = [](const std::vector<std::int32_t>& indices) {
+      return robotraj::native::to_numpy(std::vector<std::int64_t>(indices.begin(), indices.end()));
+    };
+    return make_tuple(wide(pattern.rows), wide(pattern.columns)).release();
   }
-  return std::pair(to_numpy(std::move(rows)), to_numpy(std::move(columns)));
-}
+};
 
-}  // namespace robotraj::native
+}  // namespace nanobind::detail

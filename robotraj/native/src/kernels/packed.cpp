@@ -29,8 +29,8 @@ const Kernels& kernels_of(const std::string& processor) {
   throw std::invalid_argument("this processor does not run what was compiled for '" + processor + "'");
 }
 
-const VectorKernels& vector_kernels_of(const std::string& processor) { return kernels_of(processor).vectors; }
+const VectorKernels& vector_kernels_of() { return kernels().front()->vectors; }
 
-const RiccatiKernels& riccati_kernels_of(const std::string& processor) { return kernels_of(processor).riccati; }
+const RiccatiKernels& riccati_kernels_of() { return kernels().front()->riccati; }
 
 }  // namespace robotraj::native

@@ -1,8 +1,6 @@
 // Vector operations of an interior-point iteration on all slacks, bounds and multipliers.
 #pragma once
 
-#include <string>
-
 namespace robotraj::native {
 
 /// Bounds of the slacks; infinite where there is none.
@@ -71,9 +69,8 @@ struct VectorKernels {
                            int n, const SlackStep& residual, double* rows);
 };
 
-/// The fastest that this processor runs or, with a name, those compiled for that one.
-/// Throws std::invalid_argument where this processor does not run them.
-const VectorKernels& vector_kernels_of(const std::string& processor = "");
+/// The fastest that this processor runs.
+const VectorKernels& vector_kernels_of();
 
 /// Sum of the logarithms of the distances from `distances`; distance by distance where the product is not regular.
 double log_sum(const DistanceSums& sums, const Bounds& bounds, const double* below, const double* above);

@@ -64,19 +64,19 @@ class NewtonMatrices {
   virtual ~NewtonMatrices() = default;
 
   const Layout& layout() const { return layout_; }
-  /// Place of each entry of the program among the values; -1 for entries that are not stored, such as the -1 of a next
-  /// state.
-  virtual std::vector<std::int32_t> jacobian_places() const = 0;
-  virtual std::vector<std::int32_t> hessian_places() const = 0;
-  virtual StageValues empty_jacobian() const = 0;
-  virtual StageValues empty_hessian() const = 0;
-  /// out = alpha y + A' lam; y may be out.
-  virtual void transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
-                                double* out) const = 0;
+  StageValues empty_jacobian() const { return StageValues(jacobian_size_, 0.0); }
+  StageValues empty_hessian() const { return StageValues(hessian_size_, 0.0); }
+  /// out = y + A' lam; y may be out.
+  virtual void transposed_times(const StageValues& values, const double* lam, const double* y, double* out) const = 0;
   virtual std::unique_ptr<NewtonSolver> solver() const = 0;
+
+  /// Place of each entry of the program among the values, for the program to take over; -1 for entries that are not
+  /// stored, such as the -1 of a next state.
+  std::vector<std::int32_t> jacobian_places, hessian_places;
 
  protected:
   const Layout& layout_;
+  std::size_t jacobian_size_ = 0, hessian_size_ = 0;
 };
 
 }  // namespace robotraj::native

@@ -75,13 +75,18 @@ class Entries {
 
 }  // namespace
 
-std::vector<std::int32_t> SparseMatrices::jacobian_places() const { return in_order(jacobian_.size()); }
-std::vector<std::int32_t> SparseMatrices::hessian_places() const { return in_order(hessian_.size()); }
+SparseMatrices::SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian,
+                               const std::vector<int>& groups)
+    : NewtonMatrices(layout), jacobian_(jacobian), hessian_(hessian), groups_(groups) {
+  jacobian_places = in_order(jacobian_size_ = jacobian.size());
+  hessian_places = in_order(hessian_size_ = hessian.size());
+}
+
 std::unique_ptr<NewtonSolver> SparseMatrices::solver() const { return std::make_unique<SparseSolver>(*this); }
 
-void SparseMatrices::transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
+void SparseMatrices::transposed_times(const StageValues& values, const double* lam, const double* y,
                                       double* out) const {
-  for (int i = 0; i < layout_.columns; ++i) out[i] = alpha * y[i];
+  std::copy_n(y, layout_.columns, out);
   for (std::size_t e = 0; e < jacobian_.size(); ++e) out[jacobian_.columns[e]] += values[e] * lam[jacobian_.rows[e]];
 }
 

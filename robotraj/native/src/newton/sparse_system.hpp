@@ -14,18 +14,12 @@ namespace robotraj::native {
 class SparseMatrices final : public NewtonMatrices {
  public:
   /// Of a layout of one stage without states. `groups` numbers columns and rows, once or more; see ldl::tree_of_fewest_products.
-  SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian, const std::vector<int>& groups)
-      : NewtonMatrices(layout), jacobian_(jacobian), hessian_(hessian), groups_(groups) {}
+  SparseMatrices(const Layout& layout, const Pattern& jacobian, const Pattern& hessian, const std::vector<int>& groups);
 
   const Pattern& jacobian() const { return jacobian_; }
   const Pattern& hessian() const { return hessian_; }
   const std::vector<int>& groups() const { return groups_; }
-  std::vector<std::int32_t> jacobian_places() const override;
-  std::vector<std::int32_t> hessian_places() const override;
-  StageValues empty_jacobian() const override { return StageValues(jacobian_.size(), 0.0); }
-  StageValues empty_hessian() const override { return StageValues(hessian_.size(), 0.0); }
-  void transposed_times(const StageValues& values, const double* lam, double alpha, const double* y,
-                        double* out) const override;
+  void transposed_times(const StageValues& values, const double* lam, const double* y, double* out) const override;
   std::unique_ptr<NewtonSolver> solver() const override;
 
  private:

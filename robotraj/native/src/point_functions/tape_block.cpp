@@ -33,8 +33,9 @@ std::size_t Recipe::called() const {
 TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Torques> torques, const Kernels& kernels)
     : PointBlock(sizes), recipes_(std::move(recipes)), torques_(std::move(torques)), kernels_(kernels) {
   if (torques_) {
-    for (const auto& [row, column] : jacobian_pattern(torques_->robot.tree))
-      weighing_.push_back({column, static_cast<std::int32_t>(weighing_.size()), row});
+    const Pattern pattern = jacobian_pattern(torques_->robot.tree);
+    for (std::size_t i = 0; i < pattern.size(); ++i)
+      weighing_.push_back({pattern.columns[i], static_cast<std::int32_t>(i), pattern.rows[i]});
     hessian_numbers_ = hessian_pattern(torques_->robot.tree).size();
     const std::size_t size = torques_->size();
     if (torques_->arguments.empty()) {

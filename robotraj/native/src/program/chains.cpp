@@ -93,8 +93,7 @@ Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>&
     for (std::size_t at = 0; at < width; ++at) {
       if (!present[at]) continue;
       number[at] = many++;
-      pattern.rows.push_back(static_cast<std::int32_t>(row));
-      pattern.columns.push_back(static_cast<std::int32_t>(first + static_cast<std::int64_t>(at)));
+      pattern.add(static_cast<std::int64_t>(row), first + static_cast<std::int64_t>(at));
     }
     const std::size_t begin = constant.size();
     constant.resize(begin + many, 0.0);
@@ -214,10 +213,7 @@ Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const R
         std::stable_sort(steps[b].begin(), steps[b].end(), [](const Step& x, const Step& y) { return x.at < y.at; });
       }
     }
-    for (const auto& [row, column] : entries) {
-      pattern.rows.push_back(static_cast<std::int32_t>(first) + row);
-      pattern.columns.push_back(static_cast<std::int32_t>(first) + column);
-    }
+    for (const auto& [row, column] : entries) pattern.add(first + row, first + column);
     for (std::size_t b = 0; b < chains.size(); ++b) {
       const Chain& chain = *chains[b];
       const std::vector<std::size_t>& here = places[b][stage];

@@ -29,6 +29,11 @@ void need_inside(const Pattern& pattern, std::size_t rows, std::size_t columns, 
                                   std::to_string(pattern.columns[i]) + ") lies outside");
 }
 
+/// Numbers of an array that has these places.
+std::size_t room(const std::vector<std::int32_t>& places) {
+  return places.empty() ? 0 : static_cast<std::size_t>(*std::max_element(places.begin(), places.end()) + 1);
+}
+
 }  // namespace
 
 Program::Program(LinearPart linear, Pattern jacobian, Pattern hessian, std::vector<Term> terms, std::size_t threads,
@@ -100,7 +105,7 @@ void Program::timed(double& seconds, Evaluate&& evaluate) {
 }
 
 void Program::forget() {
-  point_known_ = rows_known_ = objective_known_ = gradient_known_ = jacobian_known_ = false;
+  point_known_ = rows_known_ = objective_known_ = gradient_known_ = false;
   for (Work& work : work_) work.y_known = false;
 }
 
@@ -181,19 +186,6 @@ const Numbers& Program::gradient() {
   return gradient_;
 }
 
-void Program::prepare_in_order() {
-  if (in_order_) return;
-  const double* base = linear_.jacobian.data();
-  for (std::size_t i = 0; i < terms_.size(); ++i) {
-    work_[i].jacobian_in_order = Combination(terms_[i].jacobian, nullptr, base);
-    work_[i].hessian_in_order = Combination(terms_[i].hessian);
-    if (terms_[i].jacobian.entries()) base = nullptr;
-  }
-  jacobian_.resize(jacobian_pattern_.size());
-  hessian_.resize(hessian_pattern_.size());
-  in_order_ = true;
-}
-
 void Program::place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian) {
   need(jacobian.size(), jacobian_pattern_.size(), "places of the Jacobian's entries: their number");
   need(hessian.size(), hessian_pattern_.size(), "places of the Hessian's entries: their number");
@@ -202,62 +194,54 @@ void Program::place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& term = terms_[i];
     if (term.jacobian.entries()) {
-      work_[i].jacobian_in_place = written[0] ? Combination::adding(Stacked(term.jacobian), jacobian.data())
-                                              : Combination(term.jacobian, jacobian.data(), linear_.jacobian.data());
+      work_[i].to_jacobian = written[0] ? Combination::adding(Stacked(term.jacobian), jacobian.data())
+                                        : Combination(term.jacobian, jacobian.data(), linear_.jacobian.data());
       written[0] = true;
     }
     if (term.hessian.entries()) {
-      work_[i].hessian_in_place =
+      work_[i].to_hessian =
           written[1] ? Combination::adding(term.hessian, hessian.data()) : Combination(term.hessian, hessian.data());
       written[1] = true;
     }
   }
   jacobian_places_ = std::move(jacobian);
+  hessian_places_ = std::move(hessian);
 }
 
-const Numbers& Program::jacobian() {
-  if (jacobian_known_) return jacobian_;
-  prepare_in_order();
-  if (!combine_jacobians(&Work::jacobian_in_order, jacobian_.data())) jacobian_ = linear_.jacobian;
-  jacobian_known_ = true;
-  return jacobian_;
+Numbers Program::jacobian() {
+  Numbers placed(room(jacobian_places_)), entries = linear_.jacobian;
+  jacobian_to(placed.data());
+  for (std::size_t e = 0; e < entries.size(); ++e)
+    if (jacobian_places_[e] >= 0) entries[e] = placed[jacobian_places_[e]];
+  return entries;
 }
 
-void Program::jacobian_to(double* out) {
-  if (combine_jacobians(&Work::jacobian_in_place, out)) return;
-  for (std::size_t e = 0; e < jacobian_places_.size(); ++e)
-    if (jacobian_places_[e] >= 0) out[jacobian_places_[e]] = linear_.jacobian[e];
-}
-
-const Numbers& Program::hessian(const double* lam, double lam_f) {
-  prepare_in_order();
-  if (!combine_hessians(lam, lam_f, &Work::hessian_in_order, hessian_.data(), false))
-    std::fill(hessian_.begin(), hessian_.end(), 0.0);
-  return hessian_;
-}
-
-void Program::hessian_to(const double* lam, double lam_f, double* out, bool convex) {
-  combine_hessians(lam, lam_f, &Work::hessian_in_place, out, convex);
+Numbers Program::hessian(const double* lam, double lam_f) {
+  Numbers placed(room(hessian_places_)), entries;
+  hessian_to(lam, lam_f, placed.data());
+  for (const std::int32_t place : hessian_places_) entries.push_back(placed[place]);
+  return entries;
 }
 
 bool Program::saturates() const {
   return std::any_of(terms_.begin(), terms_.end(), [](const Term& term) { return term.block->saturates(); });
 }
 
-bool Program::combine_jacobians(Combination Work::*combination, double* out) {
+void Program::jacobian_to(double* out) {
   const double* sum = nullptr;  // the first term's combination keeps the linear part
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (!terms_[i].jacobian.entries()) continue;
     Work& work = work_[i];
     evaluate(i, Evaluation::jacobian, work.jacobian);
-    timed(times.combinations, [&] { (work.*combination).apply(work.jacobian.data(), sum, out, pool_); });
+    timed(times.combinations, [&] { work.to_jacobian.apply(work.jacobian.data(), sum, out, pool_); });
     sum = out;
   }
-  return sum != nullptr;
+  if (sum) return;
+  for (std::size_t e = 0; e < jacobian_places_.size(); ++e)
+    if (jacobian_places_[e] >= 0) out[jacobian_places_[e]] = linear_.jacobian[e];
 }
 
-bool Program::combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out,
-                               bool convex) {
+void Program::hessian_to(const double* lam, double lam_f, double* out, bool convex) {
   const double* sum = nullptr;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const Term& term = terms_[i];
@@ -271,10 +255,9 @@ bool Program::combine_hessians(const double* lam, double lam_f, Combination Work
     if (work.has_cost)
       for (std::size_t e = 0; e < sizes.count; ++e) work.m[e * sizes.outputs + sizes.costed] += lam_f * term.weights[e];
     evaluate(i, convex ? Evaluation::convex_hessian : Evaluation::hessian, work.hessian);
-    timed(times.combinations, [&] { (work.*combination).apply(work.hessian.data(), sum, out, pool_); });
+    timed(times.combinations, [&] { work.to_hessian.apply(work.hessian.data(), sum, out, pool_); });
     sum = out;
   }
-  return sum != nullptr;
 }
 
 void Program::set_offsets(const double* offset, double cost_offset) {

@@ -13,6 +13,7 @@
 
 #include "point_functions/point_block.hpp"
 #include "sparse/combination.hpp"
+#include "sparse/pattern.hpp"
 #include "sparse/stacked.hpp"
 
 namespace robotraj::native {
@@ -30,13 +31,6 @@ struct Term {
   Csr gradient;           // C (columns, n_v E)
   Csr jacobian;           // M (Jacobian entries, nonzeros E)
   Stacked hessian;        // N (Hessian entries, nonzeros E)
-};
-
-/// Entries (row, column) of a sparse matrix.
-struct Pattern {
-  std::vector<std::int32_t> rows;
-  std::vector<std::int32_t> columns;
-  std::size_t size() const { return rows.size(); }
 };
 
 /// The linear parts: l0 + L y of the rows, c0 + l_f' y of the objective, j0 of the Jacobian's entries.
@@ -76,10 +70,11 @@ class Program {
   const Numbers& row_values();
   double objective();
   const Numbers& gradient();
-  const Numbers& jacobian();
-  const Numbers& hessian(const double* lam, double lam_f);
+  Numbers jacobian();
+  Numbers hessian(const double* lam, double lam_f);
 
-  /// The two functions below write entry e to places[e], and leave it out where that is negative.
+  /// Has the two functions below write entry e to places[e], and leave it out where that is negative; called once, before
+  /// derivatives are evaluated.
   void place(std::vector<std::int32_t> jacobian, std::vector<std::int32_t> hessian);
   void jacobian_to(double* out);
   /// `convex`: without the negative curvature of saturations.
@@ -96,8 +91,7 @@ class Program {
  private:
   /// One term of the program, and the memory for it.
   struct Work {
-    Combination gather, scatter, scatter_transposed, to_gradient;
-    Combination jacobian_in_order, hessian_in_order, jacobian_in_place, hessian_in_place;
+    Combination gather, scatter, scatter_transposed, to_gradient, to_jacobian, to_hessian;
     Numbers v, y, cost, gradient, jacobian, m, hessian;
     bool has_rows = false;
     bool has_cost = false;
@@ -108,10 +102,6 @@ class Program {
   const Numbers& values(std::size_t index);
   void evaluate(std::size_t index, Evaluation which, Numbers& out);
   void forget();
-  void prepare_in_order();
-  /// False where no block has any.
-  bool combine_jacobians(Combination Work::*combination, double* out);
-  bool combine_hessians(const double* lam, double lam_f, Combination Work::*combination, double* out, bool convex);
   template <typename Evaluate>
   void timed(double& seconds, Evaluate&& evaluate);
 
@@ -123,10 +113,9 @@ class Program {
   Combination linear_combination_;
   ThreadPool pool_;
   Numbers point_;
-  bool point_known_ = false, rows_known_ = false, objective_known_ = false, gradient_known_ = false,
-       jacobian_known_ = false, in_order_ = false;
-  std::vector<std::int32_t> jacobian_places_;
-  Numbers rows_, gradient_, jacobian_, hessian_;
+  bool point_known_ = false, rows_known_ = false, objective_known_ = false, gradient_known_ = false;
+  std::vector<std::int32_t> jacobian_places_, hessian_places_;
+  Numbers rows_, gradient_;
   double objective_ = 0.0;
 };
 

@@ -1,8 +1,6 @@
 // Newton's system of a stagewise program by a Riccati recursion that uses the sparsity of the dynamics.
 #pragma once
 
-#include <string>
-
 #include "stage_system.hpp"
 
 namespace robotraj::native {
@@ -47,14 +45,11 @@ struct RiccatiKernels {
   double (*residual_stage)(const StageView& stage, const StageVectors& vectors, const double* before,
                            const double* next_state, const StageResidual& residual, RiccatiMemory& memory);
 
-  void (*hessian_times)(const double* a, int n, const double* x, double* out, double* memory);
-  void (*rows_times)(const RowsView& rows, int count, int n, const double* x, double* out, double* memory);
   void (*transposed_times)(const StageView& stage, const double* dynamics, const double* equalities,
                            const double* inequalities, double* out, double* memory);
 };
 
-/// The fastest that this processor runs or, with a name, those compiled for that one.
-/// Throws std::invalid_argument where this processor does not run them.
-const RiccatiKernels& riccati_kernels_of(const std::string& processor = "");
+/// The fastest that this processor runs.
+const RiccatiKernels& riccati_kernels_of();
 
 }  // namespace robotraj::native

@@ -120,8 +120,8 @@ void forward_start(const StageFactor& factor, double* state, double* left, Ricca
 }
 
 const RiccatiKernels riccati_kernels = {
-    factorise_stage, factorise_start, backward_stage, backward_start, forward_stage,
-    forward_start,   residual_stage,  hessian_times,  rows_times,     transposed_times,
+    factorise_stage, factorise_start, backward_stage, backward_start,
+    forward_stage,   forward_start,   residual_stage, transposed_times,
 };
 
 }  // namespace

@@ -93,24 +93,7 @@ ROBOTRAJ_INLINE void add_symmetric(const double* a, int n, const double* x, doub
   }
 }
 
-// --- entries of `RiccatiKernels`
-
-/// out += A x for a symmetric trapezoid; `memory` has 2 padded(n) numbers.
-void hessian_times(const double* a, int n, const double* x, double* out, double* memory) {
-  double *in = memory, *sum = memory + padded(n);
-  copy_padded(x, n, in);
-  clear(sum, padded(n));
-  add_symmetric(a, n, in, sum);
-  for (int i = 0; i < n; ++i) out[i] += sum[i];
-}
-
-/// out += rows times x, `count` rows on n columns; `memory` has padded(n) + count numbers.
-void rows_times(const RowsView& rows, int count, int n, const double* x, double* out, double* memory) {
-  double *in = memory, *sum = memory + padded(n);
-  copy_padded(x, n, in);
-  times(rows, padded(n), in, sum);
-  for (int i = 0; i < count; ++i) out[i] += sum[i];
-}
+// --- an entry of `RiccatiKernels`
 
 /// out += the three Jacobians of a stage, transposed, times their multipliers; `memory` has padded(n) numbers.
 void transposed_times(const StageView& stage, const double* dynamics, const double* equalities,

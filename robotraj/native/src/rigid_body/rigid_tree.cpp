@@ -70,7 +70,7 @@ RigidTree::RigidTree(const std::vector<Link>& links, const double* gravity, bool
 Pattern jacobian_pattern(const Tree& tree) {
   const auto nq = tree.positions(), nv = tree.rates();
   Pattern pattern;
-  const auto add = [&](std::size_t row, std::size_t column) { pattern.emplace_back(row, column); };
+  const auto add = [&](std::size_t row, std::size_t column) { pattern.add(row, column); };
   const std::size_t first = tree.first();
   for (std::size_t j = first; j < tree.count; ++j) {
     const std::size_t q = tree.position(j), w = nq + tree.rate(j), a = nq + nv + tree.rate(j);
@@ -101,7 +101,7 @@ Pattern jacobian_pattern(const Tree& tree) {
 Pattern hessian_pattern(const Tree& tree) {
   const auto nq = tree.positions(), nv = tree.rates();
   Pattern pattern;
-  const auto add = [&](std::size_t row, std::size_t column) { pattern.emplace_back(row, column); };
+  const auto add = [&](std::size_t row, std::size_t column) { pattern.add(row, column); };
   const std::size_t first = tree.first();
   for (std::size_t j = first; j < tree.count; ++j) {
     const std::size_t q = tree.position(j), w = nq + tree.rate(j), a = nq + nv + tree.rate(j);

@@ -3,8 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
+
+#include "sparse/pattern.hpp"
 
 // Functions that kernels of several processors call are inlined: the linker would keep one of their versions for all.
 #define ROBOTRAJ_ALWAYS inline __attribute__((always_inline))
@@ -72,8 +73,6 @@ struct RigidTree {
     return *this;
   }
 };
-
-using Pattern = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
 /// (tau, x) of every number that the kernel gives for d tau/dx, in its order.
 Pattern jacobian_pattern(const Tree& tree);

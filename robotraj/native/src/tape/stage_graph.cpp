@@ -44,51 +44,48 @@ Nodes StageGraph::moving() const { return joined({v_, r_, called_}); }
 
 Tape StageGraph::values() const { return Tape(scalars(), y_); }
 
-Tape StageGraph::output(std::size_t which) const { return Tape(scalars(), {y_.at(which)}); }
-
-StageGraph::Slopes StageGraph::slopes_of(const Nodes& y) const {
+std::tuple<Tape, Pattern, Pattern> StageGraph::slopes() const {
   ScalarGraph own = scalars();
   const auto n = static_cast<Node>(v_.size());
   Nodes nodes;
-  Slopes found;
-  for (const Derivative& each : jacobian(own, y, joined({v_, r_}))) {
+  Pattern by_v, by_r;
+  for (const Derivative& each : jacobian(own, y_, joined({v_, r_}))) {
     nodes.push_back(each.node);
-    if (each.column < n) found.by_v.emplace_back(each.row, each.column);
-    else found.by_r.emplace_back(each.row, each.column - n);
+    if (each.column < n) by_v.add(each.row, each.column);
+    else by_r.add(each.row, each.column - n);
   }
-  found.tape = Tape(own, nodes);
-  return found;
+  return {Tape(own, nodes), std::move(by_v), std::move(by_r)};
 }
 
-Tape StageGraph::gradient(std::size_t which) const {
+Tape StageGraph::gradient() const {
   ScalarGraph own = scalars();
-  const Nodes slopes = native::gradient(own, {y_.at(which)}, {own.constant(1.0)}, v_);
+  const Nodes slopes = native::gradient(own, {y_.at(0)}, {own.constant(1.0)}, v_);
   return Tape(own, slopes);
 }
 
-StageGraph::Curvature StageGraph::curvature() const {
+std::tuple<Tape, std::optional<Tape>, Pattern, Pattern, Pattern> StageGraph::curvature() const {
   ScalarGraph own = scalars();
   const Nodes m = own.add_argument(y_.size()), u = joined({v_, r_});
   const Nodes slopes = native::gradient(own, y_, m, u);
   const auto n = static_cast<Node>(v_.size());
   const Derivatives entries = hessian(own, slopes, u);
-  Curvature found;
   // Places among the entries, in the order of the tape.
   std::vector<std::size_t> vv, rv, rr;
+  Pattern of_vv, of_rv, of_rr;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const Node row = entries[i].row - n, column = entries[i].column - n;
     if (row < 0) {
       vv.push_back(i);
-      found.vv.emplace_back(entries[i].row, entries[i].column);
+      of_vv.add(entries[i].row, entries[i].column);
     } else if (column < 0) {
       rv.push_back(i);
-      found.rv.emplace_back(row, entries[i].column);
+      of_rv.add(row, entries[i].column);
     } else {
       rr.push_back(i);
-      found.rr.emplace_back(row, column);
+      of_rr.add(row, column);
       if (row == column) continue;
       rr.push_back(i);
-      found.rr.emplace_back(column, row);
+      of_rr.add(column, row);
     }
   }
   const auto tape = [&](const Nodes& of_entries) {
@@ -99,9 +96,10 @@ StageGraph::Curvature StageGraph::curvature() const {
   };
   Nodes exact;
   for (const Derivative& each : entries) exact.push_back(each.node);
-  found.tape = tape(exact);
-  if (const std::optional<Nodes> convex = convexified(own, entries, y_, m, u)) found.convex = tape(*convex);
-  return found;
+  Tape of_all = tape(exact);
+  const std::optional<Nodes> convex = convexified(own, entries, y_, m, u);
+  return {std::move(of_all), convex ? std::optional(tape(*convex)) : std::nullopt, std::move(of_vv), std::move(of_rv),
+          std::move(of_rr)};
 }
 
 std::optional<std::vector<std::int64_t>> StageGraph::places() const {
@@ -117,30 +115,28 @@ std::optional<std::vector<std::int64_t>> StageGraph::places() const {
   return places;
 }
 
-StageGraph::Arguments StageGraph::chain() const {
+std::tuple<Tape, Tape, Pattern, Pattern> StageGraph::chain() const {
   // Arguments of the torques do not depend on them.
   ScalarGraph first;
   const Nodes v = first.add_argument(v_.size()), c = first.add_argument(c_.size());
   const Nodes x = first.read(scalars(), x_, {v, c});
   ScalarGraph second = first;
-  Arguments found;
   Nodes slopes, curvature;
+  Pattern by_v, of_curvature;
   for (const Derivative& each : jacobian(first, x, v)) {
     slopes.push_back(each.node);
-    found.by_v.emplace_back(each.row, each.column);
+    by_v.add(each.row, each.column);
   }
-  found.tape = Tape(first, joined({x, slopes}));
   const Nodes g = second.add_argument(x.size());
-  const Nodes by_v = native::gradient(second, x, g, v);
-  for (const Derivative& each : hessian(second, by_v, v)) {
+  const Nodes gradient = native::gradient(second, x, g, v);
+  for (const Derivative& each : hessian(second, gradient, v)) {
     curvature.push_back(each.node);
-    found.curvature.emplace_back(each.row, each.column);
+    of_curvature.add(each.row, each.column);
   }
-  found.curved = Tape(second, curvature);
-  return found;
+  return {Tape(first, joined({x, slopes})), Tape(second, curvature), std::move(by_v), std::move(of_curvature)};
 }
 
-StageGraph::Split StageGraph::split() const {
+std::tuple<std::vector<std::int64_t>, Tape, Pattern> StageGraph::split() const {
   ScalarGraph own = graph_;
   const Nodes u = moving();
   const Derivatives slopes = jacobian(own, y_, u);
@@ -167,13 +163,14 @@ StageGraph::Split StageGraph::split() const {
   for (const Derivative& each : slopes)
     if (const std::int64_t row = number[static_cast<std::size_t>(each.row)]; row >= 0) {
       entries.push_back(each.node);
-      pattern.emplace_back(row, each.column);
+      pattern.add(row, each.column);
     }
   // The outputs at v = 0; entries of A do not depend on v.
   ScalarGraph at_zero;
+  at_zero.add_argument(0);
   const Nodes c = at_zero.add_argument(c_.size()), zeros(v_.size(), at_zero.constant(0.0));
   const Nodes numbers = at_zero.read(own, joined({entries, chosen}), {zeros, c});
-  return {std::move(left), {std::move(pattern), Tape(at_zero, numbers)}};
+  return {std::move(left), Tape(at_zero, numbers), std::move(pattern)};
 }
 
 std::vector<double> StageGraph::constant_slopes() const {

@@ -5,12 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "differentiate.hpp"
-#include "linear_part.hpp"
-#include "rigid_body/rigid_tree.hpp"
+#include "sparse/pattern.hpp"
 #include "tape.hpp"
 
 namespace robotraj::native {
@@ -31,45 +30,27 @@ class StageGraph {
   std::size_t outputs() const { return y_.size(); }
   std::size_t arguments() const { return x_.size(); }
 
-  /// (v, c, r) -> y, or one of its entries. These and all other tapes are without r where it is empty.
+  /// (v, c, r) -> y. This and all other tapes are without r where it is empty.
   Tape values() const;
-  Tape output(std::size_t which) const;
+  /// The nonzeros of dy/dv, then those of dy/dr; and where both are.
+  std::tuple<Tape, Pattern, Pattern> slopes() const;
+  /// The gradient by v of the only output, dense, of a stage without torques.
+  Tape gradient() const;
 
-  /// Nonzeros of dy/dv, then those of dy/dr.
-  struct Slopes {
-    Tape tape;
-    Pattern by_v, by_r;
-  };
-  Slopes slopes() const { return slopes_of(y_); }
-  Slopes slopes(std::size_t which) const { return slopes_of({y_.at(which)}); }
-  /// d y_i/dv, dense, of a stage without torques.
-  Tape gradient(std::size_t which) const;
-
-  /// With l = d(m' y)/dr: (v, c, r, m) -> l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr.
-  /// `convex` has no negative curvature of saturations (`convexified`); nothing without saturations.
-  struct Curvature {
-    Tape tape;
-    std::optional<Tape> convex;
-    Pattern vv, rv, rr;
-  };
-  Curvature curvature() const;
+  /// With l = d(m' y)/dr: (v, c, r, m) -> l, then nonzeros of the lower triangle of d^2(m' y)/dv^2, dl/dv and dl/dr; the
+  /// same without negative curvature of saturations (`convexified`), nothing without saturations; and the three patterns.
+  std::tuple<Tape, std::optional<Tape>, Pattern, Pattern, Pattern> curvature() const;
 
   /// Where in v every entry of x stands, -1 for zeros; nothing where one is something else.
   std::optional<std::vector<std::int64_t>> places() const;
 
-  /// (v, c) -> x and the nonzeros of dx/dv; (v, c, g) -> nonzeros of the lower triangle of sum_i g_i d^2 x_i/dv^2.
-  struct Arguments {
-    Tape tape, curved;
-    Pattern by_v, curvature;
-  };
-  Arguments chain() const;
+  /// (v, c) -> x and the nonzeros of dx/dv; (v, c, g) -> nonzeros of the lower triangle of sum_i g_i d^2 x_i/dv^2; and
+  /// both patterns.
+  std::tuple<Tape, Tape, Pattern, Pattern> chain() const;
 
-  /// The outputs that are not affine in v, the torques and results of calls being functions of v, and the others.
-  struct Split {
-    std::vector<std::int64_t> curved;
-    LinearPart linear;
-  };
-  Split split() const;
+  /// The outputs that are not affine in v, the torques and results of calls being functions of v. Of the others, A v + b:
+  /// (no v, c) -> the nonzeros of A, then b; and the pattern of A.
+  std::tuple<std::vector<std::int64_t>, Tape, Pattern> split() const;
   /// dy/dv as a matrix, column after column: numbers where they are constant, NaN where they are not.
   std::vector<double> constant_slopes() const;
 
@@ -78,7 +59,6 @@ class StageGraph {
   /// The graph, to which derivatives are added. Each tape has its own copy, so that none has to search the nodes of
   /// others. Throws NotATape where the function calls others.
   ScalarGraph scalars() const;
-  Slopes slopes_of(const Nodes& y) const;
   /// v, then r and the results of calls, which are functions of v.
   Nodes moving() const;
 

@@ -131,7 +131,7 @@ const StageValues& Iterate::jacobian() {
 void Iterate::differentiate_lagrangian() {
   if (known_.infeasibility) return;
   differentiate();
-  problem_.matrices().transposed_times(jacobian(), at->rows, 1.0, gradient_x_, infeasibility_x_);
+  problem_.matrices().transposed_times(jacobian(), at->rows, gradient_x_, infeasibility_x_);
   for (int i = 0; i < problem_.slacks(); ++i) infeasibility_s_[i] = gradient_s_[i] - at->lower[i] + at->upper[i];
   problem_.add_slack_product(at->rows, infeasibility_s_);
   largest_infeasibility_ =

@@ -12,12 +12,7 @@ namespace robotraj::interior_point {
 
 namespace {
 
-using native::Pattern;
 using native::Program;
-
-std::string named(std::size_t row, std::size_t column) {
-  return "(" + std::to_string(row) + ", " + std::to_string(column) + ")";
-}
 
 void need(std::size_t have, int want, const char* what) {
   if (have != static_cast<std::size_t>(want))
@@ -25,76 +20,35 @@ void need(std::size_t have, int want, const char* what) {
                                 ", but the program has " + std::to_string(have));
 }
 
-/// Of every row or column, the stage that has it.
-std::vector<std::size_t> stages_of_rows(const Layout& layout) {
-  std::vector<std::size_t> stages;
+/// The state that a row of the dynamics gives enters it with -1 alone.
+void check_dynamics(const Program& program, const Layout& layout) {
+  const native::Pattern& pattern = program.jacobian_pattern();
+  std::size_t entry = 0;
   for (std::size_t k = 0; k < layout.count(); ++k)
-    stages.insert(stages.end(), static_cast<std::size_t>(layout.next_states(k)), k);
-  for (const auto* sizes : {&layout.equalities, &layout.inequalities})
-    for (std::size_t k = 0; k < layout.count(); ++k)
-      stages.insert(stages.end(), static_cast<std::size_t>((*sizes)[k]), k);
-  return stages;
-}
-
-std::vector<std::size_t> stages_of_columns(const Layout& layout) {
-  std::vector<std::size_t> stages;
-  for (std::size_t k = 0; k < layout.count(); ++k)
-    stages.insert(stages.end(), static_cast<std::size_t>(layout.unknowns(k)), k);
-  return stages;
-}
-
-void check_jacobian(const Program& program, const Layout& layout) {
-  const auto rows = stages_of_rows(layout), columns = stages_of_columns(layout);
-  const auto dynamics = static_cast<std::size_t>(layout.equality_rows);
-  const auto next_state = [&](std::size_t row) {
-    const std::size_t k = rows[row];
-    return static_cast<std::size_t>(layout.first_state[k + 1] - layout.first_dynamics[k]) + row;
-  };
-  for (std::size_t row = 0; row < dynamics; ++row)
-    if (program.linear_rows().at(row, next_state(row)) != -1.0)
-      throw std::invalid_argument("row " + std::to_string(row) + " is dynamics, so it has -1 at column " +
-                                  std::to_string(next_state(row)) + ", the state it gives");
-  const Pattern& pattern = program.jacobian_pattern();
-  for (std::size_t entry = 0; entry < pattern.size(); ++entry) {
-    const auto row = static_cast<std::size_t>(pattern.rows[entry]);
-    const auto column = static_cast<std::size_t>(pattern.columns[entry]);
-    if (row < dynamics && column == next_state(row)) {
-      for (const native::Term& term : program.terms())
-        if (term.jacobian.entries() && !term.jacobian.empty(entry))
-          throw std::invalid_argument("Jacobian entry " + named(row, column) +
-                                      " depends on a block, but the state a "
-                                      "dynamics row gives enters it with -1 alone");
-    } else if (columns[column] != rows[row]) {
-      throw std::invalid_argument("Jacobian entry " + named(row, column) + " joins stages " +
-                                  std::to_string(rows[row]) + " and " + std::to_string(columns[column]));
+    for (int i = 0; i < layout.next_states(k); ++i) {
+      const int row = layout.first_dynamics[k] + i, column = layout.first_state[k + 1] + i;
+      bool alone = program.linear_rows().at(row, column) == -1.0;
+      for (; entry < pattern.size() && pattern.rows[entry] <= row; ++entry)
+        if (pattern.rows[entry] == row && pattern.columns[entry] == column)
+          for (const native::Term& term : program.terms())
+            alone = alone && (!term.jacobian.entries() || term.jacobian.empty(entry));
+      if (!alone)
+        throw std::invalid_argument("row " + std::to_string(row) + " is dynamics, so it has -1 at column " +
+                                    std::to_string(column) + " alone, the state it gives");
     }
-  }
-}
-
-void check_hessian(const Program& program, const Layout& layout) {
-  const auto columns = stages_of_columns(layout);
-  const Pattern& pattern = program.hessian_pattern();
-  for (std::size_t entry = 0; entry < pattern.size(); ++entry) {
-    const auto row = static_cast<std::size_t>(pattern.rows[entry]);
-    const auto column = static_cast<std::size_t>(pattern.columns[entry]);
-    if (columns[row] != columns[column])
-      throw std::invalid_argument("Hessian entry " + named(row, column) + " joins stages " +
-                                  std::to_string(columns[row]) + " and " + std::to_string(columns[column]));
-  }
 }
 
 /// Of one stage without states as a sparse matrix, of all others by stages.
 std::shared_ptr<native::NewtonMatrices> matrices_of(Program& program, const Layout& layout) {
   need(program.columns(), layout.columns, "controls and states");
   need(program.rows(), layout.rows, "rows");
-  check_jacobian(program, layout);
-  check_hessian(program, layout);
-  const Pattern &jacobian = program.jacobian_pattern(), &hessian = program.hessian_pattern();
+  const native::Pattern &jacobian = program.jacobian_pattern(), &hessian = program.hessian_pattern();
   std::shared_ptr<native::NewtonMatrices> matrices;
   if (layout.count() == 1 && layout.states[0] == 0)
     matrices = std::make_shared<native::SparseMatrices>(layout, jacobian, hessian, program.elimination_groups());
   else matrices = std::make_shared<native::StageMatrices>(layout, jacobian, hessian);
-  program.place(matrices->jacobian_places(), matrices->hessian_places());
+  check_dynamics(program, layout);
+  program.place(std::move(matrices->jacobian_places), std::move(matrices->hessian_places));
   return matrices;
 }
 
