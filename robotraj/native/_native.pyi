@@ -146,8 +146,6 @@ class SphereTree:
     ) -> None: ...
     def clearances(self, q: Array) -> Array:
         """Return the least signed distance [m] in each of (m,) configurations (m n,)."""
-    def nearest(self, q: Array) -> tuple[float, int, int, bool]:
-        """Return the least distance, its sphere, and the shape, or the other sphere where the last is True."""
     def distances(self, q: Array, first: Indices, second: Indices, against: int) -> Array:
         """Return the distances (m k,) [m] in (m,) configurations of k pairs.
 

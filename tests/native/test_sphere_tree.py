@@ -105,16 +105,6 @@ def test_motions_that_are_proved_free_are_free_and_others_come_near():
     assert 50 < proved < 250
 
 
-def test_the_nearest_pair_is_named():
-    tree = scene()
-    folded = np.array([0.0, 0.0, 3.0, 0.1])
-    clearance, first, second, itself = tree.nearest(folded)
-    assert clearance < 0.0 and itself and second // 6 - first // 6 >= 2
-    at_box = np.array([np.pi / 4, 0.0, 0.0, 0.0])
-    clearance, _, shape, itself = tree.nearest(at_box)
-    assert clearance == tree.clearances(at_box)[0] and shape == 0 and not itself
-
-
 def test_rrt_connect_finds_a_free_path_that_shortcuts_shorten():
     tree, speeds, bound = scene(), np.ones(4), np.full(4, 2.8)
     start, goal = np.array([-0.3, 0, 0, 0.0]), np.array([1.9, 0, 0, 0.0])

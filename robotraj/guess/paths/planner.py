@@ -41,7 +41,7 @@ class PathPlanner(OneLine, ABC):
 class RRTConnect(PathPlanner):
     """Trees of straight motions that grow from both ends until they meet; then random shortcuts.
 
-    Every motion is proved to be free (``robotraj/native/src/collision/straight_motion.hpp``).
+    Every motion is proved to be free (``robotraj/native/src/collision/polynomial_motion.hpp``).
     Sources: Kuffner and LaValle, RRT-Connect, ICRA 2000; Geraerts and Overmars, Creating High-quality Paths for Motion
     Planning, IJRR 26 (2007).
 

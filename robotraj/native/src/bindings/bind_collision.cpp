@@ -6,8 +6,6 @@
 #include "collision/search/shorten.hpp"
 #include "shapes.hpp"
 
-#include <cmath>
-
 namespace nb = nanobind;
 
 namespace robotraj::native {
@@ -15,7 +13,8 @@ namespace robotraj::native {
 namespace {
 
 using collision::Path;
-using collision::StraightMotion;
+using collision::PolynomialMotion;
+using collision::StraightMotions;
 class SphereTree {
  public:
   SphereTree(const Indices& parents, const Indices& turns, const Doubles& joints, const Indices& groups,
@@ -30,12 +29,8 @@ class SphereTree {
     const std::size_t n = tree_.joints.size(), count = n ? q.size() / n : 0;
     checked(q, n * count, "q");
     std::vector<double> out(count);
-    for (std::size_t k = 0; k < count; ++k) out[k] = tree_.nearest(q.data() + k * n, HUGE_VAL).clearance;
+    for (std::size_t k = 0; k < count; ++k) out[k] = tree_.clearance(q.data() + k * n);
     return to_numpy(std::move(out));
-  }
-  nb::tuple nearest(const Doubles& q) const {
-    const auto found = tree_.nearest(configuration(q), HUGE_VAL);
-    return nb::make_tuple(found.clearance, found.first, found.second, found.self);
   }
   /// (m n): of the pairs of a sphere with a shape, `against` of them, then of two spheres, in each configuration.
   Result distances(const Doubles& q, const Indices& first, const Indices& second, std::size_t against) const {
@@ -46,12 +41,10 @@ class SphereTree {
     known(second, std::max(tree_.spheres.size(), tree_.shapes.size()));
     std::vector<double> out(count * pairs);
     std::vector<collision::Place> places;
-    std::vector<Eigen::Vector3d> centres(tree_.spheres.size());
+    std::vector<Eigen::Vector3d> centres;
     for (std::size_t k = 0; k < count; ++k) {
       tree_.forward(q.data() + k * n, places);
-      for (const auto& group : tree_.groups)
-        for (std::size_t s = group.first; s < group.last; ++s)
-          centres[s] = tree_.of(places, group.joint) * tree_.spheres[s].centre;
+      tree_.centres(places, centres);
       for (std::size_t p = 0; p < pairs; ++p) {
         const auto s = first.data()[p], t = second.data()[p];
         out[k * pairs + p] = (p < against ? tree_.shapes[t].distance(centres[s]).value
@@ -83,7 +76,7 @@ class SphereTree {
   /// Then the same of the least distance.
   nb::tuple shortfalls(const Doubles& coefficients, const Indices& counts, double margin) const {
     const std::size_t n = tree_.joints.size();
-    collision::PolynomialMotion motion(tree_, margin);
+    PolynomialMotion motion(tree_, margin);
     std::size_t at = 0;
     for (std::size_t k = 0; k < counts.size(); ++k) {
       const std::size_t next = at + counts.data()[k] * n;
@@ -102,23 +95,23 @@ class SphereTree {
     return nb::make_tuple(to_numpy(std::move(places)), to_numpy(std::move(numbers)));
   }
   bool motion_free(const Doubles& a, const Doubles& b, double margin, double resolution) const {
-    return StraightMotion(tree_, margin, resolution).free(configuration(a), configuration(b));
+    return PolynomialMotion(tree_, margin).free(configuration(a), configuration(b), resolution);
   }
   Result connect(const Doubles& start, const Doubles& goal, const Doubles& lower, const Doubles& upper,
                  const Doubles& speeds, double range, std::uint64_t seed, std::size_t iterations, double seconds,
                  double margin, double resolution) const {
-    StraightMotion motion(tree_, margin, resolution);
+    StraightMotions motions{PolynomialMotion(tree_, margin), resolution};
     const collision::Search search = {point(lower), point(upper), point(speeds), range, seed, iterations, seconds};
-    return flat(rrt_connect(motion, search, point(start), point(goal)));
+    return flat(rrt_connect(motions, search, point(start), point(goal)));
   }
   Result shortened(const Doubles& path, const Doubles& speeds, std::uint64_t seed, std::size_t rounds, double margin,
                    double resolution) const {
-    StraightMotion motion(tree_, margin, resolution);
+    StraightMotions motions{PolynomialMotion(tree_, margin), resolution};
     const std::size_t n = tree_.joints.size();
     Path points;
     for (std::size_t k = 0; n && k < path.size() / n; ++k)
       points.emplace_back(path.data() + k * n, path.data() + (k + 1) * n);
-    return flat(collision::shortened(motion, points, point(speeds), seed, rounds));
+    return flat(collision::shortened(motions, points, point(speeds), seed, rounds));
   }
 
  private:
@@ -160,7 +153,6 @@ void bind_collision(nb::module_& m) {
            nb::arg("spheres"), nb::arg("pairs"), nb::arg("kinds"), nb::arg("shapes"), nb::arg("triangles"),
            nb::arg("corners"))
       .def("clearances", &SphereTree::clearances, nb::arg("q"))
-      .def("nearest", &SphereTree::nearest, nb::arg("q"))
       .def("distances", &SphereTree::distances, nb::arg("q"), nb::arg("first"), nb::arg("second"), nb::arg("against"))
       .def("centres", &SphereTree::centres, nb::arg("q"), nb::arg("spheres"))
       .def("shortfalls", &SphereTree::shortfalls, nb::arg("coefficients"), nb::arg("counts"), nb::arg("margin"))

@@ -6,8 +6,7 @@
 
 namespace robotraj::native::collision {
 
-MovingSpheres::MovingSpheres(const SphereTree& tree)
-    : tree_(tree), twists_(tree.joints.size() + 1), centres_(tree.spheres.size()) {
+MovingSpheres::MovingSpheres(const SphereTree& tree) : tree_(tree), twists_(tree.joints.size() + 1) {
   for (const Pair& pair : tree.pairs) {
     const auto found = std::find(roots_.begin(), roots_.end(), pair.common);
     root_of_.push_back(found - roots_.begin());
@@ -24,9 +23,7 @@ void MovingSpheres::move(const double* q, const double* rate) {
     twists_[i] = {twist(joint.parent).angular, velocity(joint.parent, places_[i].position)};
     (joint.turns ? twists_[i].angular : twists_[i].linear) += axis;
   }
-  for (const Group& group : tree_.groups)
-    for (std::size_t s = group.first; s < group.last; ++s)
-      centres_[s] = tree_.of(places_, group.joint) * tree_.spheres[s].centre;
+  tree_.centres(places_, centres_);
 }
 
 void MovingSpheres::bound(const Rates& rates) {

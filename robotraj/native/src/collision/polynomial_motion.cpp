@@ -30,8 +30,7 @@ PolynomialMotion::PolynomialMotion(const SphereTree& tree, double margin)
     std::fill(joint_of_.begin() + group.first, joint_of_.begin() + group.last, group.joint);
 }
 
-void PolynomialMotion::prove(int interval, const double* coefficients, int count) {
-  interval_ = interval;
+void PolynomialMotion::begin(const double* coefficients, int count) {
   coefficients_ = coefficients;
   count_ = count;
   const std::size_t n = q_.size();
@@ -48,7 +47,39 @@ void PolynomialMotion::prove(int interval, const double* coefficients, int count
   }
   spheres_.bound(rates_);
   read(0.5);
+}
+
+void PolynomialMotion::prove(int interval, const double* coefficients, int count) {
+  interval_ = interval;
+  begin(coefficients, count);
   piece(0.5, 0.5, 0, near());
+}
+
+bool PolynomialMotion::free(const double* a, const double* b, double resolution) {
+  ends_.assign(a, a + q_.size());
+  ends_.insert(ends_.end(), b, b + q_.size());
+  begin(ends_.data(), 2);
+  // Level after level, so that a blocked motion is found early.
+  std::vector<Piece> level, next;
+  level.push_back({0.5, near()});
+  for (double h = 0.5; !level.empty(); h *= 0.5) {
+    next.clear();
+    for (const Piece& piece : level) {
+      read(piece.tau);
+      std::vector<Candidate> open;
+      for (const Candidate& candidate : piece.candidates) {
+        const Look seen = look(candidate, h);
+        if (proved(seen)) continue;
+        if (seen.distance < margin_ || seen.change < resolution) return false;
+        open.push_back(candidate);
+      }
+      if (open.empty()) continue;
+      next.push_back({piece.tau - 0.5 * h, open});
+      next.push_back({piece.tau + 0.5 * h, std::move(open)});
+    }
+    level.swap(next);
+  }
+  return true;
 }
 
 /// Configuration and rates by de Casteljau's algorithm.
@@ -69,28 +100,18 @@ void PolynomialMotion::read(double tau) {
 /// Pairs of spheres whose groups are not proved apart on the whole interval, at whose middle the spheres are.
 std::vector<PolynomialMotion::Candidate> PolynomialMotion::near() const {
   std::vector<Candidate> found;
-  const double h = 0.5;
   for (const Group& group : tree_.groups) {
     if (group.joint < 0) continue;  // it does not move
-    const Vector3 middle = spheres_.middle(group), drift = spheres_.velocity(group.joint, middle);
-    const double curve = 0.5 * h * h * spheres_.bend(group.joint, group.bound.centre);
+    const Vector3 middle = spheres_.middle(group);
     for (std::size_t k = 0; k < tree_.shapes.size(); ++k) {
-      const Distance whole = tree_.shapes[k].distance(middle);
-      if (whole.value - group.bound.radius - margin_ > h * std::abs(whole.gradient.dot(drift)) + curve) continue;
+      if (proved(against(group.joint, group.bound, middle, tree_.shapes[k], 0.5))) continue;
       for (std::size_t s = group.first; s < group.last; ++s)
         found.push_back({-1, static_cast<int>(s), static_cast<int>(k), -1});
     }
   }
   for (std::size_t p = 0; p < tree_.pairs.size(); ++p) {
-    const Pair& pair = tree_.pairs[p];
-    const Group &a = tree_.groups[pair.first], &b = tree_.groups[pair.second];
-    if (a.joint == b.joint) continue;
-    const Vector3 first = spheres_.middle(a), second = spheres_.middle(b), apart = first - second;
-    const double length = apart.norm();
-    const Vector3 drift = spheres_.velocity(pair, a.joint, first) - spheres_.velocity(pair, b.joint, second);
-    const double curve = spheres_.bend(p, a.joint, a.bound.centre) + spheres_.bend(p, b.joint, b.bound.centre);
-    if (length - a.bound.radius - b.bound.radius - margin_ >
-        h * std::abs(apart.dot(drift)) / std::max(length, 1e-12) + 0.5 * h * h * curve)
+    const Group &a = tree_.groups[tree_.pairs[p].first], &b = tree_.groups[tree_.pairs[p].second];
+    if (a.joint == b.joint || proved(between(p, a.bound, spheres_.middle(a), b.bound, spheres_.middle(b), 0.5)))
       continue;
     for (std::size_t s = a.first; s < a.last; ++s)
       for (std::size_t t = b.first; t < b.last; ++t)
@@ -99,26 +120,31 @@ std::vector<PolynomialMotion::Candidate> PolynomialMotion::near() const {
   return found;
 }
 
-PolynomialMotion::Look PolynomialMotion::look(const Candidate& candidate, double h) const {
-  const Sphere& sphere = tree_.spheres[candidate.first];
-  const Vector3& centre = spheres_.centre(candidate.first);
-  const int joint = joint_of_[candidate.first];
-  if (candidate.pair < 0) {
-    const Distance own = tree_.shapes[candidate.second].distance(centre);
-    return {own.value - sphere.radius, h * std::abs(own.gradient.dot(spheres_.velocity(joint, centre))) +
-                                           0.5 * h * h * spheres_.bend(joint, sphere.centre)};
-  }
-  const Pair& pair = tree_.pairs[candidate.pair];
-  const Sphere& other = tree_.spheres[candidate.second];
-  const int second = joint_of_[candidate.second];
-  const Vector3& there = spheres_.centre(candidate.second);
-  const Vector3 apart = centre - there;
+/// Of a sphere that moves with a joint, and a shape.
+PolynomialMotion::Look PolynomialMotion::against(int joint, const Sphere& sphere, const Vector3& centre,
+                                                 const Shape& shape, double h) const {
+  const Distance own = shape.distance(centre);
+  return {own.value - sphere.radius, h * std::abs(own.gradient.dot(spheres_.velocity(joint, centre))) +
+                                         0.5 * h * h * spheres_.bend(joint, sphere.centre)};
+}
+
+/// Of spheres of the two groups of a pair, with centres p and q.
+PolynomialMotion::Look PolynomialMotion::between(std::size_t number, const Sphere& a, const Vector3& p, const Sphere& b,
+                                                 const Vector3& q, double h) const {
+  const Pair& pair = tree_.pairs[number];
+  const int first = tree_.groups[pair.first].joint, second = tree_.groups[pair.second].joint;
+  const Vector3 apart = p - q;
   const double length = apart.norm();
-  const Vector3 drift = spheres_.velocity(pair, joint, centre) - spheres_.velocity(pair, second, there);
-  const double curve =
-      spheres_.bend(candidate.pair, joint, sphere.centre) + spheres_.bend(candidate.pair, second, other.centre);
-  return {length - sphere.radius - other.radius,
-          h * std::abs(apart.dot(drift)) / std::max(length, 1e-12) + 0.5 * h * h * curve};
+  const Vector3 drift = spheres_.velocity(pair, first, p) - spheres_.velocity(pair, second, q);
+  const double curve = spheres_.bend(number, first, a.centre) + spheres_.bend(number, second, b.centre);
+  return {length - a.radius - b.radius, h * std::abs(apart.dot(drift)) / std::max(length, 1e-12) + 0.5 * h * h * curve};
+}
+
+PolynomialMotion::Look PolynomialMotion::look(const Candidate& candidate, double h) const {
+  const int first = candidate.first, second = candidate.second;
+  const Sphere& sphere = tree_.spheres[first];
+  if (candidate.pair < 0) return against(joint_of_[first], sphere, spheres_.centre(first), tree_.shapes[second], h);
+  return between(candidate.pair, sphere, spheres_.centre(first), tree_.spheres[second], spheres_.centre(second), h);
 }
 
 void PolynomialMotion::piece(double tau, double h, int depth, std::vector<Candidate> candidates) {
@@ -127,7 +153,7 @@ void PolynomialMotion::piece(double tau, double h, int depth, std::vector<Candid
     const Look seen = look(candidate, h);
     if (seen.distance < least.distance)
       least = {interval_, candidate.first, candidate.second, candidate.pair >= 0, tau, seen.distance};
-    if (seen.distance - margin_ > seen.change) continue;
+    if (proved(seen)) continue;
     const bool last = depth == HALVINGS;
     if (seen.distance < margin_ || last) note(candidate, tau, seen.distance - (last ? seen.change : 0.0));
     if (!last && (candidate.found < 0 || depth < COARSE)) open.push_back(candidate);

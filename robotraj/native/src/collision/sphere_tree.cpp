@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace robotraj::native::collision {
@@ -64,36 +65,35 @@ void SphereTree::forward(const double* q, std::vector<Place>& places) const {
   }
 }
 
-Nearest SphereTree::nearest(const double* q, double limit) const {
-  static thread_local std::vector<Place> places;
-  static thread_local std::vector<Vector3> centres;
-  forward(q, places);
-  centres.clear();
+void SphereTree::centres(const std::vector<Place>& places, std::vector<Vector3>& found) const {
+  found.clear();
   for (const Group& group : groups)
-    for (std::size_t s = group.first; s < group.last; ++s)
-      centres.push_back(of(places, group.joint) * spheres[s].centre);
-  Nearest best{limit};
+    for (std::size_t s = group.first; s < group.last; ++s) found.push_back(of(places, group.joint) * spheres[s].centre);
+}
+
+double SphereTree::clearance(const double* q) const {
+  static thread_local std::vector<Place> places;
+  static thread_local std::vector<Vector3> own;
+  forward(q, places);
+  centres(places, own);
+  double least = std::numeric_limits<double>::infinity();
   for (const Group& group : groups) {
     const Vector3 middle = of(places, group.joint) * group.bound.centre;
-    for (std::size_t k = 0; k < shapes.size(); ++k) {
-      if (shapes[k].distance(middle).value - group.bound.radius >= best.clearance) continue;
-      for (std::size_t s = group.first; s < group.last; ++s) {
-        const double clearance = shapes[k].distance(centres[s]).value - spheres[s].radius;
-        if (clearance < best.clearance) best = {clearance, static_cast<int>(s), static_cast<int>(k), false};
-      }
+    for (const Shape& shape : shapes) {
+      if (shape.distance(middle).value - group.bound.radius >= least) continue;
+      for (std::size_t s = group.first; s < group.last; ++s)
+        least = std::min(least, shape.distance(own[s]).value - spheres[s].radius);
     }
   }
   for (const Pair& pair : pairs) {
     const Group &a = groups[pair.first], &b = groups[pair.second];
     const Vector3 between = of(places, a.joint) * a.bound.centre - of(places, b.joint) * b.bound.centre;
-    if (between.norm() - a.bound.radius - b.bound.radius >= best.clearance) continue;
+    if (between.norm() - a.bound.radius - b.bound.radius >= least) continue;
     for (std::size_t s = a.first; s < a.last; ++s)
-      for (std::size_t t = b.first; t < b.last; ++t) {
-        const double clearance = (centres[s] - centres[t]).norm() - spheres[s].radius - spheres[t].radius;
-        if (clearance < best.clearance) best = {clearance, static_cast<int>(s), static_cast<int>(t), true};
-      }
+      for (std::size_t t = b.first; t < b.last; ++t)
+        least = std::min(least, (own[s] - own[t]).norm() - spheres[s].radius - spheres[t].radius);
   }
-  return best;
+  return least;
 }
 
 }  // namespace robotraj::native::collision

@@ -42,13 +42,6 @@ struct Place {
   Vector3 operator*(const Vector3& p) const { return rotation * p + position; }
 };
 
-/// The nearest two shapes; `second` is a sphere where `self`, else an obstacle.
-struct Nearest {
-  double clearance;
-  int first = -1, second = -1;
-  bool self = false;
-};
-
 struct SphereTree {
   std::vector<Joint> joints;
   std::vector<Sphere> spheres;
@@ -66,8 +59,10 @@ struct SphereTree {
   const Place& of(const std::vector<Place>& places, int joint) const {
     return joint < 0 ? places.back() : places[joint];
   }
-  /// The least signed distance; `limit` where none is less.
-  Nearest nearest(const double* q, double limit) const;
+  /// Of all spheres, at places of the joints.
+  void centres(const std::vector<Place>& places, std::vector<Vector3>& found) const;
+  /// The least signed distance of two shapes, infinite where there is none.
+  double clearance(const double* q) const;
 
  private:
   int common_joint(int first, int second) const;

@@ -72,8 +72,8 @@ Point towards(const Point& from, const Point& to, const Point& speeds, double ra
 
 }  // namespace
 
-Path rrt_connect(StraightMotion& motion, const Search& search, const Point& start, const Point& goal) {
-  if (motion.free(start.data(), goal.data())) return {start, goal};
+Path rrt_connect(StraightMotions& motions, const Search& search, const Point& start, const Point& goal) {
+  if (motions.free(start, goal)) return {start, goal};
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
   RandomNumbers random(search.seed);
@@ -87,13 +87,13 @@ Path rrt_connect(StraightMotion& motion, const Search& search, const Point& star
     for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] = random.uniform(search.lower[i], search.upper[i]);
     const std::size_t near = growing.nearest(drawn);
     const Point reached = towards(growing[near], drawn, search.speeds, search.range);
-    if (!motion.free(growing[near].data(), reached.data())) continue;
+    if (!motions.free(growing[near], reached)) continue;
     const std::size_t added = growing.add(reached, near);
     std::size_t at = other.nearest(reached);
     bool met = false;
     while (!met) {
       const Point next = towards(other[at], reached, search.speeds, search.range);
-      if (!motion.free(other[at].data(), next.data())) break;
+      if (!motions.free(other[at], next)) break;
       met = next == reached;
       at = met ? at : other.add(next, at);
     }

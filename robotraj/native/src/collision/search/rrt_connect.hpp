@@ -3,7 +3,7 @@
 // Source: Kuffner and LaValle, RRT-Connect: An Efficient Approach to Single-Query Path Planning, ICRA 2000.
 #pragma once
 
-#include "collision/straight_motion.hpp"
+#include "collision/polynomial_motion.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -12,6 +12,16 @@ namespace robotraj::native::collision {
 
 /// Configurations one after the other.
 using Path = std::vector<std::vector<double>>;
+
+/// Tells whether straight motions are free.
+struct StraightMotions {
+  PolynomialMotion motion;
+  double resolution;  ///< [m], see `PolynomialMotion::free`
+
+  bool free(const std::vector<double>& a, const std::vector<double>& b) {
+    return motion.free(a.data(), b.data(), resolution);
+  }
+};
 
 struct Search {
   std::vector<double> lower, upper;  ///< where configurations are drawn
@@ -23,7 +33,7 @@ struct Search {
 };
 
 /// Empty where no path was found.
-Path rrt_connect(StraightMotion& motion, const Search& search, const std::vector<double>& start,
+Path rrt_connect(StraightMotions& motions, const Search& search, const std::vector<double>& start,
                  const std::vector<double>& goal);
 
 }  // namespace robotraj::native::collision

@@ -56,15 +56,15 @@ Path straightened(const Path& part, std::size_t joint, const Point& speeds) {
   return out;
 }
 
-bool free(StraightMotion& motion, const Path& path) {
+bool free(StraightMotions& motions, const Path& path) {
   for (std::size_t k = 1; k < path.size(); ++k)
-    if (!motion.free(path[k - 1].data(), path[k].data())) return false;
+    if (!motions.free(path[k - 1], path[k])) return false;
   return true;
 }
 
 }  // namespace
 
-Path shortened(StraightMotion& motion, Path path, const Point& speeds, std::uint64_t seed, std::size_t rounds) {
+Path shortened(StraightMotions& motions, Path path, const Point& speeds, std::uint64_t seed, std::size_t rounds) {
   RandomNumbers random(seed);
   for (std::size_t round = 0; round < rounds && path.size() > 2; ++round) {
     const double all = length(path, speeds);
@@ -77,7 +77,7 @@ Path shortened(StraightMotion& motion, Path path, const Point& speeds, std::uint
     part.push_back(last.q);
     const Path shorter =
         round % 2 == 0 ? Path{first.q, last.q} : straightened(part, random.below(speeds.size()), speeds);
-    if (length(shorter, speeds) > (1.0 - 1e-6) * length(part, speeds) || !free(motion, shorter)) continue;
+    if (length(shorter, speeds) > (1.0 - 1e-6) * length(part, speeds) || !free(motions, shorter)) continue;
     Path whole(path.begin(), path.begin() + first.after + 1);
     whole.insert(whole.end(), shorter.begin(), shorter.end());
     whole.insert(whole.end(), path.begin() + last.after + 1, path.end());

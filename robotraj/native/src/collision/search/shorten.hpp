@@ -9,7 +9,7 @@ namespace robotraj::native::collision {
 ///
 /// Even rounds put a straight motion between two places, odd ones straighten one joint and keep the others.
 /// Source: Geraerts and Overmars, Creating High-quality Paths for Motion Planning, IJRR 26 (2007).
-Path shortened(StraightMotion& motion, Path path, const std::vector<double>& speeds, std::uint64_t seed,
+Path shortened(StraightMotions& motions, Path path, const std::vector<double>& speeds, std::uint64_t seed,
                std::size_t rounds);
 
 }  // namespace robotraj::native::collision
