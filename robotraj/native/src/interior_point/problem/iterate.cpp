@@ -6,24 +6,15 @@ namespace robotraj::interior_point {
 
 using native::padded;
 
-namespace {
-
-std::size_t room_of(const Problem& problem) {
-  return static_cast<std::size_t>(padded(problem.columns()) + padded(problem.rows()) + 3 * padded(problem.slacks()));
+Room::Room(const Problem& problem) : memory_(static_cast<std::size_t>(size(problem))) {
+  Parts parts(memory_);
+  vectors_.x = parts.take(problem.columns());
+  vectors_.rows = parts.take(problem.rows());
+  for (double** each : {&vectors_.s, &vectors_.lower, &vectors_.upper}) *each = parts.take(problem.slacks());
 }
 
-}  // namespace
-
-Room::Room(const Problem& problem) : memory_(room_of(problem)), vectors_(place(memory_.data(), problem)) {}
-
-Vectors Room::place(double* at, const Problem& problem) const {
-  const auto part = [&at](int n) {
-    double* here = at;
-    at += padded(n);
-    return here;
-  };
-  return {part(problem.columns()), part(problem.rows()), part(problem.slacks()), part(problem.slacks()),
-          part(problem.slacks())};
+int Room::size(const Problem& problem) {
+  return padded(problem.columns()) + padded(problem.rows()) + 3 * padded(problem.slacks());
 }
 
 Iterate::Iterate(Problem& problem)
@@ -33,16 +24,10 @@ Iterate::Iterate(Problem& problem)
       memory_(static_cast<std::size_t>(padded(problem.rows()) + 2 * padded(problem.columns()) +
                                        4 * padded(problem.slacks()))),
       jacobian_(problem.matrices().empty_jacobian()) {
-  double* next = memory_.data();
-  const auto part = [&next](int n) {
-    double* here = next;
-    next += padded(n);
-    return here;
-  };
-  residual_ = part(problem.rows());
-  gradient_x_ = part(problem.columns());
-  infeasibility_x_ = part(problem.columns());
-  for (double** each : {&below_, &above_, &gradient_s_, &infeasibility_s_}) *each = part(problem.slacks());
+  Parts parts(memory_);
+  residual_ = parts.take(problem.rows());
+  for (double** each : {&gradient_x_, &infeasibility_x_}) *each = parts.take(problem.columns());
+  for (double** each : {&below_, &above_, &gradient_s_, &infeasibility_s_}) *each = parts.take(problem.slacks());
 }
 
 void Iterate::copy(const Iterate& other) {

@@ -7,7 +7,8 @@ namespace robotraj::interior_point {
 
 using native::VectorKernels;
 
-/// One number for every unknown: primal variables, rows' multipliers, slacks, multipliers of the slacks' bounds.
+/// One number for every unknown: primal variables, rows' multipliers, slacks, multipliers of the slacks' bounds. They
+/// follow each other in memory, with zeros in between.
 struct Vectors {
   double *x, *rows, *s, *lower, *upper;
 };
@@ -16,6 +17,8 @@ struct Vectors {
 class Room {
  public:
   explicit Room(const Problem& problem);
+  /// Numbers in all of them, zeros in between included.
+  static int size(const Problem& problem);
 
   const Vectors& get() const { return vectors_; }
   Vectors* operator->() { return &vectors_; }
@@ -23,8 +26,6 @@ class Room {
   void copy(const Room& other) { memory_ = other.memory_; }
 
  private:
-  Vectors place(double* at, const Problem& problem) const;
-
   Packs memory_;
   Vectors vectors_;
 };

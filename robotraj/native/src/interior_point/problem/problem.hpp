@@ -15,6 +15,20 @@ using native::Numbers;
 using native::Packs;
 using native::StageValues;
 
+/// Divides a block of memory into vectors, each aligned.
+class Parts {
+ public:
+  explicit Parts(Packs& memory) : at_(memory.data()) {}
+  double* take(int n) {
+    double* here = at_;
+    at_ += native::padded(n);
+    return here;
+  }
+
+ private:
+  double* at_;
+};
+
 /// A problem in stages. Rows are [dynamics, path equalities, inequalities], of which the last have a slack each.
 class Problem {
  public:

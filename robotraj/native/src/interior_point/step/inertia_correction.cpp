@@ -37,11 +37,9 @@ InertiaCorrection::InertiaCorrection(Problem& problem, const Options& options)
       options_(options),
       run_(native::vector_kernels_of()),
       memory_(6 * static_cast<std::size_t>(padded(problem.slacks()))) {
-  double* at = memory_.data();
-  for (double** each : {&s_, &lower_, &upper_, &damping_, &lower_products_, &upper_products_}) {
-    *each = at;
-    at += padded(problem.slacks());
-  }
+  Parts parts(memory_);
+  for (double** each : {&s_, &lower_, &upper_, &damping_, &lower_products_, &upper_products_})
+    *each = parts.take(problem.slacks());
 }
 
 Side InertiaCorrection::side(Iterate& iterate, double mu, const double* rows) {

@@ -18,20 +18,6 @@ double tolerance(double b) { return std::max(1e-8, (b < 1.0 ? 1e-7 : 1e-6) * b);
 
 Side side_of(const Vectors& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
 
-/// Divides a block of memory.
-class Parts {
- public:
-  explicit Parts(Packs& memory) : at_(memory.data()) {}
-  double* take(int n) {
-    double* here = at_;
-    at_ += padded(n);
-    return here;
-  }
-
- private:
-  double* at_;
-};
-
 }  // namespace
 
 Newton::Newton(Problem& problem)
@@ -41,6 +27,7 @@ Newton::Newton(Problem& problem)
       hessian_(problem.matrices().empty_hessian()),
       own_slacks_(problem.layout().slacks),
       relaxed_(problem.rows() - problem.layout().equality_rows),
+      size_of_step_(Room::size(problem)),
       memory_(static_cast<std::size_t>(4 * padded(own_slacks_) + padded(problem.columns()) + padded(problem.slacks()) +
                                        padded(relaxed_))) {
   Parts parts(memory_);
@@ -164,12 +151,6 @@ void Newton::after(std::size_t begin, std::size_t end) {
   left_ = std::max(left_, residual(side_, step_, begin, end, part_));
 }
 
-bool Newton::finite(const Vectors& step) const {
-  return run_.finite(step.x, problem_.columns()) && run_.finite(step.rows, problem_.rows()) &&
-         run_.finite(step.s, problem_.slacks()) && run_.finite(step.lower, problem_.slacks()) &&
-         run_.finite(step.upper, problem_.slacks());
-}
-
 double Newton::size_of(const Side& side) const {
   return std::max({run_.largest(side.x, problem_.columns()), run_.largest(side.rows, problem_.rows()),
                    run_.largest(side.s, problem_.slacks()), run_.largest(side.lower, problem_.slacks()),
@@ -251,20 +232,12 @@ Solved Newton::refine() {
   for (int round = 1; left_ >= tolerance(size_); ++round) {
     if (round == kRounds) return Solved::inaccurate;
     solve_reduced(side_of(residual_->get()), more);
-    run_.add(step_.x, more.x, problem_.columns(), better.x);
-    run_.add(step_.rows, more.rows, problem_.rows(), better.rows);
-    run_.add(step_.s, more.s, problem_.slacks(), better.s);
-    run_.add(step_.lower, more.lower, problem_.slacks(), better.lower);
-    run_.add(step_.upper, more.upper, problem_.slacks(), better.upper);
+    run_.add(step_.x, more.x, size_of_step_, better.x);
     if (!finite(better)) return Solved::invalid;
     const double now = residual(side_, better, 0, stages, left);
     if (now >= left_) return Solved::inaccurate;
     left_ = now;
-    std::copy_n(better.x, problem_.columns(), step_.x);
-    std::copy_n(better.rows, problem_.rows(), step_.rows);
-    std::copy_n(better.s, problem_.slacks(), step_.s);
-    std::copy_n(better.lower, problem_.slacks(), step_.lower);
-    std::copy_n(better.upper, problem_.slacks(), step_.upper);
+    std::copy_n(better.x, size_of_step_, step_.x);
   }
   return Solved::good;
 }

@@ -67,14 +67,14 @@ class Newton : private native::Along {
   Solved factorise();
   void solve_reduced(const Side& side, const Vectors& step);
   double size_of(const Side& side) const;
-  bool finite(const Vectors& step) const;
+  bool finite(const Vectors& step) const { return run_.finite(step.x, size_of_step_); }
   Solved refine();
 
   Problem& problem_;
   const VectorKernels& run_;
   std::unique_ptr<native::NewtonSolver> solver_;
   StageValues hessian_;
-  int own_slacks_, relaxed_;
+  int own_slacks_, relaxed_, size_of_step_;
   Packs memory_, part_memory_, elastic_memory_;
   double *inverse_, *gradient_, *weights_, *slack_rows_, *damping_x_, *damping_s_, *relaxation_;
   double *elastic_inverse_ = nullptr, *elastic_slope_ = nullptr, *elastic_relaxation_ = nullptr,
