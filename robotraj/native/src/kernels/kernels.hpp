@@ -11,6 +11,7 @@
 #include "tape/run_tape.hpp"
 // The algorithms use the headers above.
 #include "barrier_vectors.hpp"
+#include "ldl/front_kernels.hpp"
 #include "riccati/riccati_substitution.hpp"
 #include "rigid_body/rigid_kernel.hpp"
 #include "sparse/combine_rows.hpp"
@@ -21,6 +22,7 @@ const Kernels ROBOTRAJ_KERNELS = {
     ROBOTRAJ_PROCESSOR, kLanes,           sizeof(JointState) / sizeof(Pack),
     run_tape,           inverse_dynamics, multiply,
     combine_rows,       riccati_kernels,  vector_kernels,
+    ldl::front_kernels,
 };
 
 }  // namespace robotraj::native

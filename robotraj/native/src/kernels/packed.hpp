@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "ldl/front.hpp"
 #include "riccati/riccati.hpp"
 #include "rigid_body/rigid_tree.hpp"
 #include "sparse/repeated_rows.hpp"
@@ -43,6 +44,7 @@ struct Kernels {
                        double* y, std::size_t count, double* memory);
   RiccatiKernels riccati;
   VectorKernels vectors;
+  ldl::FrontKernels fronts;
 };
 
 /// Those that this processor runs, the fastest first.

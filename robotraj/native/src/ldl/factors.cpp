@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "kernels/packed.hpp"
+
 namespace robotraj::native::ldl {
 namespace {
 
@@ -21,7 +23,7 @@ double inverse_root(double x) {
 
 Factors::Factors(Pattern pattern, const std::vector<int>& groups, const std::string& processor)
     : pattern_(std::move(pattern)),
-      kernels_(front_kernels_of(processor)),
+      kernels_(kernels_of(processor).fronts),
       tree_(tree_of_fewest_products(pattern_, groups)),
       parts_(tree_.nodes.size()) {
   make_room();

@@ -25,7 +25,7 @@ struct Inertia {
 /// The memory of one factorisation is reused by the next.
 class Factors {
  public:
-  /// `groups` as in tree_of_fewest_products, `processor` as in front_kernels_of.
+  /// `groups` as in tree_of_fewest_products, `processor` as in kernels_of.
   explicit Factors(Pattern pattern, const std::vector<int>& groups = {}, const std::string& processor = {});
 
   /// Factorises; the values are those of the pattern's entries.

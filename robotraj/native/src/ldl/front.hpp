@@ -1,8 +1,6 @@
 // Dense fronts of a symmetric indefinite matrix, and the elimination of their pivots.
 #pragma once
 
-#include <string>
-
 namespace robotraj::native::ldl {
 
 /// Rows of fronts are filled up to a multiple of it, so that packs end where columns do.
@@ -37,6 +35,7 @@ struct Pivots {
   int count, negative, zero;
 };
 
+/// Inner loops, for each kind of processor.
 struct FrontKernels {
   Pivots (*eliminate)(Front& front, const PivotRule& rule);
   /// Adds a child's lower triangle of `count` rows, `step` numbers a column, to a front at `places`, ascending.
@@ -45,15 +44,5 @@ struct FrontKernels {
   void (*forward)(const double* l, int ld, int pivots, double* x);
   void (*backward)(const double* l, int ld, int pivots, double* x);
 };
-
-/// Those of the present processor or, with a name, those compiled for that one.
-const FrontKernels& front_kernels_of(const std::string& processor = {});
-
-// One file each.
-extern const FrontKernels plain_front_kernels;
-#ifdef ROBOTRAJ_X86_KERNELS
-extern const FrontKernels avx2_front_kernels;
-extern const FrontKernels avx512_front_kernels;
-#endif
 
 }  // namespace robotraj::native::ldl

@@ -241,8 +241,7 @@ class Elimination {
 
 Pivots eliminate(Front& front, const PivotRule& rule) { return Elimination(front, rule).run(); }
 
+constexpr FrontKernels front_kernels = {eliminate, add, forward, backward};
+
 }  // namespace
-
-const FrontKernels ROBOTRAJ_KERNELS = {eliminate, add, forward, backward};
-
 }  // namespace robotraj::native::ldl
