@@ -258,22 +258,12 @@ class NearestPlanes:
 class Tape:
     """A scalar graph as a list of instructions.
 
-    Parameters
-    ----------
-    text : str
-        ``Function.serialize()`` of a function of SX with one dense result.
-
     Attributes
     ----------
     outputs : int
         Numbers in the result.
-
-    Raises
-    ------
-    NotATape
     """
 
-    def __init__(self, text: str) -> None: ...
     @property
     def outputs(self) -> int: ...
 

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
-from robotraj.native._native import NotATape, Recipe, Tape, TapeBlock, Torques, processors
+from robotraj.native._native import NotATape, Recipe, StageGraph, Tape, TapeBlock, Torques, processors
 from robotraj.native.rigid_tree import rigid_tree
 
 Array = NDArray[np.float64]
@@ -31,13 +31,14 @@ ROBOTS: dict[str, dict[str, Any]] = {
 }
 
 
-def tape(inputs: list[ca.SX | ca.MX], result: ca.SX | ca.MX) -> Tape:
-    return Tape(ca.Function("tape", inputs, [result]).serialize())
+def graph(inputs: list[ca.SX], result: ca.SX) -> StageGraph:
+    """A stage function of (v, c, r)."""
+    return StageGraph(ca.Function("stage", inputs, [result, ca.SX(0, 1)]).serialize())
 
 
-def recipe(inputs: list[ca.SX], result: ca.SX, at: int, count: int, **parts: bool) -> Recipe:
+def recipe(tape: Tape, at: int, count: int, **parts: bool) -> Recipe:
     given = {"jacobian": False, "hessian": False} | parts
-    return Recipe(tape(inputs, result), **given, made=0, result=at, results=count, out=NONE, left=NONE, right=NONE)
+    return Recipe(tape, **given, made=0, result=at, results=count, out=NONE, left=NONE, right=NONE)
 
 
 @dataclass
@@ -52,15 +53,16 @@ class Dynamics:
         nq, nv = self.model.nq, self.model.nv
         assert (self.tree.positions, self.tree.rates) == (nq, nv)
         n = nq + 2 * nv
-        x, c, r, m = (ca.SX.sym(name, size) for name, size in (("x", n), ("c", 0), ("r", nv), ("m", nv)))
+        x, c, r = (ca.SX.sym(name, size) for name, size in (("x", n), ("c", 0), ("r", nv)))
         numbers = [len(pattern[0]) for pattern in (self.tree.jacobian_pattern(), self.tree.hessian_pattern())]
         self.block = TapeBlock(
             COUNT,
             n,
             0,
-            recipe([x, c, r], r, 1, nv),
-            recipe([x, c, r], ca.SX(0, 1), 1, numbers[0], jacobian=True),
-            recipe([x, c, r, m], m, 1 + nv, numbers[1], hessian=True),
+            recipe(graph([x, c, r], r).values(), 1, nv),
+            recipe(graph([x, c, r], ca.SX(0, 1)).values(), 1, numbers[0], jacobian=True),
+            # The multipliers of r, of which nothing is curved.
+            recipe(graph([x, c, r], r).curvature()[0], 1 + nv, numbers[1], hessian=True),
             torques=Torques(self.tree, np.arange(n)),
             processor=self.processor,
         )
@@ -222,7 +224,7 @@ def test_wrong_sizes_are_refused() -> None:
     model = load("ur5")
     tree = rigid_tree(model)
     v, c, r = ca.SX.sym("v", 3), ca.SX.sym("c", 0), ca.SX.sym("r", 6)
-    plain = recipe([v, c, r], v, 1, 3)
+    plain = recipe(graph([v, c, r], v).values(), 1, 3)
     with pytest.raises(ValueError, match="place for every argument"):
         TapeBlock(1, 3, 0, plain, plain, plain, torques=Torques(tree, np.arange(2)))
     with pytest.raises(ValueError, match="lies outside v"):
@@ -230,10 +232,10 @@ def test_wrong_sizes_are_refused() -> None:
     with pytest.raises(ValueError, match="other arguments"):
         TapeBlock(1, 3, 0, plain, plain, plain)
     with pytest.raises(ValueError, match="result lies outside"):
-        long = recipe([v, c], v, 1, 4)
+        long = recipe(graph([v, c, ca.SX(0, 1)], v).values(), 1, 4)
         TapeBlock(1, 3, 0, long, long, long)
     with pytest.raises(NotATape, match="scalar graph"):
-        x = ca.MX.sym("x", 2)
-        tape([x], 2 * x)
+        x, none = ca.MX.sym("x", 2), ca.MX(0, 1)
+        StageGraph(ca.Function("stage", [x, none, none], [2 * x, none]).serialize())
     with pytest.raises(ValueError, match="this processor does not run"):
         TapeBlock(1, 3, 0, plain, plain, plain, processor="abacus")

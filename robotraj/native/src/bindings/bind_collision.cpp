@@ -2,8 +2,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "collision/polynomial_motion.hpp"
-#include "collision/search/rrt_connect.hpp"
-#include "collision/search/shorten.hpp"
+#include "collision/search/paths.hpp"
 #include "shapes.hpp"
 
 namespace nb = nanobind;

@@ -91,22 +91,14 @@ void bind_sparse(nb::module_& m) {
           nb::arg("processor") = "")
       .def(
           "apply",
-          [](const Combination& self, const Doubles& x, const Doubles& base, std::size_t threads) {
+          [](const Combination& self, const Doubles& x, const std::optional<Doubles>& base, std::size_t threads,
+             std::size_t size) {
             ThreadPool pool(threads);
-            std::vector<double> y(base.data(), base.data() + base.size());
-            self.apply(x.data(), y.data(), y.data(), pool);
+            std::vector<double> y = base ? copied(*base) : std::vector<double>(size);
+            self.apply(x.data(), base ? y.data() : nullptr, y.data(), pool);
             return to_numpy(std::move(y));
           },
-          nb::arg("x"), nb::arg("base"), nb::arg("threads") = 1)
-      .def(
-          "apply_kept",
-          [](const Combination& self, const Doubles& x, std::size_t size, std::size_t threads) {
-            ThreadPool pool(threads);
-            std::vector<double> y(size);
-            self.apply(x.data(), nullptr, y.data(), pool);
-            return to_numpy(std::move(y));
-          },
-          nb::arg("x"), nb::arg("size"), nb::arg("threads") = 1)
+          nb::arg("x"), nb::arg("base").none(), nb::arg("threads") = 1, nb::arg("size") = 0)
       .def_prop_ro("entries", &Combination::entries);
 }
 

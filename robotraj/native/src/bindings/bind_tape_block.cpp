@@ -5,8 +5,6 @@
 #include "bindings.hpp"
 #include "patterns.hpp"
 
-#include <casadi/core/function.hpp>
-
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -24,24 +22,22 @@ std::vector<std::int32_t> to_vector(const Indices& indices) {
 }
 
 /// `numbers` has a row of 28 for every joint: direction, rotation, translation, mass, centre, inertia.
-void make_tree(RigidTree* self, const Indices& parents, const Indices& turns, const Doubles& numbers,
-               const Doubles& armature, const Doubles& gravity, bool flies) {
+RigidTree tree_of(const Indices& parents, const Indices& turns, const Doubles& numbers, const Doubles& armature,
+                  const Doubles& gravity, bool flies) {
   constexpr std::size_t width = 28;
   const std::size_t count = parents.size();
   checked(turns, count, "turns");
-  checked(numbers, width * count, "numbers");
   checked(armature, count, "armature");
-  checked(gravity, 3, "gravity");
+  const double* row = checked(numbers, width * count, "numbers");
   std::vector<Link> links;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count; ++i, row += width) {
     const std::int64_t parent = parents.data()[i];
     if (parent < -1 || parent >= static_cast<std::int64_t>(i))
       throw std::invalid_argument("a joint comes before its parent");
-    const double* row = numbers.data() + width * i;
     links.push_back({static_cast<std::int32_t>(parent), turns.data()[i] != 0, row, row + 3, row + 12, row[15], row + 16,
                      row + 19, armature.data()[i]});
   }
-  new (self) RigidTree(links, gravity.data(), flies);
+  return RigidTree(links, checked(gravity, 3, "gravity"), flies);
 }
 
 Recipe recipe_of(const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
@@ -80,50 +76,34 @@ void bind_tape_block(nb::module_& m) {
   nb::exception<NotATape>(m, "NotATape", PyExc_ValueError);
 
   nb::class_<RigidTree>(m, "RigidTree")
-      .def("__init__", &make_tree, nb::arg("parents"), nb::arg("turns"), nb::arg("numbers"), nb::arg("armature"),
+      .def(nb::new_(&tree_of), nb::arg("parents"), nb::arg("turns"), nb::arg("numbers"), nb::arg("armature"),
            nb::arg("gravity"), nb::arg("flies"))
-      .def_prop_ro("positions", [](const RigidTree& robot) { return robot.tree.positions(); })
-      .def_prop_ro("rates", [](const RigidTree& robot) { return robot.tree.rates(); })
-      .def("jacobian_pattern", [](const RigidTree& robot) { return jacobian_pattern(robot.tree); })
-      .def("hessian_pattern", [](const RigidTree& robot) { return hessian_pattern(robot.tree); });
+      .def_prop_ro("positions", [](const RigidTree& robot) { return robot.tree().positions(); })
+      .def_prop_ro("rates", [](const RigidTree& robot) { return robot.tree().rates(); })
+      .def("jacobian_pattern", [](const RigidTree& robot) { return jacobian_pattern(robot.tree()); })
+      .def("hessian_pattern", [](const RigidTree& robot) { return hessian_pattern(robot.tree()); });
 
-  nb::class_<Tape>(m, "Tape")
-      .def(
-          "__init__", [](Tape* self, const std::string& text) { new (self) Tape(casadi::Function::deserialize(text)); },
-          nb::arg("text"))
-      .def_prop_ro("outputs", &Tape::outputs);
+  nb::class_<Tape>(m, "Tape").def_prop_ro("outputs", &Tape::outputs);
 
   nb::class_<Torques>(m, "Torques")
-      .def(
-          "__init__",
-          [](Torques* self, const RigidTree& robot, const Indices& places) {
-            new (self) Torques{robot, to_vector(places), {}, {}};
-          },
-          nb::arg("robot"), nb::arg("places"))
-      .def(
-          "__init__",
-          [](Torques* self, const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
-            new (self) Torques{robot, {}, arguments, curvature};
-          },
-          nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
+      .def(nb::new_(
+               [](const RigidTree& robot, const Indices& places) { return Torques{robot, to_vector(places), {}, {}}; }),
+           nb::arg("robot"), nb::arg("places"))
+      .def(nb::new_([](const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
+             return Torques{robot, {}, arguments, curvature};
+           }),
+           nb::arg("robot"), nb::arg("arguments"), nb::arg("curvature"));
 
   nb::class_<Call>(m, "Call").def(
-      "__init__",
-      [](Call* self, std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
-        new (self) Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
-      },
+      nb::new_([](std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
+        return Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
+      }),
       nb::arg("tape"), nb::arg("inputs"), nb::arg("multipliers"));
 
   nb::class_<Recipe>(m, "Recipe")
-      .def(
-          "__init__",
-          [](Recipe* self, const Tape& tape, bool jacobian, bool hessian, std::size_t made, std::size_t result,
-             std::size_t results, const Indices& out, const Indices& left, const Indices& right,
-             const std::vector<Call>& calls) {
-            new (self) Recipe(recipe_of(tape, jacobian, hessian, made, result, results, out, left, right, calls));
-          },
-          nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"), nb::arg("result"),
-          nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"), nb::arg("calls") = nb::list());
+      .def(nb::new_(&recipe_of), nb::arg("tape"), nb::arg("jacobian"), nb::arg("hessian"), nb::arg("made"),
+           nb::arg("result"), nb::arg("results"), nb::arg("out"), nb::arg("left"), nb::arg("right"),
+           nb::arg("calls") = nb::list());
 
   nb::class_<TapeBlock, PointBlock>(m, "TapeBlock")
       .def(nb::new_(&block_of), nb::arg("count"), nb::arg("inputs"), nb::arg("constants"), nb::arg("values"),

@@ -1,5 +1,6 @@
 #include "packed.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 namespace robotraj::native {
@@ -32,5 +33,15 @@ const Kernels& kernels_of(const std::string& processor) {
 const VectorKernels& vector_kernels_of() { return kernels().front()->vectors; }
 
 const RiccatiKernels& riccati_kernels_of() { return kernels().front()->riccati; }
+
+double log_sum(const DistanceSums& sums, const Bounds& bounds, const double* below, const double* above) {
+  if (sums.regular) return std::log(sums.mantissa) + sums.exponent * std::log(2.0);
+  double result = 0.0;
+  for (int i = 0; i < bounds.count; ++i) {
+    if (!std::isinf(bounds.lower[i])) result += std::log(below[i]);
+    if (!std::isinf(bounds.upper[i])) result += std::log(above[i]);
+  }
+  return result;
+}
 
 }  // namespace robotraj::native

@@ -33,10 +33,10 @@ std::size_t Recipe::called() const {
 TapeBlock::TapeBlock(const PointSizes& sizes, Recipes recipes, std::optional<Torques> torques, const Kernels& kernels)
     : PointBlock(sizes), recipes_(std::move(recipes)), torques_(std::move(torques)), kernels_(kernels) {
   if (torques_) {
-    const Pattern pattern = jacobian_pattern(torques_->robot.tree);
+    const Pattern pattern = jacobian_pattern(torques_->robot.tree());
     for (std::size_t i = 0; i < pattern.size(); ++i)
       weighing_.push_back({pattern.columns[i], static_cast<std::int32_t>(i), pattern.rows[i]});
-    hessian_numbers_ = hessian_pattern(torques_->robot.tree).size();
+    hessian_numbers_ = hessian_pattern(torques_->robot.tree()).size();
     const std::size_t size = torques_->size();
     if (torques_->arguments.empty()) {
       need(torques_->places.size() == size, "the torques need a place for every argument");
@@ -69,12 +69,12 @@ TapeBlock::Parts TapeBlock::parts(const Recipe& recipe) const {
 void TapeBlock::check(const Recipe& recipe, bool multiplied) const {
   if (recipe.tape.empty()) return;
   std::vector<std::size_t> expected = {sizes().inputs, sizes().constants};
-  if (torques_) expected.push_back(torques_->robot.tree.rates());
+  if (torques_) expected.push_back(torques_->robot.tree().rates());
   if (multiplied) expected.push_back(sizes().outputs);
   need(recipe.tape.inputs() == expected, "a tape takes other arguments than its block has");
   need(torques_ || (!recipe.jacobian && !recipe.hessian), "derivatives of torques where there are none");
   if (recipe.hessian) {
-    need(recipe.tape.outputs() >= torques_->robot.tree.rates(), "the tape gives no multipliers");
+    need(recipe.tape.outputs() >= torques_->robot.tree().rates(), "the tape gives no multipliers");
     need(recipe.jacobian || torques_->curvature.outputs() == 0, "curved arguments need the Jacobian of the torques");
   }
   for (const Call& call : recipe.calls) check(call, multiplied);
@@ -117,8 +117,8 @@ void TapeBlock::prepare(std::size_t threads) {
     if (torques_) {
       work.x.resize(torques_->size() * lanes);
       work.g.resize(torques_->size() * lanes);
-      work.tau.resize(torques_->robot.tree.rates() * lanes);
-      work.states.resize(torques_->robot.tree.count * kernels_.state * lanes);
+      work.tau.resize(torques_->robot.tree().rates() * lanes);
+      work.states.resize(torques_->robot.tree().count * kernels_.state * lanes);
     }
     work.given.resize(given * lanes);
     work.tape.resize(tape * lanes);
@@ -164,7 +164,7 @@ void TapeBlock::run_pack(const Recipe& recipe, Work& work) const {
   const bool reads = torques_ && recipe.tape.reads(2), derived = recipe.jacobian || recipe.hessian;
   const double* x = reads || derived ? arguments(work, buffer + at.arguments * lanes) : nullptr;
   const auto differentiate = [&](bool derivatives) {
-    const Tree& tree = torques_->robot.tree;
+    const Tree tree = torques_->robot.tree();
     const double *w = x + tree.positions() * lanes, *a = w + tree.rates() * lanes;
     kernels_.rigid(tree, {x, w, a, buffer + lanes, work.states.data(), work.tau.data(),
                           derivatives && recipe.jacobian ? buffer + at.jacobian * lanes : nullptr,
@@ -193,7 +193,7 @@ std::size_t TapeBlock::effort(const Recipe& recipe) const {
   const std::size_t a_joint = derived ? 1000 : torques_ && recipe.tape.reads(2) ? 450 : 0;
   std::size_t instructions = recipe.tape.code().count;
   for (const Call& call : recipe.calls) instructions += call.tape->code().count;
-  return 3 * instructions + 2 * recipe.products.size() + (torques_ ? a_joint * torques_->robot.tree.count : 0);
+  return 3 * instructions + 2 * recipe.products.size() + (torques_ ? a_joint * torques_->robot.tree().count : 0);
 }
 
 void TapeBlock::evaluate(Evaluation which, const double* v, const double* c, const double* m, double* out,

@@ -49,7 +49,7 @@ struct Torques {
   std::vector<std::int32_t> places;
   Tape arguments, curvature;
 
-  std::size_t size() const { return robot.tree.positions() + 2 * robot.tree.rates(); }
+  std::size_t size() const { return robot.tree().positions() + 2 * robot.tree().rates(); }
 };
 
 /// The recipes of a stage function y = fn(v, c) by their `Evaluation`; that of the convex Hessian, which has the entries

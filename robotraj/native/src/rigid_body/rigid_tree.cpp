@@ -39,19 +39,19 @@ Vector3 read_vector(const double* from) { return Eigen::Map<const Vector3>(from)
 }  // namespace
 
 RigidTree::RigidTree(const std::vector<Link>& links, const double* gravity, bool flies) {
-  std::copy(gravity, gravity + 3, tree.gravity);
-  tree.flies = flies;
+  std::copy(gravity, gravity + 3, rest_.gravity);
+  rest_.flies = flies;
   std::vector<Matrix3> axes;
   for (const Link& link : links) {
     Joint joint{};
     joint.parent = link.parent;
     joint.turns = link.turns;
     joint.armature = link.armature;
-    const bool free = flies && joints.empty();
+    const bool free = flies && joints_.empty();
     const Matrix3 rotation = read_matrix(link.rotation);
     // A free-flyer's body lies in its own axes.
     axes.push_back(free ? Matrix3(Matrix3::Identity()) : axes_along(read_vector(link.direction)));
-    if (free) write_matrix(rotation, tree.flyer);
+    if (free) write_matrix(rotation, rest_.flyer);
     const Matrix3 own = axes.back();
     const Matrix3 into = link.parent < 0 ? Matrix3(Matrix3::Identity()) : Matrix3(axes[link.parent].transpose());
     write_matrix(into * rotation * own, joint.rotation);
@@ -61,10 +61,9 @@ RigidTree::RigidTree(const std::vector<Link>& links, const double* gravity, bool
     const Matrix3 inertia = own.transpose() * read_matrix(link.inertia) * own;
     const double entries[] = {inertia(0, 0), inertia(0, 1), inertia(1, 1), inertia(0, 2), inertia(1, 2), inertia(2, 2)};
     std::copy(std::begin(entries), std::end(entries), joint.inertia);
-    joints.push_back(joint);
+    joints_.push_back(joint);
   }
-  tree.joints = joints.data();
-  tree.count = joints.size();
+  rest_.count = joints_.size();
 }
 
 Pattern jacobian_pattern(const Tree& tree) {

@@ -58,20 +58,20 @@ struct Link {
 };
 
 /// A tree that owns its joints.
-struct RigidTree {
-  std::vector<Joint> joints;
-  Tree tree;
-
+class RigidTree {
+ public:
   /// No joint comes before its parent; a free-flyer is the first one.
   RigidTree(const std::vector<Link>& links, const double* gravity, bool flies);
-  RigidTree(const RigidTree& other) : joints(other.joints), tree(other.tree) { tree.joints = joints.data(); }
-  RigidTree(RigidTree&& other) = default;
-  RigidTree& operator=(RigidTree other) {
-    joints.swap(other.joints);
-    tree = other.tree;
-    tree.joints = joints.data();
-    return *this;
+
+  Tree tree() const {
+    Tree whole = rest_;
+    whole.joints = joints_.data();
+    return whole;
   }
+
+ private:
+  std::vector<Joint> joints_;
+  Tree rest_;  // without its joints
 };
 
 /// (tau, x) of every number that the kernel gives for d tau/dx, in its order.

@@ -93,18 +93,7 @@ class Places {
   const ScalarGraph& graph_;
 };
 
-Tape tape_of(const casadi::Function& function) {
-  if (function.n_out() != 1) throw NotATape("a tape has one result; " + function.name() + " has several");
-  ScalarGraph graph;
-  std::vector<Nodes> arguments;
-  for (casadi_int i = 0; i < function.n_in(); ++i) arguments.push_back(graph.add_argument(function.nnz_in(i)));
-  const Nodes results = graph.read(function, arguments).front();
-  return Tape(graph, results);
-}
-
 }  // namespace
-
-Tape::Tape(const casadi::Function& function) : Tape(tape_of(function)) {}
 
 Tape::Tape(const ScalarGraph& graph, const Nodes& results) : inputs_(graph.arguments()), outputs_(results.size()) {
   const Nodes order = interleaved(graph, graph.order(results));

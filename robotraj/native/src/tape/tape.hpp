@@ -36,8 +36,6 @@ class Tape {
  public:
   Tape() = default;
   Tape(const ScalarGraph& graph, const Nodes& results);
-  /// Of an SXFunction of one dense result; throws NotATape for any other function.
-  explicit Tape(const casadi::Function& function);
 
   TapeCode code() const;
   /// Packs of memory that running it takes.

@@ -1,4 +1,4 @@
-#include "rrt_connect.hpp"
+#include "paths.hpp"
 
 #include "random_numbers.hpp"
 

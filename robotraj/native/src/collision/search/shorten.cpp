@@ -1,4 +1,4 @@
-#include "shorten.hpp"
+#include "paths.hpp"
 
 #include "random_numbers.hpp"
 

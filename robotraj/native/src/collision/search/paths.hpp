@@ -1,4 +1,5 @@
-// A path between two configurations: trees of straight motions grow from both until they meet.
+// Paths between two configurations: trees of straight motions grow from both until they meet, and straight motions then
+// replace detours, of all joints and of single ones.
 //
 // Source: Kuffner and LaValle, RRT-Connect: An Efficient Approach to Single-Query Path Planning, ICRA 2000.
 #pragma once
@@ -35,5 +36,12 @@ struct Search {
 /// Empty where no path was found.
 Path rrt_connect(StraightMotions& motions, const Search& search, const std::vector<double>& start,
                  const std::vector<double>& goal);
+
+/// Replaces random parts of a path, where that is free and shorter; `rounds` are tried.
+///
+/// Even rounds put a straight motion between two places, odd ones straighten one joint and keep the others.
+/// Source: Geraerts and Overmars, Creating High-quality Paths for Motion Planning, IJRR 26 (2007).
+Path shortened(StraightMotions& motions, Path path, const std::vector<double>& speeds, std::uint64_t seed,
+               std::size_t rounds);
 
 }  // namespace robotraj::native::collision
