@@ -185,15 +185,15 @@ class SphereTree:
         seed: int,
         iterations: int,
         seconds: float,
+        shortcuts: int,
         margin: float,
         resolution: float,
     ) -> Array:
         """Return a path (m n,) that RRT-Connect finds, empty where it finds none.
 
-        Joints are weighted by the reciprocals of ``speeds``, in which ``range`` limits one extension.
+        Joints are weighted by the reciprocals of ``speeds``, in which ``range`` limits one extension. Random parts of
+        the path are then replaced by straight lines, of all joints or of one; ``shortcuts`` are tried.
         """
-    def shortened(self, path: Array, speeds: Array, seed: int, rounds: int, margin: float, resolution: float) -> Array:
-        """Return a path (m n,) in which random parts are replaced by straight lines, of all joints or of one."""
 
 class NearestPlanes:
     """Planes between the nearest shapes of groups of pairs, in configurations whose joints are placed elsewhere.
@@ -506,27 +506,6 @@ class Stacked:
     def entries(self) -> int: ...
     @property
     def kept(self) -> int: ...
-
-class Combination:
-    """y = base + A x, over and over: rows that repeat, each time reading x a fixed distance on, are kept once.
-
-    With ``places``, row i goes to y[places[i]], to nowhere where that is negative. ``kept_base`` is the base of a call
-    without one. ``entries`` is how many are kept. Repeats are done a pack at a time, for a processor of ``processors``.
-    """
-
-    def __init__(
-        self,
-        matrix: Csr | Stacked,
-        places: Narrow | None = None,
-        kept_base: Array | None = None,
-        processor: str = "",
-    ) -> None: ...
-    def apply(self, x: Array, base: Array, threads: int = 1) -> Array:
-        """Return y = base + A x; entries of base outside the places are unchanged."""
-    def apply_kept(self, x: Array, size: int, threads: int = 1) -> Array:
-        """Return the ``size`` numbers y = kept_base + A x."""
-    @property
-    def entries(self) -> int: ...
 
 class Chain:
     """Places of a block for the chain rule, Y_e = f(v_e): patterns of one place, and where v comes from and Y goes.

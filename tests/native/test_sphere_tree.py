@@ -110,13 +110,13 @@ def test_rrt_connect_finds_a_free_path_that_shortcuts_shorten():
     start, goal = np.array([-0.3, 0, 0, 0.0]), np.array([1.9, 0, 0, 0.0])
     assert not tree.motion_free(start, goal, 0.0, 1e-3)
 
-    def found(seed):
-        return tree.connect(start, goal, -bound, bound, speeds, 0.5, seed, 20000, 60.0, 0.0, 1e-3)
+    def found(seed, shortcuts=0):
+        return tree.connect(start, goal, -bound, bound, speeds, 0.5, seed, 20000, 60.0, shortcuts, 0.0, 1e-3)
 
     raw = found(3)
     np.testing.assert_array_equal(raw, found(3))
     assert not np.array_equal(raw, found(4))
-    path = tree.shortened(raw, speeds, 3, 200, 0.0, 1e-3)
+    path = found(3, 200)
     for points in (raw.reshape(-1, 4), path.reshape(-1, 4)):
         np.testing.assert_array_equal(points[[0, -1]], [start, goal])
         assert all(tree.motion_free(a, b, 0.0, 1e-4) for a, b in zip(points[:-1], points[1:], strict=True))
@@ -129,8 +129,8 @@ def test_no_path_where_the_goal_is_enclosed():
     tree = tree_of((), [wall], slides=True)
     bound = np.ones(3)
     start, goal = np.array([-0.5, 0, 0]), np.array([0.5, 0, 0])
-    assert tree.connect(start, goal, -bound, bound, bound, 0.3, 0, 500, 60.0, 0.0, 1e-3).size == 0
-    assert tree.connect(start, goal, -6 * bound, 6 * bound, bound, 2.0, 0, 5000, 60.0, 0.0, 1e-3).size > 0
+    assert tree.connect(start, goal, -bound, bound, bound, 0.3, 0, 500, 60.0, 0, 0.0, 1e-3).size == 0
+    assert tree.connect(start, goal, -6 * bound, 6 * bound, bound, 2.0, 0, 5000, 60.0, 0, 0.0, 1e-3).size > 0
 
 
 def test_wrong_arrays_are_refused():

@@ -67,12 +67,9 @@ class RRTConnect(PathPlanner):
         weights = scene.speeds / scene.speeds.mean()
         lower, upper = _finite(scene.lower, start, end, -np.pi), _finite(scene.upper, start, end, np.pi)
         distances = scene.margin, scene.resolution(start, end)
-        found = scene.tree.connect(
-            start, end, lower, upper, weights, self.stride, seed, self.iterations, self.seconds, *distances
-        )
-        if not found.size:
-            return None
-        return scene.tree.shortened(found, weights, seed, self.shortcuts, *distances).reshape(-1, len(start))
+        limits = self.stride, seed, self.iterations, self.seconds, self.shortcuts
+        found = scene.tree.connect(start, end, lower, upper, weights, *limits, *distances)
+        return found.reshape(-1, len(start)) if found.size else None
 
 
 def _finite(bounds: Array, start: Array, end: Array, beyond: float) -> Array:

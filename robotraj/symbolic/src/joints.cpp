@@ -1,6 +1,7 @@
 // The motion of joints at a position and velocity.
 #include "tree.hpp"
 
+#include <array>
 #include <stdexcept>
 
 namespace robotraj {
@@ -79,27 +80,9 @@ JointMotion motion_of(const Joint& joint, const Vector& q, const Vector& v) {
 
 }  // namespace
 
-Eigen::Index JointPart::positions() const {
-  switch (kind) {
-    case JointKind::screw: return 1;
-    case JointKind::circle: return 2;
-    case JointKind::planar:
-    case JointKind::spherical: return 4;
-    case JointKind::free_flyer: return 7;
-  }
-  throw std::invalid_argument("unknown kind of joint");
-}
-
-Eigen::Index JointPart::rates() const {
-  switch (kind) {
-    case JointKind::screw:
-    case JointKind::circle: return 1;
-    case JointKind::planar:
-    case JointKind::spherical: return 3;
-    case JointKind::free_flyer: return 6;
-  }
-  throw std::invalid_argument("unknown kind of joint");
-}
+// By kind: screw, circle, planar, spherical, free-flyer.
+Eigen::Index JointPart::positions() const { return std::array{1, 2, 4, 4, 7}.at(static_cast<std::size_t>(kind)); }
+Eigen::Index JointPart::rates() const { return std::array{1, 1, 3, 3, 6}.at(static_cast<std::size_t>(kind)); }
 
 std::vector<JointMotion> joint_motions(const Tree& tree, const Vector& q, const Vector& v) {
   std::vector<JointMotion> motions;

@@ -10,13 +10,11 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 import robotraj as rt
-from robotraj.native.build import load_native
 from robotraj.solvers.stagewise.reduction import reduce
 from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
 Array = NDArray[np.float64]
-NATIVE: Any = load_native()
 EQUAL = rt.Mesh(24)
 TWO_LENGTHS = rt.Mesh(np.append(np.arange(12) / 64, np.arange(3, 17) / 16))
 ONE_APART = rt.Mesh(np.append(np.linspace(0, 0.5, 12), np.linspace(0.52, 1, 12)))
@@ -59,14 +57,6 @@ def test_kept_rows_are_the_chain_rule(name: str, mesh: rt.Mesh) -> None:
         x = rng.standard_normal(kept.columns)
         expected = written @ x
         np.testing.assert_allclose(kept @ x, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
-        places = rng.permutation(kept.rows + 50)[: kept.rows].astype(np.int32)
-        places[:: kept.rows // 7] = -1
-        for where in (None, np.arange(kept.rows, dtype=np.int32) + 5, places):
-            base = rng.standard_normal(kept.rows + 50)
-            to = np.arange(kept.rows) if where is None else where
-            found = NATIVE.Combination(kept, where).apply(x, base)
-            base[to[to >= 0]] += expected[to >= 0]
-            np.testing.assert_allclose(found, base, rtol=1e-10, atol=1e-10 * abs(expected).max())
 
 
 def test_intervals_that_are_alike_are_kept_once() -> None:

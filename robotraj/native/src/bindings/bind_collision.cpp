@@ -11,7 +11,6 @@ namespace robotraj::native {
 
 namespace {
 
-using collision::Path;
 using collision::PolynomialMotion;
 using collision::StraightMotions;
 class SphereTree {
@@ -98,19 +97,14 @@ class SphereTree {
   }
   Result connect(const Doubles& start, const Doubles& goal, const Doubles& lower, const Doubles& upper,
                  const Doubles& speeds, double range, std::uint64_t seed, std::size_t iterations, double seconds,
-                 double margin, double resolution) const {
+                 std::size_t shortcuts, double margin, double resolution) const {
     StraightMotions motions{PolynomialMotion(tree_, margin), resolution};
     const collision::Search search = {point(lower), point(upper), point(speeds), range, seed, iterations, seconds};
-    return flat(rrt_connect(motions, search, point(start), point(goal)));
-  }
-  Result shortened(const Doubles& path, const Doubles& speeds, std::uint64_t seed, std::size_t rounds, double margin,
-                   double resolution) const {
-    StraightMotions motions{PolynomialMotion(tree_, margin), resolution};
-    const std::size_t n = tree_.joints.size();
-    Path points;
-    for (std::size_t k = 0; n && k < path.size() / n; ++k)
-      points.emplace_back(path.data() + k * n, path.data() + (k + 1) * n);
-    return flat(collision::shortened(motions, points, point(speeds), seed, rounds));
+    collision::Path path = rrt_connect(motions, search, point(start), point(goal));
+    std::vector<double> out;
+    for (const auto& q : shortened(motions, std::move(path), search.speeds, seed, shortcuts))
+      out.insert(out.end(), q.begin(), q.end());
+    return to_numpy(std::move(out));
   }
 
  private:
@@ -127,11 +121,6 @@ class SphereTree {
     for (std::size_t i = 0; i + 1 < indices.size(); i += 2)
       pairs.emplace_back(static_cast<int>(indices.data()[i]), static_cast<int>(indices.data()[i + 1]));
     return pairs;
-  }
-  static Result flat(const Path& path) {
-    std::vector<double> out;
-    for (const auto& q : path) out.insert(out.end(), q.begin(), q.end());
-    return to_numpy(std::move(out));
   }
   const double* configuration(const Doubles& q) const { return checked(q, tree_.joints.size(), "q"); }
   std::vector<double> point(const Doubles& q) const {
@@ -159,9 +148,7 @@ void bind_collision(nb::module_& m) {
            nb::arg("resolution"))
       .def("connect", &SphereTree::connect, nb::arg("start"), nb::arg("goal"), nb::arg("lower"), nb::arg("upper"),
            nb::arg("speeds"), nb::arg("range"), nb::arg("seed"), nb::arg("iterations"), nb::arg("seconds"),
-           nb::arg("margin"), nb::arg("resolution"))
-      .def("shortened", &SphereTree::shortened, nb::arg("path"), nb::arg("speeds"), nb::arg("seed"), nb::arg("rounds"),
-           nb::arg("margin"), nb::arg("resolution"));
+           nb::arg("shortcuts"), nb::arg("margin"), nb::arg("resolution"));
 }
 
 }  // namespace robotraj::native

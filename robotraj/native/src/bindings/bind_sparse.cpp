@@ -1,14 +1,7 @@
 // Sparse matrices from Python: SciPy's arrays, whichever integers they have.
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "sparse/combination.hpp"
 #include "sparse/stacked.hpp"
-
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
-
-#include <optional>
-#include <string>
 
 namespace nb = nanobind;
 
@@ -79,27 +72,6 @@ void bind_sparse(nb::module_& m) {
       .def_prop_ro("entries", &Stacked::entries)
       .def_prop_ro("kept", &Stacked::kept);
   nb::implicitly_convertible<Csr, Stacked>();
-  nb::class_<Combination>(m, "Combination")
-      .def(
-          "__init__",
-          [](Combination* self, const Stacked& matrix, const std::optional<Narrow>& places,
-             const std::optional<Doubles>& kept_base, const std::string& processor) {
-            new (self) Combination(matrix, places ? checked(*places, matrix.rows(), "places") : nullptr,
-                                   kept_base ? checked(*kept_base, matrix.rows(), "kept_base") : nullptr, processor);
-          },
-          nb::arg("matrix"), nb::arg("places") = nb::none(), nb::arg("kept_base") = nb::none(),
-          nb::arg("processor") = "")
-      .def(
-          "apply",
-          [](const Combination& self, const Doubles& x, const std::optional<Doubles>& base, std::size_t threads,
-             std::size_t size) {
-            ThreadPool pool(threads);
-            std::vector<double> y = base ? copied(*base) : std::vector<double>(size);
-            self.apply(x.data(), base ? y.data() : nullptr, y.data(), pool);
-            return to_numpy(std::move(y));
-          },
-          nb::arg("x"), nb::arg("base").none(), nb::arg("threads") = 1, nb::arg("size") = 0)
-      .def_prop_ro("entries", &Combination::entries);
 }
 
 }  // namespace robotraj::native

@@ -41,11 +41,6 @@ class ThreadPool {
     run(count, step, call, const_cast<void*>(static_cast<const void*>(std::addressof(work))));
   }
 
-  template <typename Work>
-  void split(std::size_t count, Work&& work) {
-    split(count, 1, static_cast<Work&&>(work));
-  }
-
  private:
   using Call = void (*)(void* context, std::size_t thread, std::size_t begin, std::size_t end);
 

@@ -23,18 +23,11 @@ Matrix3 axes_along(const Vector3& z) {
   return axes;
 }
 
-void write_matrix(const Matrix3& from, double* to) {
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) to[3 * row + column] = from(row, column);
-}
-
-void write_vector(const Vector3& from, double* to) {
-  for (int row = 0; row < 3; ++row) to[row] = from[row];
-}
-
-Matrix3 read_matrix(const double* from) { return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(from); }
-
-Vector3 read_vector(const double* from) { return Eigen::Map<const Vector3>(from); }
+/// Plain arrays, matrices row after row.
+using Rows = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+using ConstRows = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+using Column = Eigen::Map<Vector3>;
+using ConstColumn = Eigen::Map<const Vector3>;
 
 }  // namespace
 
@@ -48,17 +41,17 @@ RigidTree::RigidTree(const std::vector<Link>& links, const double* gravity, bool
     joint.turns = link.turns;
     joint.armature = link.armature;
     const bool free = flies && joints_.empty();
-    const Matrix3 rotation = read_matrix(link.rotation);
+    const Matrix3 rotation = ConstRows(link.rotation);
     // A free-flyer's body lies in its own axes.
-    axes.push_back(free ? Matrix3(Matrix3::Identity()) : axes_along(read_vector(link.direction)));
-    if (free) write_matrix(rotation, rest_.flyer);
+    axes.push_back(free ? Matrix3(Matrix3::Identity()) : axes_along(ConstColumn(link.direction)));
+    if (free) Rows(rest_.flyer) = rotation;
     const Matrix3 own = axes.back();
     const Matrix3 into = link.parent < 0 ? Matrix3(Matrix3::Identity()) : Matrix3(axes[link.parent].transpose());
-    write_matrix(into * rotation * own, joint.rotation);
-    write_vector(into * read_vector(link.translation), joint.translation);
+    Rows(joint.rotation) = into * rotation * own;
+    Column(joint.translation) = into * ConstColumn(link.translation);
     joint.mass = link.mass;
-    write_vector(link.mass * (own.transpose() * read_vector(link.centre)), joint.lever);
-    const Matrix3 inertia = own.transpose() * read_matrix(link.inertia) * own;
+    Column(joint.lever) = link.mass * (own.transpose() * ConstColumn(link.centre));
+    const Matrix3 inertia = own.transpose() * ConstRows(link.inertia) * own;
     const double entries[] = {inertia(0, 0), inertia(0, 1), inertia(1, 1), inertia(0, 2), inertia(1, 2), inertia(2, 2)};
     std::copy(std::begin(entries), std::end(entries), joint.inertia);
     joints_.push_back(joint);

@@ -96,8 +96,8 @@ struct Combination::Rows {
 };
 
 Combination::Combination(const Stacked& matrix, const std::int32_t* places, const double* kept_base,
-                         const std::string& processor, bool adds)
-    : kernels_(&kernels_of(processor)) {
+                         const Kernels* kernels, bool adds)
+    : kernels_(kernels ? kernels : native::kernels().front()) {
   std::size_t first = 0;
   for (const Stacked::Piece& piece : matrix.pieces()) {
     const Rows rows{piece.rows, places, kept_base, adds, first};

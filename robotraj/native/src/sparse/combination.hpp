@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "parallel/thread_pool.hpp"
@@ -30,12 +29,12 @@ class Combination {
   Combination() : Combination(Csr()) {}
   explicit Combination(const Csr& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr)
       : Combination(Stacked(matrix), places, kept_base) {}
-  /// For the fastest processor that this one runs or, with a name, for that one: see kernels_of.
+  /// By the fastest kernels, unless others are given.
   explicit Combination(const Stacked& matrix, const std::int32_t* places = nullptr, const double* kept_base = nullptr,
-                       const std::string& processor = "", bool adds = false);
+                       const Kernels* kernels = nullptr, bool adds = false);
   /// For calls of `apply` whose base is y.
   static Combination adding(const Stacked& matrix, const std::int32_t* places = nullptr) {
-    return Combination(matrix, places, nullptr, "", true);
+    return Combination(matrix, places, nullptr, nullptr, true);
   }
 
   /// y = base + A x, rows shared by the pool. Base may be y; null stands for the kept one, or zeros where none is kept.

@@ -11,37 +11,37 @@
 
 namespace robotraj::native::collision {
 
+using Point = std::vector<double>;
 /// Configurations one after the other.
-using Path = std::vector<std::vector<double>>;
+using Path = std::vector<Point>;
 
 /// Tells whether straight motions are free.
 struct StraightMotions {
   PolynomialMotion motion;
   double resolution;  ///< [m], see `PolynomialMotion::free`
 
-  bool free(const std::vector<double>& a, const std::vector<double>& b) {
-    return motion.free(a.data(), b.data(), resolution);
-  }
+  bool free(const Point& a, const Point& b) { return motion.free(a.data(), b.data(), resolution); }
 };
 
+/// The root of the sum of squares of the times [s] that the joints need.
+double distance(const Point& a, const Point& b, const Point& speeds);
+
 struct Search {
-  std::vector<double> lower, upper;  ///< where configurations are drawn
-  std::vector<double> speeds;        ///< joints are weighted by the time that they need
-  double range;                      ///< longest motion of one extension [s]
+  Point lower, upper;  ///< where configurations are drawn
+  Point speeds;        ///< joints are weighted by the time that they need
+  double range;        ///< longest motion of one extension [s]
   std::uint64_t seed;
   std::size_t iterations;  ///< configurations drawn at most
   double seconds;          ///< time at most
 };
 
 /// Empty where no path was found.
-Path rrt_connect(StraightMotions& motions, const Search& search, const std::vector<double>& start,
-                 const std::vector<double>& goal);
+Path rrt_connect(StraightMotions& motions, const Search& search, const Point& start, const Point& goal);
 
 /// Replaces random parts of a path, where that is free and shorter; `rounds` are tried.
 ///
 /// Even rounds put a straight motion between two places, odd ones straighten one joint and keep the others.
 /// Source: Geraerts and Overmars, Creating High-quality Paths for Motion Planning, IJRR 26 (2007).
-Path shortened(StraightMotions& motions, Path path, const std::vector<double>& speeds, std::uint64_t seed,
-               std::size_t rounds);
+Path shortened(StraightMotions& motions, Path path, const Point& speeds, std::uint64_t seed, std::size_t rounds);
 
 }  // namespace robotraj::native::collision

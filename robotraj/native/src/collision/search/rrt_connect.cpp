@@ -11,8 +11,6 @@ namespace robotraj::native::collision {
 
 namespace {
 
-using Point = std::vector<double>;
-
 class Tree {
  public:
   Tree(const Point& root, const Point& speeds) : speeds_(speeds) { add(root, 0); }
@@ -55,12 +53,6 @@ class Tree {
   Point numbers_;  ///< points divided by the speeds
 };
 
-double distance(const Point& a, const Point& b, const Point& speeds) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow((a[i] - b[i]) / speeds[i], 2);
-  return std::sqrt(sum);
-}
-
 /// A point at most `range` from the first towards the second.
 Point towards(const Point& from, const Point& to, const Point& speeds, double range) {
   const double length = distance(from, to, speeds);
@@ -71,6 +63,12 @@ Point towards(const Point& from, const Point& to, const Point& speeds, double ra
 }
 
 }  // namespace
+
+double distance(const Point& a, const Point& b, const Point& speeds) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow((a[i] - b[i]) / speeds[i], 2);
+  return std::sqrt(sum);
+}
 
 Path rrt_connect(StraightMotions& motions, const Search& search, const Point& start, const Point& goal) {
   if (motions.free(start, goal)) return {start, goal};

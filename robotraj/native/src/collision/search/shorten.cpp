@@ -3,23 +3,14 @@
 #include "random_numbers.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace robotraj::native::collision {
 
 namespace {
 
-using Point = std::vector<double>;
-
-double length(const Point& a, const Point& b, const Point& speeds) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow((b[i] - a[i]) / speeds[i], 2);
-  return std::sqrt(sum);
-}
-
 double length(const Path& path, const Point& speeds) {
   double sum = 0.0;
-  for (std::size_t k = 1; k < path.size(); ++k) sum += length(path[k - 1], path[k], speeds);
+  for (std::size_t k = 1; k < path.size(); ++k) sum += distance(path[k - 1], path[k], speeds);
   return sum;
 }
 
@@ -31,7 +22,7 @@ struct Cut {
 
 Cut cut_at(const Path& path, const Point& speeds, double along) {
   for (std::size_t k = 1; k < path.size(); ++k) {
-    const double step = length(path[k - 1], path[k], speeds);
+    const double step = distance(path[k - 1], path[k], speeds);
     if (along > step && k + 1 < path.size()) {
       along -= step;
       continue;
@@ -50,7 +41,7 @@ Path straightened(const Path& part, std::size_t joint, const Point& speeds) {
   const double all = length(part, speeds);
   double along = 0.0;
   for (std::size_t k = 1; k + 1 < out.size(); ++k) {
-    along += length(part[k - 1], part[k], speeds);
+    along += distance(part[k - 1], part[k], speeds);
     out[k][joint] = part.front()[joint] + along / all * (part.back()[joint] - part.front()[joint]);
   }
   return out;
