@@ -17,7 +17,6 @@ NB_MODULE(_native, m) {
   robotraj::native::bind_chains(m);
   robotraj::native::bind_collision(m);
   robotraj::native::bind_ldl(m);
-  robotraj::native::bind_nearest_planes(m);
   robotraj::native::bind_solver(m);
   robotraj::native::bind_program(m);
 }

@@ -9,13 +9,6 @@ namespace robotraj::native {
 
 namespace {
 
-template <typename Integers>
-void make(Csr* self, std::size_t rows, std::size_t columns, const Integers& starts, const Integers& indices,
-          const Doubles& data) {
-  checked(data, indices.size(), "data");
-  new (self) Csr(rows, columns, starts.data(), starts.size(), indices.data(), data.data(), indices.size());
-}
-
 template <typename Matrix>
 Result times(const Matrix& self, const Doubles& x) {
   std::vector<double> y(self.rows());
@@ -34,10 +27,10 @@ nb::ndarray<nb::numpy, const Number, nb::ndim<1>> shared(const Csr& matrix, cons
 
 void bind_sparse(nb::module_& m) {
   nb::class_<Csr>(m, "Csr")
-      .def("__init__", make<Narrow>, nb::arg("rows"), nb::arg("columns"), nb::arg("starts").noconvert(),
-           nb::arg("indices").noconvert(), nb::arg("data"))
-      .def("__init__", make<Indices>, nb::arg("rows"), nb::arg("columns"), nb::arg("starts"), nb::arg("indices"),
-           nb::arg("data"))
+      .def(nb::new_(
+               [](std::size_t rows, std::size_t columns, const Narrow& starts, const Narrow& indices,
+                  const Doubles& data) { return Csr(rows, columns, copied(starts), copied(indices), copied(data)); }),
+           nb::arg("rows"), nb::arg("columns"), nb::arg("starts"), nb::arg("indices"), nb::arg("data"))
       .def_static(
           "summed",
           [](std::size_t rows, std::size_t columns, const Indices& row, const Indices& column, const Doubles& data) {

@@ -13,7 +13,6 @@ void bind_sparse(nanobind::module_& m);
 void bind_chains(nanobind::module_& m);
 void bind_collision(nanobind::module_& m);
 void bind_ldl(nanobind::module_& m);
-void bind_nearest_planes(nanobind::module_& m);
 void bind_solver(nanobind::module_& m);
 void bind_program(nanobind::module_& m);
 

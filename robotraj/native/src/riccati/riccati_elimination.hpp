@@ -2,7 +2,6 @@
 #pragma once
 
 #include "riccati.hpp"
-#include "stage_products.hpp"
 #include "stage_vectors.hpp"
 
 namespace robotraj::native {

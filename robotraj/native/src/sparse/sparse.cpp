@@ -8,29 +8,23 @@
 
 namespace robotraj::native {
 
-template <typename Index>
-Csr::Csr(std::size_t rows, std::size_t columns, const Index* starts, std::size_t n_starts, const Index* indices,
-         const double* data, std::size_t entries)
-    : rows_(rows), columns_(columns) {
-  constexpr auto largest = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
-  if (entries > largest || columns > largest) throw std::invalid_argument("a sparse matrix has more than 2^31 entries");
-  if (n_starts != rows + 1 || starts[0] != 0 || static_cast<std::size_t>(starts[rows]) != entries)
+Csr::Csr(std::size_t rows, std::size_t columns, std::vector<std::int32_t> starts, std::vector<std::int32_t> indices,
+         std::vector<double> data)
+    : Csr(columns, std::move(starts), std::move(indices), std::move(data)) {
+  const std::vector<std::int32_t>& begins = arrays_->starts;
+  if (std::max(entries(), columns) > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+    throw std::invalid_argument("a sparse matrix has more than 2^31 entries");
+  if (rows_ != rows || begins.front() != 0 || static_cast<std::size_t>(begins.back()) != entries() ||
+      arrays_->indices.size() != entries())
     throw std::invalid_argument("the row starts of a sparse matrix of " + std::to_string(rows) + " rows and " +
-                                std::to_string(entries) + " entries do not fit it");
-  for (std::size_t row = 0; row < rows; ++row)
-    if (starts[row] > starts[row + 1]) throw std::invalid_argument("the row starts of a sparse matrix decrease");
-  for (std::size_t i = 0; i < entries; ++i)
-    if (indices[i] < 0 || static_cast<std::size_t>(indices[i]) >= columns)
-      throw std::invalid_argument("column " + std::to_string(indices[i]) + " in a sparse matrix of " +
+                                std::to_string(entries()) + " entries do not fit it");
+  if (!std::is_sorted(begins.begin(), begins.end()))
+    throw std::invalid_argument("the row starts of a sparse matrix decrease");
+  for (const std::int32_t column : arrays_->indices)
+    if (column < 0 || static_cast<std::size_t>(column) >= columns)
+      throw std::invalid_argument("column " + std::to_string(column) + " in a sparse matrix of " +
                                   std::to_string(columns) + " columns");
-  arrays_ = std::make_shared<const Arrays>(
-      Arrays{{starts, starts + n_starts}, {indices, indices + entries}, {data, data + entries}});
 }
-
-template Csr::Csr(std::size_t, std::size_t, const std::int32_t*, std::size_t, const std::int32_t*, const double*,
-                  std::size_t);
-template Csr::Csr(std::size_t, std::size_t, const std::int64_t*, std::size_t, const std::int64_t*, const double*,
-                  std::size_t);
 
 Csr::Csr(std::size_t columns, std::vector<std::int32_t> starts, std::vector<std::int32_t> indices,
          std::vector<double> data)

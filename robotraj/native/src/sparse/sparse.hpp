@@ -13,10 +13,9 @@ class Csr {
  public:
   Csr() : Csr(0, {0}, {}, {}) {}
   /// Throws std::invalid_argument where the arrays do not describe a rows x columns matrix.
-  template <typename Index>
-  Csr(std::size_t rows, std::size_t columns, const Index* starts, std::size_t n_starts, const Index* indices,
-      const double* data, std::size_t entries);
-  /// Takes over arrays that are known to fit.
+  Csr(std::size_t rows, std::size_t columns, std::vector<std::int32_t> starts, std::vector<std::int32_t> indices,
+      std::vector<double> data);
+  /// The same for arrays that are known to fit.
   Csr(std::size_t columns, std::vector<std::int32_t> starts, std::vector<std::int32_t> indices,
       std::vector<double> data);
 

@@ -49,20 +49,14 @@ Newton::Newton(Problem& problem)
 /// Allocates the residuals of as many stages as are processed together.
 void Newton::make_part() {
   const Layout& layout = problem_.layout();
-  int columns = 0, dynamics = 0, equalities = 0, inequalities = 0;
-  for (std::size_t begin = 0; begin < layout.count(); begin += at_a_time) {
-    int here[4] = {};
-    for (std::size_t k = begin; k < std::min(begin + at_a_time, layout.count()); ++k) {
-      here[0] += layout.unknowns(k);
-      here[1] += layout.next_states(k);
-      here[2] += layout.equalities[k];
-      here[3] += layout.inequalities[k];
-    }
-    columns = std::max(columns, here[0]);
-    dynamics = std::max(dynamics, here[1]);
-    equalities = std::max(equalities, here[2]);
-    inequalities = std::max(inequalities, here[3]);
+  int largest[4] = {};
+  for (std::size_t k = 0; k < layout.count(); ++k) {
+    const int sizes[] = {layout.unknowns(k), layout.next_states(k), layout.equalities[k], layout.inequalities[k]};
+    for (int i = 0; i < 4; ++i) largest[i] = std::max(largest[i], sizes[i]);
   }
+  const int stages = static_cast<int>(std::min(at_a_time, layout.count()));
+  const int columns = stages * largest[0], dynamics = stages * largest[1], equalities = stages * largest[2],
+            inequalities = stages * largest[3];
   part_memory_.resize(
       static_cast<std::size_t>(padded(columns) + padded(dynamics) + padded(equalities) + 4 * padded(inequalities)));
   Parts parts(part_memory_);
