@@ -4,7 +4,7 @@
 #pragma once
 
 #include "parallel/lanes.hpp"
-#include "stage_system.hpp"
+#include "riccati.hpp"
 
 namespace robotraj::native {
 namespace {
