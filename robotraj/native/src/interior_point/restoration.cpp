@@ -68,28 +68,25 @@ void Restoration::step_duals(Run& original) const {
   Iterate &from = *original.current, &to = *original.trial;
   const VectorKernels& vectors = native::vector_kernels_of();
   const int own = problem_.layout().slacks;
-  Numbers lower(static_cast<std::size_t>(own)), upper(lower);
+  Numbers lower(own), upper(own);
   for (int i = 0; i < own; ++i) {
-    const auto k = static_cast<std::size_t>(i);
     const double ds = to.at->s[i] - from.at->s[i];
     const double z_lower = from.at->lower[i], z_upper = from.at->upper[i];
-    if (std::isfinite(original.problem.lower[k])) lower[k] = (original.mu - z_lower * ds) / from.below()[i] - z_lower;
-    if (std::isfinite(original.problem.upper[k])) upper[k] = (original.mu + z_upper * ds) / from.above()[i] - z_upper;
+    if (std::isfinite(original.problem.lower[i])) lower[i] = (original.mu - z_lower * ds) / from.below()[i] - z_lower;
+    if (std::isfinite(original.problem.upper[i])) upper[i] = (original.mu + z_upper * ds) / from.above()[i] - z_upper;
   }
   const double alpha = vectors.longest_dual_step(original.problem.bounds(), from.at->lower, lower.data(),
                                                  from.at->upper, upper.data(), original.tau());
   double most = 0.0;
   for (int i = 0; i < own; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    to.at->lower[i] = from.at->lower[i] + alpha * lower[k];
-    to.at->upper[i] = from.at->upper[i] + alpha * upper[k];
+    to.at->lower[i] = from.at->lower[i] + alpha * lower[i];
+    to.at->upper[i] = from.at->upper[i] + alpha * upper[i];
     most = std::max({most, to.at->lower[i], to.at->upper[i]});
   }
   if (!(most <= kLargestMultiplier)) {
     for (int i = 0; i < own; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      to.at->lower[i] = std::isfinite(original.problem.lower[k]) ? 1.0 : 0.0;
-      to.at->upper[i] = std::isfinite(original.problem.upper[k]) ? 1.0 : 0.0;
+      to.at->lower[i] = std::isfinite(original.problem.lower[i]) ? 1.0 : 0.0;
+      to.at->upper[i] = std::isfinite(original.problem.upper[i]) ? 1.0 : 0.0;
     }
   }
   std::fill_n(to.at->rows, original.problem.rows(), 0.0);

@@ -49,9 +49,9 @@ Solver::Solver(std::shared_ptr<native::Program> program, native::Stages stages)
 Solver::~Solver() = default;
 
 void Solver::begin(const Start& start) {
-  const auto slacks = static_cast<std::size_t>(layout_.slacks);
+  const int slacks = layout_.slacks;
   problem_.objective_scale = start.objective_scale;
-  for (std::size_t i = 0; i < slacks; ++i) {
+  for (int i = 0; i < slacks; ++i) {
     const auto room = [&](double bound) { return options_.bound_relaxation * std::max(1.0, std::abs(bound)); };
     problem_.lower[i] = std::isfinite(start.lower[i]) ? start.lower[i] - room(start.lower[i])
                                                       : -std::numeric_limits<double>::infinity();
@@ -62,11 +62,11 @@ void Solver::begin(const Start& start) {
   algorithm_.run.mu = options_.initial_barrier;
   const bool of_bounds = start.lower_duals && start.upper_duals;
   if (!start.lam && !of_bounds) return start_cold(algorithm_.run, start.y);
-  Numbers rows(static_cast<std::size_t>(layout_.rows), 0.0), lower(slacks), upper(slacks);
+  Numbers rows(layout_.rows, 0.0), lower(slacks), upper(slacks);
   if (start.lam) std::copy_n(start.lam, rows.size(), rows.begin());
   for (double& each : rows) each *= start.objective_scale;
-  for (std::size_t i = 0; i < slacks; ++i) {
-    const double lam = rows[static_cast<std::size_t>(layout_.inequality_rows) + i];
+  for (int i = 0; i < slacks; ++i) {
+    const double lam = rows[layout_.inequality_rows + i];
     lower[i] = start.lower_duals ? start.objective_scale * start.lower_duals[i] : std::max(0.0, -lam);
     upper[i] = start.upper_duals ? start.objective_scale * start.upper_duals[i] : std::max(0.0, lam);
   }
@@ -126,7 +126,7 @@ void Solver::collect(const Start& start, Outcome& outcome) {
   const Numbers& values = program.row_values();
   for (int i = 0; i < layout_.rows; ++i) {
     const int k = i - layout_.inequality_rows;
-    const double value = values[static_cast<std::size_t>(i)];
+    const double value = values[i];
     const double broken = k < 0 ? std::abs(value) : std::max(start.lower[k] - value, value - start.upper[k]);
     if (!(broken <= outcome.violation)) outcome.violation = broken;
     if (std::isnan(broken)) break;

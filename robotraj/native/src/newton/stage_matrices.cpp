@@ -56,7 +56,7 @@ StageMatrices::StageMatrices(const Layout& layout, const Pattern& jacobian, cons
     throw std::invalid_argument("a program of more than 2^31 derivatives");
   int length = 0;
   for (const Shape& shape : shapes_) length = std::max(length, padded(shape.nu + shape.nx));
-  memory_.resize(static_cast<std::size_t>(length));
+  memory_.resize(length);
 }
 
 std::unique_ptr<NewtonSolver> StageMatrices::solver() const { return std::make_unique<RiccatiSolver>(*this); }
@@ -81,7 +81,7 @@ StageMatrices::RowPattern StageMatrices::pattern_of(const std::vector<Entry>& en
     for (std::size_t e = begin; e < end; ++e)
       jacobian_places[entries[e].entry] = static_cast<std::int32_t>(first) + entries[e].column;
     rows.wide.push_back(row);
-    first += static_cast<std::size_t>(ld);
+    first += ld;
   });
   each_row(false, [&](std::int32_t row, std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
@@ -99,8 +99,8 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
                                                 &layout_.first_inequality};
   std::size_t next[3];
   for (std::size_t kind = 0; kind < 3; ++kind)
-    next[kind] = static_cast<std::size_t>(
-        std::lower_bound(pattern.rows.begin(), pattern.rows.end(), first_rows[kind]->front()) - pattern.rows.begin());
+    next[kind] =
+        std::lower_bound(pattern.rows.begin(), pattern.rows.end(), first_rows[kind]->front()) - pattern.rows.begin();
   std::vector<Entry> entries;
   for (std::size_t k = 0; k < stages_.size(); ++k) {
     Shape shape{layout_.controls[k],
@@ -126,10 +126,10 @@ void StageMatrices::place_jacobian(const Pattern& pattern) {
         entries.push_back({row, column, static_cast<std::int32_t>(e)});
       }
       *patterns[kind] = pattern_of(entries, rows[kind], n, jacobian_size_);
-      jacobian_size_ += static_cast<std::size_t>(size_of(*patterns[kind], ld));
+      jacobian_size_ += size_of(*patterns[kind], ld);
     }
     const auto found = std::find(shapes_.rbegin(), shapes_.rend(), shape);
-    stages_[k].shape = static_cast<std::size_t>(shapes_.rend() - found) - 1;
+    stages_[k].shape = shapes_.rend() - found - 1;
     if (found == shapes_.rend()) {
       stages_[k].shape = shapes_.size();
       shapes_.push_back(std::move(shape));
@@ -156,7 +156,7 @@ void StageMatrices::place_hessian(const Pattern& pattern) {
     stages_[k].hessian = hessian_size_;
     for (const Entry& entry : entries)
       hessian_places[entry.entry] = static_cast<std::int32_t>(hessian_size_) + column_of(entry.column, ld) + entry.row;
-    hessian_size_ += static_cast<std::size_t>(trapezoid(n, ld));
+    hessian_size_ += trapezoid(n, ld);
   }
 }
 

@@ -59,7 +59,7 @@ class ProductRows {
       }
       starts_.push_back(static_cast<std::int32_t>(index - indices_.data()));
     }
-    indices_.resize(static_cast<std::size_t>(starts_.back()));
+    indices_.resize(starts_.back());
     data_.resize(indices_.size());
   }
 

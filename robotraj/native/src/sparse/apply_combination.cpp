@@ -15,7 +15,7 @@ void sum_rows(const RowGroup& group, const std::int32_t* row, const std::int32_t
               const double* values, const double* x, const double* base, double* y) {
   const std::size_t count = fixed ? fixed : group.count;
   for (std::size_t i = 0; i < group.rows; ++i, columns += count, values += count) {
-    double sum = base ? base[row ? static_cast<std::size_t>(row[i]) : i] : 0.0;
+    double sum = base ? base[row ? row[i] : i] : 0.0;
     for (std::size_t e = 0; e < count; ++e) sum += values[e] * x[columns[e]];
     y[place[i]] = sum;
   }

@@ -192,8 +192,8 @@ void Combination::add(const Rows& rows, const Run& run) {
     if (groups_.size() == added.first_group || groups_.back().count != entries) groups_.push_back({entries, 0});
     ++groups_.back().rows;
     rows_.push_back(static_cast<std::int32_t>(rows.first + run.row) + row);
-    places_.push_back(static_cast<std::int32_t>(rows.place(run.row + static_cast<std::size_t>(row))));
-    if (rows.base) kept_base_.push_back(rows.base[rows.first + run.row + static_cast<std::size_t>(row)]);
+    places_.push_back(static_cast<std::int32_t>(rows.place(run.row + row)));
+    if (rows.base) kept_base_.push_back(rows.base[rows.first + run.row + row]);
     for (std::int32_t e = starts[row]; e < starts[row + 1]; ++e)
       columns_.push_back(matrix.indices()[e] + static_cast<std::int32_t>(rows.behind));
     values_.insert(values_.end(), matrix.data() + starts[row], matrix.data() + starts[row + 1]);

@@ -34,7 +34,7 @@ ROBOTRAJ_INLINE bool in_a_row(const std::int32_t* places) { return places[kLanes
 template <bool ordered>
 void take(const double* numbers, const std::int32_t* places, const std::int32_t* order, std::size_t many,
           std::ptrdiff_t step, std::size_t count, Pack* out) {
-  const auto to = [=](std::size_t i) -> Pack& { return out[ordered ? static_cast<std::size_t>(order[i]) : i]; };
+  const auto to = [=](std::size_t i) -> Pack& { return out[ordered ? order[i] : i]; };
   for (std::size_t i = 0; i < many;) {
     if (count == kLanes && i + kLanes <= many && in_a_row(places + i)) {
       Pack square[kLanes];

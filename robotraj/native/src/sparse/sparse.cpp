@@ -151,11 +151,10 @@ Csr Csr::resolved(const std::vector<std::int64_t>& variable, std::size_t columns
     };
     if (variable[row] >= 0) {
       if (static_cast<std::size_t>(variable[row]) >= columns) throw std::invalid_argument("a variable lies outside");
-      add(static_cast<std::size_t>(variable[row]), 1.0);
+      add(variable[row], 1.0);
     }
     for (std::int32_t i = starts()[row]; i < starts()[row + 1]; ++i)
-      for (std::size_t j = begin[indices()[i]]; j < end[indices()[i]]; ++j)
-        add(static_cast<std::size_t>(found[j]), data()[i] * values[j]);
+      for (std::size_t j = begin[indices()[i]]; j < end[indices()[i]]; ++j) add(found[j], data()[i] * values[j]);
     std::sort(found.begin() + static_cast<std::ptrdiff_t>(begin[row]), found.end());
     std::size_t kept = begin[row];
     for (std::size_t j = begin[row]; j < found.size(); ++j)
@@ -181,7 +180,7 @@ Csr Csr::resolved(const std::vector<std::int64_t>& variable, std::size_t columns
     while (!asked.empty()) {
       auto& [open, next] = asked.back();
       if (next < starts()[open + 1]) {
-        ask(static_cast<std::size_t>(indices()[next++]));
+        ask(indices()[next++]);
       } else {
         find(open);
         asked.pop_back();

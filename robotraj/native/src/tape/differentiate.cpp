@@ -85,32 +85,30 @@ std::vector<Row> forward(ScalarGraph& graph, const Nodes& results, const std::ve
   const Nodes order = graph.order(results);
   std::vector<Range> wanted(graph.size(), {std::numeric_limits<Node>::max(), kNone});
   const auto widen = [&](Node node, const Range& range) {
-    Range& own = wanted[static_cast<std::size_t>(node)];
+    Range& own = wanted[node];
     own = {std::min(own.first, range.first), std::max(own.last, range.last)};
   };
   for (std::size_t k = 0; k < results.size(); ++k) widen(results[k], ranges[k]);
   for (auto each = order.rbegin(); each != order.rend(); ++each)
     if (graph.is_computed(*each)) {
-      const Range own = wanted[static_cast<std::size_t>(*each)];
+      const Range own = wanted[*each];
       widen(graph.part(*each).first, own);
       widen(graph.part(*each).second, own);
     }
   Rules rules(graph);
   const std::vector<bool> depends = dependent(graph, order, u);
   std::vector<Row> rows(depends.size());
-  for (std::size_t k = 0; k < u.size(); ++k)
-    rows[static_cast<std::size_t>(u[k])] = {{static_cast<Node>(k), graph.constant(1.0)}};
+  for (std::size_t k = 0; k < u.size(); ++k) rows[u[k]] = {{static_cast<Node>(k), graph.constant(1.0)}};
   for (const Node each : order) {
-    const auto at = static_cast<std::size_t>(each);
-    if (!depends[at] || !graph.is_computed(each)) continue;
+    if (!depends[each] || !graph.is_computed(each)) continue;
     const ScalarGraph::Part part = graph.part(each);
     const Partials by = rules.of(each);
-    const auto [first, last] = wanted[at];
-    add(graph, rows[static_cast<std::size_t>(part.first)], by.first, first, last, rows[at]);
-    if (by.second != kNone) add(graph, rows[static_cast<std::size_t>(part.second)], by.second, first, last, rows[at]);
+    const auto [first, last] = wanted[each];
+    add(graph, rows[part.first], by.first, first, last, rows[each]);
+    if (by.second != kNone) add(graph, rows[part.second], by.second, first, last, rows[each]);
   }
   std::vector<Row> found;
-  for (const Node result : results) found.push_back(rows[static_cast<std::size_t>(result)]);
+  for (const Node result : results) found.push_back(rows[result]);
   return found;
 }
 
@@ -122,16 +120,15 @@ std::vector<Row> adjoints(ScalarGraph& graph, const Nodes& results, const std::v
   std::vector<Row> rows(depends.size());
   const Node one = graph.constant(1.0), last = std::numeric_limits<Node>::max();
   for (std::size_t k = 0; k < results.size(); ++k)
-    if (const auto at = static_cast<std::size_t>(results[k]); depends[at]) add(graph, seeds[k], one, 0, last, rows[at]);
+    if (const Node at = results[k]; depends[at]) add(graph, seeds[k], one, 0, last, rows[at]);
   for (auto each = order.rbegin(); each != order.rend(); ++each) {
-    const auto at = static_cast<std::size_t>(*each);
+    const Node at = *each;
     if (!depends[at] || rows[at].empty() || !graph.is_computed(*each)) continue;
     const ScalarGraph::Part part = graph.part(*each);
     const Partials by = rules.of(*each);
     const Row& own = rows[at];
     const auto pass = [&](Node to, Node factor) {
-      if (factor != kNone && depends[static_cast<std::size_t>(to)])
-        add(graph, own, factor, 0, last, rows[static_cast<std::size_t>(to)]);
+      if (factor != kNone && depends[to]) add(graph, own, factor, 0, last, rows[to]);
     };
     pass(part.first, by.first);
     pass(part.second, by.second);
@@ -142,7 +139,7 @@ std::vector<Row> adjoints(ScalarGraph& graph, const Nodes& results, const std::v
 /// Derivatives of all results by each of u.
 std::vector<Row> backward(ScalarGraph& graph, const Nodes& results, const std::vector<Row>& seeds, const Nodes& u) {
   std::vector<Row> rows = adjoints(graph, results, seeds, u), found;
-  for (const Node each : u) found.push_back(std::move(rows[static_cast<std::size_t>(each)]));
+  for (const Node each : u) found.push_back(std::move(rows[each]));
   return found;
 }
 
@@ -174,11 +171,9 @@ const Derivatives& shorter(const ScalarGraph& graph, const Derivatives& a, const
 
 std::vector<bool> dependent(const ScalarGraph& graph, const Nodes& order, const Nodes& u) {
   std::vector<bool> found(graph.size(), false);
-  for (const Node each : u) found[static_cast<std::size_t>(each)] = true;
+  for (const Node each : u) found[each] = true;
   for (const Node each : order)
-    if (graph.is_computed(each))
-      found[static_cast<std::size_t>(each)] = found[static_cast<std::size_t>(graph.part(each).first)] ||
-                                              found[static_cast<std::size_t>(graph.part(each).second)];
+    if (graph.is_computed(each)) found[each] = found[graph.part(each).first] || found[graph.part(each).second];
   return found;
 }
 
@@ -213,9 +208,9 @@ Derivatives hessian(ScalarGraph& graph, const Nodes& gradient, const Nodes& u) {
   Derivatives below, above;
   const std::vector<Row> rows = forward(graph, gradient, lower, u), columns = forward(graph, gradient, upper, u);
   for (Node k = 0; k < size; ++k) {
-    for (const auto& [place, node] : rows[static_cast<std::size_t>(k)])
+    for (const auto& [place, node] : rows[k])
       if (place <= k) below.push_back({k, place, node});
-    for (const auto& [place, node] : columns[static_cast<std::size_t>(k)])
+    for (const auto& [place, node] : columns[k])
       if (place >= k) above.push_back({place, k, node});
   }
   return in_order(shorter(graph, below, above));
@@ -227,7 +222,7 @@ std::optional<Nodes> convexified(ScalarGraph& graph, const Derivatives& exact, c
   const std::vector<bool> depends = dependent(graph, order, u);
   Nodes saturations, operands;
   for (const Node each : order)
-    if (graph.part(each).operation == casadi::OP_TANH && depends[static_cast<std::size_t>(each)]) {
+    if (graph.part(each).operation == casadi::OP_TANH && depends[each]) {
       saturations.push_back(each);
       operands.push_back(graph.part(each).first);
     }
@@ -240,7 +235,7 @@ std::optional<Nodes> convexified(ScalarGraph& graph, const Derivatives& exact, c
   const std::vector<Row> slopes = forward(graph, operands, std::vector<Range>(operands.size(), Range{0, last}), u);
   for (std::size_t k = 0; k < saturations.size(); ++k) {
     const Node t = saturations[k];
-    const Row& weight = weights[static_cast<std::size_t>(t)];
+    const Row& weight = weights[t];
     if (weight.empty()) continue;
     const Node slope = graph.difference(graph.constant(1.0), graph.product(t, t));
     const Node curvature =

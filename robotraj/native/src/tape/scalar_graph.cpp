@@ -81,13 +81,12 @@ std::vector<Nodes> ScalarGraph::read(const casadi::Function& function, const std
 
 Nodes ScalarGraph::read(const ScalarGraph& other, const Nodes& results, const std::vector<Nodes>& arguments) {
   Nodes copies(other.size());
-  const auto copy_of = [&](Node node) { return copies[static_cast<std::size_t>(node)]; };
+  const auto copy_of = [&](Node node) { return copies[node]; };
   for (const Node each : other.order(results)) {
     const Part& part = other.part(each);
-    Node& copy = copies[static_cast<std::size_t>(each)];
+    Node& copy = copies[each];
     if (other.is_constant(each)) copy = constant(other.value(each));
-    else if (other.is_argument(each))
-      copy = arguments.at(static_cast<std::size_t>(part.first)).at(static_cast<std::size_t>(part.second));
+    else if (other.is_argument(each)) copy = arguments.at(part.first).at(part.second);
     else copy = operation(part.operation, copy_of(part.first), copy_of(part.second));
   }
   Nodes found;
@@ -208,8 +207,8 @@ Nodes ScalarGraph::order(const Nodes& results) const {
         found.push_back(node);
         continue;
       }
-      if (known[static_cast<std::size_t>(node)]) continue;
-      known[static_cast<std::size_t>(node)] = true;
+      if (known[node]) continue;
+      known[node] = true;
       pending.emplace_back(node, true);
       if (!is_computed(node)) continue;
       pending.emplace_back(part(node).second, false);

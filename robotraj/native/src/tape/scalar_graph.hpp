@@ -59,7 +59,7 @@ class ScalarGraph {
   Node operation(std::int64_t operation, Node a, Node b);
 
   std::size_t size() const { return parts_.size(); }
-  const Part& part(Node node) const { return parts_[static_cast<std::size_t>(node)]; }
+  const Part& part(Node node) const { return parts_[node]; }
   bool is_constant(Node node) const;
   bool is_argument(Node node) const;
   /// Whether a node is computed from other nodes.

@@ -19,9 +19,9 @@ Nodes joined(std::initializer_list<Nodes> parts) {
 
 StageGraph::StageGraph(const std::string& text) {
   const casadi::Function function = casadi::Function::deserialize(text);
-  v_ = graph_.add_argument(static_cast<std::size_t>(function.nnz_in(0)));
-  c_ = graph_.add_argument(static_cast<std::size_t>(function.nnz_in(1)));
-  if (function.nnz_in(2) > 0) r_ = graph_.add_argument(static_cast<std::size_t>(function.nnz_in(2)));
+  v_ = graph_.add_argument(function.nnz_in(0));
+  c_ = graph_.add_argument(function.nnz_in(1));
+  if (function.nnz_in(2) > 0) r_ = graph_.add_argument(function.nnz_in(2));
   std::vector<Nodes> results = graph_.read(function, {v_, c_, r_}, &called_);
   y_ = std::move(results.at(0));
   x_ = std::move(results.at(1));
@@ -31,7 +31,7 @@ StageGraph StageGraph::selected(const std::vector<std::int64_t>& outputs) const 
   StageGraph made;
   made.graph_ = graph_;
   made.v_ = v_, made.c_ = c_, made.r_ = r_, made.x_ = x_, made.called_ = called_;
-  for (const std::int64_t which : outputs) made.y_.push_back(y_.at(static_cast<std::size_t>(which)));
+  for (const std::int64_t which : outputs) made.y_.push_back(y_.at(which));
   return made;
 }
 
@@ -145,8 +145,7 @@ std::tuple<std::vector<std::int64_t>, Tape, Pattern> StageGraph::split() const {
   const std::vector<bool> moves = dependent(own, own.order(nodes), u);
   std::vector<bool> curved(y_.size(), false);
   for (const Derivative& each : slopes)
-    if (static_cast<std::size_t>(each.column) >= v_.size() || moves[static_cast<std::size_t>(each.node)])
-      curved[static_cast<std::size_t>(each.row)] = true;
+    if (static_cast<std::size_t>(each.column) >= v_.size() || moves[each.node]) curved[each.row] = true;
 
   std::vector<std::int64_t> left;
   std::vector<std::int64_t> number(y_.size(), -1);
@@ -161,7 +160,7 @@ std::tuple<std::vector<std::int64_t>, Tape, Pattern> StageGraph::split() const {
   }
   Pattern pattern;
   for (const Derivative& each : slopes)
-    if (const std::int64_t row = number[static_cast<std::size_t>(each.row)]; row >= 0) {
+    if (const std::int64_t row = number[each.row]; row >= 0) {
       entries.push_back(each.node);
       pattern.add(row, each.column);
     }
@@ -180,7 +179,7 @@ std::vector<double> StageGraph::constant_slopes() const {
   std::vector<double> slopes(outputs() * n, 0.0);
   // Torques move with the entries of v on which their arguments depend; results of calls may move with all of them.
   std::vector<bool> moving(n, !called_.empty());
-  for (const Derivative& each : jacobian(own, x_, v_)) moving[static_cast<std::size_t>(each.column)] = true;
+  for (const Derivative& each : jacobian(own, x_, v_)) moving[each.column] = true;
   for (const Derivative& each : jacobian(own, y_, this->moving())) {
     const auto row = static_cast<std::size_t>(each.row), column = static_cast<std::size_t>(each.column);
     if (column < n) {

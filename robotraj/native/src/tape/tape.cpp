@@ -33,10 +33,10 @@ Nodes interleaved(const ScalarGraph& graph, const Nodes& order) {
   const auto ready = [&](Node node) {
     if (!graph.is_computed(node)) return 0;
     const ScalarGraph::Part& part = graph.part(node);
-    return std::max(known[static_cast<std::size_t>(part.first)], known[static_cast<std::size_t>(part.second)]);
+    return std::max(known[part.first], known[part.second]);
   };
   constexpr int kUnknown = std::numeric_limits<int>::max();
-  for (const Node node : order) known[static_cast<std::size_t>(node)] = kUnknown;
+  for (const Node node : order) known[node] = kUnknown;
   for (int clock = 0; found.size() < order.size(); ++clock) {
     while (ahead.size() < kAhead && next != order.end()) ahead.push_back(*next++);
     auto best = ahead.begin();
@@ -46,7 +46,7 @@ Nodes interleaved(const ScalarGraph& graph, const Nodes& order) {
         best = each;
         least = at;
       }
-    known[static_cast<std::size_t>(*best)] = graph.is_computed(*best) ? clock + kLatency : 0;
+    known[*best] = graph.is_computed(*best) ? clock + kLatency : 0;
     found.push_back(*best);
     ahead.erase(best);
   }
@@ -60,12 +60,12 @@ class Places {
       : of(graph.size(), 0), uses_(graph.size(), 0), graph_(graph) {
     for (const Node each : order)
       if (graph.is_computed(each)) {
-        ++uses_[static_cast<std::size_t>(graph.part(each).first)];
-        ++uses_[static_cast<std::size_t>(graph.part(each).second)];
+        ++uses_[graph.part(each).first];
+        ++uses_[graph.part(each).second];
       }
     // Results stay where they are computed. A node that is several results is copied to the others.
     for (std::size_t k = 0; k < results.size(); ++k)
-      if (std::int32_t& place = of[static_cast<std::size_t>(results[k])]; graph.is_computed(results[k]) && place == 0)
+      if (std::int32_t& place = of[results[k]]; graph.is_computed(results[k]) && place == 0)
         place = -static_cast<std::int32_t>(k) - 1;
   }
 
@@ -73,7 +73,7 @@ class Places {
   void take(Node node) {
     free(graph_.part(node).first);
     free(graph_.part(node).second);
-    std::int32_t& place = of[static_cast<std::size_t>(node)];
+    std::int32_t& place = of[node];
     if (place < 0) return;
     if (free_.empty()) free_.push_back(static_cast<std::int32_t>(size++));
     place = free_.back();
@@ -85,8 +85,8 @@ class Places {
 
  private:
   void free(Node node) {
-    if (--uses_[static_cast<std::size_t>(node)] > 0 || !graph_.is_computed(node)) return;
-    if (const std::int32_t place = of[static_cast<std::size_t>(node)]; place >= 0) free_.push_back(place);
+    if (--uses_[node] > 0 || !graph_.is_computed(node)) return;
+    if (const std::int32_t place = of[node]; place >= 0) free_.push_back(place);
   }
 
   std::vector<std::int32_t> uses_, free_;
@@ -108,19 +108,19 @@ Tape::Tape(const ScalarGraph& graph, const Nodes& results) : inputs_(graph.argum
   // Minus zero is the first constant: it changes no number that it is added to.
   constants_.push_back(-0.0);
   for (const Node each : order) {
-    std::int32_t& place = places.of[static_cast<std::size_t>(each)];
+    std::int32_t& place = places.of[each];
     const ScalarGraph::Part& part = graph.part(each);
     if (graph.is_constant(each)) {
       place = constants_at + static_cast<std::int32_t>(constants_.size());
       constants_.push_back(graph.value(each));
     } else if (graph.is_argument(each)) {
-      read_[static_cast<std::size_t>(part.first)] = true;
-      place = static_cast<std::int32_t>(begin[static_cast<std::size_t>(part.first)]) + part.second;
+      read_[part.first] = true;
+      place = static_cast<std::int32_t>(begin[part.first]) + part.second;
     }
   }
-  result_ = static_cast<std::size_t>(constants_at) + constants_.size();
+  result_ = constants_at + constants_.size();
   const auto place_of = [&](Node node) {
-    const std::int32_t place = places.of[static_cast<std::size_t>(node)];
+    const std::int32_t place = places.of[node];
     return place < 0 ? static_cast<std::int32_t>(result_) - place - 1 : place;
   };
   for (const Node each : order) {

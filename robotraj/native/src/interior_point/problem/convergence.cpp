@@ -36,9 +36,8 @@ double system_error(Iterate& iterate, double mu) {
   double complementarity = 0.0;
   const double *below = iterate.below(), *above = iterate.above();
   for (int i = 0; i < slacks; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (std::isfinite(problem.lower[k])) complementarity += std::abs(iterate.at->lower[i] * below[i] - mu);
-    if (std::isfinite(problem.upper[k])) complementarity += std::abs(iterate.at->upper[i] * above[i] - mu);
+    if (std::isfinite(problem.lower[i])) complementarity += std::abs(iterate.at->lower[i] * below[i] - mu);
+    if (std::isfinite(problem.upper[i])) complementarity += std::abs(iterate.at->upper[i] * above[i] - mu);
   }
   return mean(dual, problem.columns() + slacks) + mean(iterate.violation(), problem.rows()) +
          mean(complementarity, problem.bound_count());

@@ -7,10 +7,10 @@
 namespace robotraj::interior_point {
 
 Feasibility::Feasibility(ProgramProblem& original) : Problem(original.shared_matrices()), original_(original) {
-  const auto count = static_cast<std::size_t>(layout().slacks + 2 * relaxed());
+  const int count = layout().slacks + 2 * relaxed();
   lower.assign(count, 0.0);
   upper.assign(count, std::numeric_limits<double>::infinity());
-  for (Numbers* each : {&reference_, &weights_, &damping_}) each->resize(static_cast<std::size_t>(columns()));
+  for (Numbers* each : {&reference_, &weights_, &damping_}) each->resize(columns());
 }
 
 void Feasibility::start_from(const double* x) {

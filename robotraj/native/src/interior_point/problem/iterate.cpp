@@ -6,7 +6,7 @@ namespace robotraj::interior_point {
 
 using native::padded;
 
-Room::Room(const Problem& problem) : memory_(static_cast<std::size_t>(size(problem))) {
+Room::Room(const Problem& problem) : memory_(size(problem)) {
   Parts parts(memory_);
   vectors_.x = parts.take(problem.columns());
   vectors_.rows = parts.take(problem.rows());
@@ -21,8 +21,7 @@ Iterate::Iterate(Problem& problem)
     : at(problem),
       problem_(problem),
       run_(native::vector_kernels_of()),
-      memory_(static_cast<std::size_t>(padded(problem.rows()) + 2 * padded(problem.columns()) +
-                                       4 * padded(problem.slacks()))),
+      memory_(padded(problem.rows()) + 2 * padded(problem.columns()) + 4 * padded(problem.slacks())),
       jacobian_(problem.matrices().empty_jacobian()) {
   Parts parts(memory_);
   residual_ = parts.take(problem.rows());

@@ -63,8 +63,8 @@ void Problem::bounds_changed() {
 
 ProgramProblem::ProgramProblem(std::shared_ptr<Program> program, const Layout& layout)
     : Problem(matrices_of(*program, layout)), program_(std::move(program)) {
-  lower.resize(static_cast<std::size_t>(layout.slacks));
-  upper.resize(static_cast<std::size_t>(layout.slacks));
+  lower.resize(layout.slacks);
+  upper.resize(layout.slacks);
 }
 
 double ProgramProblem::objective(const double* x, const double*) {
