@@ -58,7 +58,6 @@ void bind_ldl(nb::module_& m) {
             return to_numpy(std::move(x));
           },
           nb::arg("b"))
-      .def_prop_ro("entries", &Factors::entries)
       .def_prop_ro("largest_front", [](const Factors& self) { return self.tree().largest; });
 }
 

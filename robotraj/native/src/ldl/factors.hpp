@@ -35,7 +35,6 @@ class Factors {
 
   const Pattern& pattern() const { return pattern_; }
   const Tree& tree() const { return tree_; }
-  std::size_t entries() const { return entries_; }  ///< of the factors, padding included
 
  private:
   struct Part {
