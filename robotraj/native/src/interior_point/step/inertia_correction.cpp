@@ -11,7 +11,8 @@ using native::padded;
 namespace {
 
 constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
-constexpr double kShrink = 1.0 / 3.0, kGrow = 8.0, kGrowFirst = 100.0;
+// Finer than the paper's 1/3 and 8: a correction far above the least one shortens steps along the negative curvature.
+constexpr double kShrink = 0.1, kGrow = 4.5, kGrowFirst = 100.0;
 constexpr double kPower = 0.25;                                // kappa_c
 constexpr double kLeastProduct = 0.1, kLargestProduct = 10.0;  // of a distance and its multiplier, relative to mu
 
