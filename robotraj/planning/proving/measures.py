@@ -38,6 +38,12 @@ LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
 """Bounds on the growth of the number of intervals for the convergence of the objective."""
 MOST_GROWTH_BENDING = 2.0
 """The upper bound where controls bend sharply in a few intervals, which the next mesh divides anyway."""
+FAR, MOST_GROWTH_FAR = 5e-2, 2.0
+"""Change of the objective still to come above which its order predicts little, and the upper bound there.
+
+Coarse meshes of robots that swing often end at other optima than finer ones. Many iterations lead from one to the
+other, which should be those of a small mesh.
+"""
 CLEARLY = 1.4
 """Least ratio of the numbers of intervals of two meshes whose objectives are compared."""
 SAFETY = 1.5
@@ -107,7 +113,8 @@ class Measured:
         if self.coarse:
             # Intervals are added where the controls bend, and only as many elsewhere as the comparison needs.
             return float(np.clip(left ** (1.0 / self.order), CLEARLY, MOST_GROWTH_BENDING))
-        return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, MOST_GROWTH))
+        most = MOST_GROWTH_FAR if proof.unsettled > FAR else MOST_GROWTH
+        return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, most))
 
 
 def measured(
