@@ -714,6 +714,8 @@ class Options:
     elimination_tolerance: float
     pivot_tolerance: float
     first_correction: float
+    correction_increase: float
+    correction_decrease: float
     row_correction: float
     least_row_correction: float
 

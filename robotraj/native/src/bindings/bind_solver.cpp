@@ -36,6 +36,8 @@ static void each_option(Use&& use) {
   use("elimination_tolerance", &Options::elimination_tolerance);
   use("pivot_tolerance", &Options::pivot_tolerance);
   use("first_correction", &Options::first_correction);
+  use("correction_increase", &Options::correction_increase);
+  use("correction_decrease", &Options::correction_decrease);
   use("row_correction", &Options::row_correction);
   use("least_row_correction", &Options::least_row_correction);
 }

@@ -29,9 +29,11 @@ struct Options {
   double elimination_tolerance = 1e-5;  ///< entries below it are no pivots of the constraints' elimination
   double pivot_tolerance = 1e-14;       ///< Cholesky pivots below this share of their diagonal are not positive
 
-  double first_correction = 1e-6;     ///< delta_w^0 of the Hessian's diagonal
-  double row_correction = 1e-6;       ///< delta_c where rows depend on each other, times mu^(1/4)
-  double least_row_correction = 0.0;  ///< the same everywhere
+  double first_correction = 1e-4;          ///< delta_w^0 of the Hessian's diagonal
+  double correction_increase = 8.0;        ///< kappa_w^+
+  double correction_decrease = 1.0 / 3.0;  ///< kappa_w^-
+  double row_correction = 1e-6;            ///< delta_c where rows depend on each other, times mu^(1/4)
+  double least_row_correction = 0.0;       ///< the same everywhere
 };
 
 }  // namespace robotraj::interior_point

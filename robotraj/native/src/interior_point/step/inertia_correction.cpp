@@ -11,8 +11,7 @@ using native::padded;
 namespace {
 
 constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
-// Finer than the paper's 1/3 and 8: a correction far above the least one shortens steps along the negative curvature.
-constexpr double kShrink = 0.1, kGrow = 4.5, kGrowFirst = 100.0;
+constexpr double kGrowFirst = 100.0;
 constexpr double kPower = 0.25;                                // kappa_c
 constexpr double kLeastProduct = 0.1, kLargestProduct = 10.0;  // of a distance and its multiplier, relative to mu
 
@@ -59,8 +58,8 @@ Side InertiaCorrection::side(Iterate& iterate, double mu, const double* rows) {
 }
 
 double InertiaCorrection::larger(double delta_w) const {
-  if (delta_w > 0.0) return delta_w * (last_ == 0.0 ? kGrowFirst : kGrow);
-  return last_ == 0.0 ? options_.first_correction : std::max(kLeast, kShrink * last_);
+  if (delta_w > 0.0) return delta_w * (last_ == 0.0 ? kGrowFirst : options_.correction_increase);
+  return last_ == 0.0 ? options_.first_correction : std::max(kLeast, options_.correction_decrease * last_);
 }
 
 bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
