@@ -28,6 +28,7 @@ import numpy as np
 from scipy.linalg.blas import dgemm
 
 import robotraj as rt
+from robotraj.solvers.formulation import BARRIER, BARRIER_OF_LEGS
 from robotraj.solvers.interior_point import FACTORS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
@@ -100,8 +101,8 @@ def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -
     reduction = reduce(nlp)
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
-    scale = of_program(program, start, reduction.program, solver.initial_barrier, nlp)
-    options = solver._options(solver.initial_barrier, FACTORS[0], solver.max_iterations, reduction)
+    scale = of_program(program, start, reduction.program, BARRIER, nlp)
+    options = solver._options(BARRIER, FACTORS[0], solver.max_iterations, reduction)
     for _ in range(runs):
         began = time.process_time()
         found = program.solve(start, lower, upper, options, objective_scale=scale)
@@ -141,12 +142,13 @@ def gait_row(problem: rt.Problem) -> str:
     origin: Any = cast(rt.Solution, rt.plan(problem, solver=solver, progress=False)).multipliers.origin  # type: ignore[union-attr]
     program, nlp = origin.formulation.program, origin.nlp
     start = origin.formulation.start(nlp.guess)
-    scale = of_program(origin.compiled.native, start, program, solver.initial_barrier, nlp)
-    options = solver._options(solver.initial_barrier, FACTORS[0], solver.max_iterations, origin.formulation)
+    scale = of_program(origin.compiled.native, start, program, BARRIER_OF_LEGS, nlp)
+    options = solver._options(BARRIER_OF_LEGS, FACTORS[0], solver.max_iterations, origin.formulation)
+    given = {"options": options, "objective_scale": scale, "lam": np.zeros(program.form_rows.size)}
     took, shares = [], []
     for _ in range(RUNS):
         began = time.process_time()
-        found = origin.compiled.native.solve(start, program.lower, program.upper, options, objective_scale=scale)
+        found = origin.compiled.native.solve(start, program.lower, program.upper, **given)
         took.append(time.process_time() - began)
         shares.append(found.times["linear algebra"] / found.times["total"])
     rows = int(program.equalities.sum() + program.inequalities.sum())

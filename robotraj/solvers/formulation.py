@@ -36,6 +36,13 @@ ROW_CORRECTION = 1e-8
 Rows may be redundant, and near straight knees they are almost dependent. Without it steps of multipliers are unbounded
 there.
 """
+BARRIER, BARRIER_OF_LEGS = 1e-2, 1e-4
+"""First barrier parameters from a guess; the latter for contacts of a floating root.
+
+From a barrier as small as the latter, these start with zero multipliers of their equations. Those of least squares
+would make the Hessian indefinite: early iterations would take several factorisations. Planar walkers take more
+iterations so, and some end in a worse optimum.
+"""
 
 
 def formulate(nlp: Nlp) -> Formulation:
@@ -54,6 +61,13 @@ def assembled(nlp: Nlp) -> Assembled:
     from robotraj.solvers.assembled.program import assemble
 
     return assemble(nlp)
+
+
+def first_barrier(formulation: Formulation) -> float:
+    """Return the first barrier parameter of a solve from a guess."""
+    phases = formulation.nlp.problem.phases
+    legs = any(phase.contacts and phase.robot is not None and phase.robot.root == "floating" for phase in phases)
+    return BARRIER_OF_LEGS if legs and not isinstance(formulation, Reduction) else BARRIER
 
 
 def options(formulation: Formulation) -> dict[str, float]:

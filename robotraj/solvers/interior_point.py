@@ -24,7 +24,7 @@ from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progres
 from robotraj.solvers.checks import above_zero, counted
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
 from robotraj.solvers.fallback import fall_back
-from robotraj.solvers.formulation import Formulation, assembled, formulate, options
+from robotraj.solvers.formulation import BARRIER, Formulation, assembled, first_barrier, formulate, options
 from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
@@ -81,8 +81,8 @@ class InteriorPoint(Solver):
     time_limit : float or None
         Wall-clock time of one solve [s], including the ``fallback``. Solves on finer meshes and restarts are further
         solves.
-    initial_barrier : float
-        The first barrier parameter.
+    initial_barrier : float, optional
+        The first barrier parameter. The default is 1e-4 for contacts of a floating root, and 1e-2 otherwise.
     barrier_factor : float, optional
         The barrier parameter falls when the error of its problem is below this multiple of it. The default is 100. If
         the line search fails, the solve starts again from the guess with 10.
@@ -109,7 +109,7 @@ class InteriorPoint(Solver):
     tolerance: float = 1e-8
     max_iterations: int = 1000
     time_limit: float | None = None
-    initial_barrier: float = 1e-2
+    initial_barrier: float | None = None
     barrier_factor: float | None = None
     adaptive_barrier: bool = False
     threads: int | None = None
@@ -121,14 +121,11 @@ class InteriorPoint(Solver):
         counted("InteriorPoint(max_iterations)", self.max_iterations)
         if self.time_limit is not None:
             above_zero("InteriorPoint(time_limit)", self.time_limit, "s")
-        above_zero("InteriorPoint(initial_barrier)", self.initial_barrier)
-        if self.barrier_factor is not None:
-            above_zero("InteriorPoint(barrier_factor)", self.barrier_factor)
-        if self.objective_scale is not None and not 0 < self.objective_scale < np.inf:
-            raise InputError(
-                "InteriorPoint(objective_scale) must be above 0 and finite, or None for the default, "
-                f"got {self.objective_scale}."
-            )
+        for name in ("initial_barrier", "barrier_factor"):
+            above_zero(f"InteriorPoint({name})", 1.0 if getattr(self, name) is None else getattr(self, name))
+        scale = self.objective_scale
+        if scale is not None and not 0 < scale < np.inf:
+            raise InputError(f"InteriorPoint(objective_scale) is None or above 0 and finite, got {scale}.")
         if self.threads is not None:
             counted("InteriorPoint(threads)", self.threads)
         if not isinstance(self.fallback, Solver | None):
@@ -142,7 +139,7 @@ class InteriorPoint(Solver):
 
     def from_nearby(self, altered: bool = False) -> InteriorPoint:
         """Return this solver with a smaller first barrier, which is adaptive where only the mesh differs."""
-        barrier = min(self.initial_barrier, ALTERED_BARRIER if altered else NEARBY_BARRIER)
+        barrier = min(self.initial_barrier or np.inf, ALTERED_BARRIER if altered else NEARBY_BARRIER)
         return replace(self, initial_barrier=barrier, adaptive_barrier=self.adaptive_barrier or not altered)
 
     def at_most(self, iterations: int) -> InteriorPoint:
@@ -215,12 +212,14 @@ class InteriorPoint(Solver):
         nlp, program, native = formulation.nlp, formulation.program, compiled.native
         ready = time.perf_counter()
         start = formulation.start(nlp.guess)
-        scale = self.objective_scale or of_program(native, start, program, self.initial_barrier, nlp)
+        from_guess = barrier = self.initial_barrier or first_barrier(formulation)
+        scale = self.objective_scale or of_program(native, start, program, from_guess, nlp)
         warm = warm_start(multipliers, formulation)
-        barrier = self.initial_barrier
         if warm:
             known_rows = self.adaptive_barrier and "lam" in warm
             barrier = min(barrier, warm_barrier(native, start, program, known_rows))
+        elif barrier <= first_barrier(formulation) < BARRIER:
+            warm = {"lam": np.zeros(program.form_rows.size)}
         tried: list[NativeOutcome] = []
         iterations, factors = 0, FACTORS if self.barrier_factor is None else (self.barrier_factor,)
         attempts = [(barrier, factor, warm) for factor in factors]
@@ -248,7 +247,7 @@ class InteriorPoint(Solver):
                 break
             if status is Status.ITERATION_LIMIT:
                 # The weight of the barrier stays, and rows weigh less beside the objective.
-                larger = LARGER * self.initial_barrier
+                larger = LARGER * from_guess
                 scale = self.objective_scale or of_program(native, start, program, larger, nlp)
                 attempts = [(larger, factors[0], {})]
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:

@@ -670,10 +670,10 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["Ipopt(options)", "mapping", "3"],
     ),
-    "first barrier that is none": (
-        lambda: rt.InteriorPoint(initial_barrier=None),  # type: ignore[arg-type]
+    "first barrier that is zero": (
+        lambda: rt.InteriorPoint(initial_barrier=0.0),
         rt.InputError,
-        ["initial_barrier", "above 0", "None"],
+        ["initial_barrier", "above 0", "0.0"],
     ),
     "factor of the barrier below zero": (
         lambda: rt.InteriorPoint(barrier_factor=-1.0),

@@ -14,7 +14,7 @@ REFUSED = {
     "tolerance": [0.0, -1e-8, float("nan"), "1e-3", True, None],
     "max_iterations": [0, 1e3, 3_000_000_000, "10", True],
     "time_limit": [0.0, -1.0, "3"],
-    "initial_barrier": [0.0, None],
+    "initial_barrier": [0.0, -1.0, "1"],
     "threads": [0, 2.5],
 }
 

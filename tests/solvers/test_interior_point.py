@@ -242,6 +242,31 @@ def test_a_solve_that_begins_again_takes_no_more_iterations_in_all(monkeypatch: 
     assert asked == [7, 10, 3]
 
 
+def test_legs_start_from_a_small_barrier_with_zero_multipliers(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun = []
+
+    class Seen:
+        """Records the call of the method."""
+
+        def __init__(self, native: Any) -> None:
+            self.native = native
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self.native, name)
+
+        def solve(self, start: Any, lower: Any, upper: Any, options: Any, **more: Any) -> Any:
+            begun.append((options.initial_barrier, "lam" in more and not np.any(more["lam"])))
+            return self.native.solve(start, lower, upper, options, **more)
+
+    make = module.native_program
+    monkeypatch.setattr(module, "native_program", lambda *given: Seen(make(*given)))
+    trot = rt.gait.trot(rt.load("solo12", root="floating"), step_length=0.05, duration=0.2, clearance=0.03)
+    for barrier in (None, 1e-3):
+        solver = rt.InteriorPoint(fallback=None, max_iterations=1, initial_barrier=barrier)
+        solver.solve(nlp_of(trot, rt.Mesh(2)))
+    assert begun == [(1e-4, True), (1e-3, False)]
+
+
 @pytest.mark.parametrize(("name", "patience"), [("arm", "PATIENCE"), ("step", "PATIENCE_ASSEMBLED")])
 def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
     monkeypatch: pytest.MonkeyPatch, name: str, patience: str

@@ -223,10 +223,10 @@ def main() -> None:
     robot = robot_of(walk.robot)
     problem, meshes = (periodic if kind == "periodic" else from_rest)(walk, robot)
     chosen, engine = ENGINES[sys.argv[4] if len(sys.argv) > 4 else "native"]
-    # One thread, as Crocoddyl has; to a millionth, a thousandth of what the mesh leaves between its knots; a barrier
-    # that leaves a guess on its feet where it is.
-    settings = {"threads": 1} if chosen == "InteriorPoint" else {}
-    solver = clocked(value(chosen, max_iterations=300, tolerance=1e-6, initial_barrier=1e-3, **settings))
+    # One thread, as Crocoddyl has; to a millionth, a thousandth of what the mesh leaves between its knots; for IPOPT a
+    # barrier that leaves a guess on its feet where it is.
+    settings = {"threads": 1} if chosen == "InteriorPoint" else {"initial_barrier": 1e-3}
+    solver = clocked(value(chosen, max_iterations=300, tolerance=1e-6, **settings))
     solution = rt.plan(problem, meshes, solver=solver, engine=value(engine), check=False, progress=False)
     figures = {
         "solve": solution.times["solve"],

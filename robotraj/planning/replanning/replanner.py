@@ -21,6 +21,7 @@ from robotraj.problem.state import State
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solvers.compiled import CompiledOrigin, origin_of
+from robotraj.solvers.formulation import first_barrier
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.parametric import parametric, with_constants
@@ -130,7 +131,8 @@ class Replanner:
         start = origin.formulation.start(origin.w)
         program = origin.formulation.program
         self._returning = 0.0
-        self._scale = of_program(origin.compiled.native, start, program, self._solver.initial_barrier, origin.nlp)
+        self._barrier = self._solver.initial_barrier or first_barrier(origin.formulation)
+        self._scale = of_program(origin.compiled.native, start, program, self._barrier, origin.nlp)
 
     def step(
         self,
@@ -209,7 +211,7 @@ class Replanner:
         options: Options = load_native().Options(
             tolerance=self._solver.tolerance,
             max_iterations=self._solver.max_iterations,
-            initial_barrier=self._solver.initial_barrier,
+            initial_barrier=self._barrier,
             barrier_factor=self._solver.barrier_factor or 100.0,
             elimination_tolerance=1e-10,
             bound_relaxation=1e-10,

@@ -9,9 +9,6 @@
 namespace robotraj::native::ldl {
 namespace {
 
-/// Share of delayed rows above which another order is cheaper.
-constexpr double kWaiting = 0.02;
-
 /// A power of two near 1 / sqrt(x): scaling by it changes no digit.
 double inverse_root(double x) {
   int exponent;
@@ -59,20 +56,7 @@ void Factors::scale(const double* values) {
   for (double& largest : scale_) largest = largest > 0 ? inverse_root(largest) : 1.0;
 }
 
-std::vector<int> Factors::order_of_pivots() const {
-  std::vector<int> order;
-  order.reserve(tree_.order.size());
-  for (const Part& part : parts_)
-    for (int k = 0; k < part.pivots; ++k) order.push_back(tree_.order[order_[part.order + k]]);
-  return order;
-}
-
 Inertia Factors::factorise(const double* values, double threshold, double small) {
-  if (++factorised_ == 3 && delayed_ > kWaiting * pattern_.n) {
-    tree_ = make_tree(pattern_, order_of_pivots());
-    parts_.assign(tree_.nodes.size(), {});
-    make_room();
-  }
   scale(values);
   entries_ = orders_ = diagonals_ = stacked_ = 0;
   Inertia all;
@@ -82,7 +66,6 @@ Inertia Factors::factorise(const double* values, double threshold, double small)
     all.zero += found.zero;
     all.delayed += found.delayed;
   }
-  delayed_ = all.delayed;
   return all;
 }
 

@@ -19,8 +19,7 @@ struct Inertia {
 /// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are first scaled
 /// by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
 ///
-/// The first order is that of the pattern alone, as if no diagonal were zero. Where many candidates are delayed to
-/// another front, the third factorisation takes the order of the second one's pivots.
+/// The order is that of the pattern alone, as if no diagonal were zero.
 ///
 /// The memory of one factorisation is reused by the next.
 class Factors {
@@ -43,7 +42,6 @@ class Factors {
   };
   void scale(const double* values);
   void make_room();
-  std::vector<int> order_of_pivots() const;
   Inertia eliminate(std::size_t node, const double* values, double threshold, double small);
   void keep(const Front& front, int pivots, Part& part);
 
@@ -52,7 +50,6 @@ class Factors {
   Tree tree_;
   std::vector<double> scale_;
   std::vector<Part> parts_;
-  int factorised_ = 0, delayed_ = 0;
   std::size_t entries_ = 0, orders_ = 0, diagonals_ = 0, stacked_ = 0;
   Buffer factor_, stack_, vector_;
   std::vector<double> diagonal_, off_, all_, local_scale_;

@@ -218,14 +218,15 @@ void add_places(const Pattern& pattern, Tree& tree) {
   }
 }
 
-}  // namespace
-
+/// Merges nodes where a larger front costs less than two. Rows are eliminated in about the given order.
 Tree make_tree(const Pattern& pattern, const std::vector<int>& order) {
   Tree tree;
   add_nodes(columns_of(neighbours_of(pattern), order), order, tree);
   add_places(pattern, tree);
   return tree;
 }
+
+}  // namespace
 
 Tree tree_of_fewest_products(const Pattern& pattern, const std::vector<int>& groups) {
   const std::vector<int> order = minimum_degree(neighbours_of(pattern));

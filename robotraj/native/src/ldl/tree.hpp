@@ -34,9 +34,6 @@ struct Tree {
   int largest = 0;    ///< rows of the largest front, without delays
 };
 
-/// Merges nodes where a larger front costs less than two. Rows are eliminated in about the given order.
-Tree make_tree(const Pattern& pattern, const std::vector<int>& order);
-
 /// Of an order by approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's).
 /// `groups` has none, one or several numbers for each row, the first of all rows before the second ones. Groups are
 /// eliminated by ascending number, by those numbers for which the tree has fewest products.

@@ -8,9 +8,11 @@ namespace robotraj::native {
 
 namespace {
 
-constexpr double kThreshold = 1e-6;  // of pivots, beside the largest entry of their column
-constexpr double kSmall = 1e-20;     // pivots below it are zero
-constexpr int kFew = 12;             // entries of inequalities that are eliminated
+// Of pivots, beside the largest entry of their column. Diagonals of rows are the regularisation, some 1e-8 and less, which
+// this accepts where there is no better pivot: rows are not delayed to larger fronts, and refinement restores the digits.
+constexpr double kThreshold = 1e-10;
+constexpr double kSmall = 1e-20;  // pivots below it are zero
+constexpr int kFew = 12;          // entries of inequalities that are eliminated
 
 std::vector<std::int32_t> in_order(std::size_t count) {
   std::vector<std::int32_t> places(count);

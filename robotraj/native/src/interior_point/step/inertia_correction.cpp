@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
 constexpr double kGrowFirst = 100.0;
+constexpr int kMostWaits = 2;
 constexpr double kPower = 0.25;                                // kappa_c
 constexpr double kLeastProduct = 0.1, kLargestProduct = 10.0;  // of a distance and its multiplier, relative to mu
 
@@ -66,8 +67,10 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   mu_ = mu;
   second_order_ = false;
   const Side side = this->side(iterate, mu, iterate.residual());
-  problem_.hessian(iterate.at->x, iterate.at->rows, false, newton.hessian());
-  bool convex = !problem_.saturates();
+  const bool waits = waits_ > 0;
+  if (waits) --waits_;
+  problem_.hessian(iterate.at->x, iterate.at->rows, waits, newton.hessian());
+  bool convex = waits || !problem_.saturates();
   newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
   const double root = std::pow(std::max(mu, options_.tolerance), kPower);
   double delta_w = 0.0, delta_c = options_.least_row_correction * root;
@@ -76,8 +79,12 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   while (delta_w <= kLargest) {
     switch (newton.solve(iterate, side, delta_w, delta_c, step)) {
       case Solved::indefinite:
-        if (convex) delta_w = larger(delta_w);
-        else problem_.hessian(iterate.at->x, iterate.at->rows, true, newton.hessian());
+        if (convex) {
+          delta_w = larger(delta_w);
+          break;
+        }
+        problem_.hessian(iterate.at->x, iterate.at->rows, true, newton.hessian());
+        waits_ = std::min(++failures_, kMostWaits);
         convex = true;
         break;
       case Solved::dependent:
@@ -88,6 +95,7 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
       case Solved::invalid: return false;
       default:
         if (delta_w > 0.0) last_ = delta_w;
+        if (!convex) failures_ = 0;
         return true;
     }
   }

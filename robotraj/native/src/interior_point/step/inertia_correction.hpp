@@ -16,7 +16,9 @@ namespace robotraj::interior_point {
 ///
 /// Before delta_w is added, the Hessian loses the negative curvature of saturations, such as F tanh(v / v_s) of dry
 /// friction. It is large within v_s of a reversal, and a delta_w of its size would shorten the steps of all variables.
-/// Near an optimum the exact Hessian has the right inertia, so that convergence stays quadratic.
+/// Near an optimum the exact Hessian has the right inertia, so that convergence stays quadratic. After one or more
+/// failures of the exact Hessian in a row, one or two steps begin without negative curvature: each failure costs a
+/// factorisation.
 /// Source: the paper, algorithm IC.
 class InertiaCorrection {
  public:
@@ -24,7 +26,10 @@ class InertiaCorrection {
 
   Newton newton;
 
-  void reset() { last_ = 0.0; }
+  void reset() {
+    last_ = 0.0;
+    failures_ = waits_ = 0;
+  }
   /// The step of the barrier problem of `mu` in `step`; false where there is none.
   bool find(Iterate& iterate, double mu, const Vectors& step);
   /// The same with other residuals of the rows, by the factors of the last `find`: second-order corrections.
@@ -50,6 +55,8 @@ class InertiaCorrection {
   double *lower_products_, *upper_products_;
   bool second_order_ = false;
   double last_ = 0.0, mu_ = 0.0;
+  int failures_ = 0;  // of the exact Hessian in a row
+  int waits_ = 0;     // steps that begin without negative curvature
 };
 
 }  // namespace robotraj::interior_point
