@@ -28,7 +28,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
-from robotraj.transcription.refinement.linear_controls import with_linear_controls
+from robotraj.transcription.refinement.linear_controls import on_lines
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -111,11 +111,7 @@ class _Refining:
                 best_limited = self.limits_between
                 if self._meets_obstacle_on_path(last):
                     break
-            elif (
-                not first
-                and last.status not in SPENT
-                and (calmer := with_linear_controls(self.problem, meshes)) != meshes
-            ):
+            elif not first and last.status not in SPENT and (calmer := on_lines(self.problem, meshes)) != meshes:
                 meshes = calmer
                 continue
             elif not first or last.status in LIMITS_OF_THE_USER or are_certain(last.conflicts):
@@ -128,7 +124,7 @@ class _Refining:
             least = DOUBLED if stagnant else 1.0 if not first else self._second if soft is None else SECOND
             finer = self._finer(meshes, least)
             if stagnant == 1 or finer == meshes:
-                finer = with_linear_controls(self.problem, finer)
+                finer = on_lines(self.problem, finer)
             if stagnant > 1 or finer == meshes:
                 break
             meshes = finer

@@ -14,7 +14,6 @@ from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
 from robotraj.solution.settings import Settings
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
-from robotraj.transcription.refinement.linear_controls import with_linear_controls
 
 
 def reach(objective: rt.objectives.Objective, duration: object) -> rt.Phase:
@@ -198,12 +197,3 @@ def test_controls_become_lines_where_finer_meshes_are_not_solved(
     assert solution.success
     assert (solution.phases[0].mesh.given != (free,)) == alternating
     assert solution.objective == pytest.approx(0.7539, rel=1e-3)
-
-
-def test_controls_of_exact_motions_stay_as_they_are() -> None:
-    system = rt.Phase(rt.System(["x", "v"], ["u"], singular), 1.0, rt.State([0, 0]), objective=rt.Duration())
-    problem = rt.Problem([reach(rt.Effort(), 1.0), system])
-    meshes = rt.Mesh(3), rt.Mesh(2, [rt.HermiteSimpson(), rt.schemes.RadauIIA(3)])
-    first, second = with_linear_controls(problem, meshes)
-    assert first == meshes[0]
-    assert second.given == (rt.HermiteSimpson(control=rt.schemes.LinearControl()), rt.schemes.RadauIIA(3))

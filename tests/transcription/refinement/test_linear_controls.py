@@ -51,12 +51,15 @@ def test_a_chain_hangs_as_a_catenary(options):
     assert solution.phases[0].mesh.given == (LINES,)
 
 
-def test_an_exact_motion_and_shooting_keep_their_schemes():
+def test_an_exact_motion_shooting_and_contacts_keep_their_schemes():
     arm, system = rt.Phase(rt.load("ur5"), 1.0), hanging_chain()
     meshes = (rt.Mesh(4, rt.schemes.RadauIIA(3)), rt.Mesh(5, rt.schemes.RadauIIA(3)))
     assert on_lines(rt.Problem([arm, system]), meshes) == (meshes[0], rt.Mesh(5, LINES))
     shooting = (rt.Mesh(5, rt.schemes.MultipleShooting()),)
     assert on_lines(rt.Problem([system]), shooting) == shooting
+    step = rt.gait.walk(rt.load("five_link", root="planar"), step_length=0.5, duration=0.7)
+    steps = (rt.Mesh(6),) * len(step.phases)
+    assert on_lines(step, steps) == steps
 
 
 def induced_reactor() -> rt.Phase:
