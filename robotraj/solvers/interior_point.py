@@ -45,11 +45,6 @@ FACTORS = (100.0, 10.0)
 
 The first takes fewer iterations. If its line search fails, the solve starts again from the guess with the second.
 """
-FINE_CORRECTIONS = {"first_correction": 1e-6, "correction_increase": 4.5, "correction_decrease": 0.1}
-"""Corrections of inertia for robots, near the least ones that are needed (``benchmarks/barrier.md``).
-
-Larger ones shorten steps along the negative curvature. Systems may start so far away that shorter steps are better.
-"""
 PATIENCE, PATIENCE_ASSEMBLED, LARGER = 500, 150, 100.0
 """Iterations of the first attempt, of one on a problem without stages, and factor on the first barrier of the next.
 
@@ -290,7 +285,6 @@ class InteriorPoint(Solver):
             initial_barrier=barrier,
             barrier_factor=barrier_factor,
             adaptive_barrier=self.adaptive_barrier,
-            **(FINE_CORRECTIONS if all(phase.robot for phase in formulation.nlp.problem.phases) else {}),
             # Pivots of a last interval with a fixed end are of the order of its length squared: a larger threshold
             # would take them for zeros.
             elimination_tolerance=1e-10,

@@ -14,6 +14,7 @@ import pytest
 import robotraj as rt
 from robotraj.solvers import interior_point as module
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
+from robotraj.solvers.formulation import formulate, options
 from robotraj.transcription.nlp import Nlp
 from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
@@ -344,12 +345,10 @@ def test_fine_meshes_of_robots_without_all_motors_are_solved_as_a_whole() -> Non
     assert fine.objective == pytest.approx(coarse.objective, rel=1e-4)
 
 
-def test_robots_alone_have_the_finer_corrections_of_inertia(monkeypatch: pytest.MonkeyPatch) -> None:
-    solver = rt.InteriorPoint(fallback=None)
+def test_robots_alone_have_the_finer_corrections_of_inertia() -> None:
     slide = rt.System(["x", "v"], ["force"], lambda p: [p.x["v"], p.u["force"]])
     moved = rt.Phase(slide, 1.0, rt.State([0, 0]), rt.State([1, 0]), rt.Lagrange(lambda p: p.u["force"] ** 2))
     reach = rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=0.5, v=0), rt.Effort())
-    monkeypatch.setattr(module, "FINE_CORRECTIONS", {"no such option": 1.0})
-    assert rt.plan(moved, MESH, solver=solver, progress=False).success
-    with pytest.raises(ValueError, match="no such option"):
-        rt.plan(reach, MESH, solver=solver, progress=False)
+    of_system, of_robot = (options(formulate(nlp_of(rt.Problem([phase]), MESH))) for phase in (moved, reach))
+    assert "first_correction" not in of_system
+    assert of_robot["first_correction"] < 1e-4
