@@ -85,11 +85,13 @@ class _Refining:
         """Whether limits are imposed between the points on the present mesh."""
         self.neighbour: Proof | None = None
         """Proof of a similar problem on the first mesh, whose solution is the guess."""
+        self.afresh = False
+        """Whether the plan began again from the guess, on a finer mesh."""
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
-        meshes = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+        meshes = coarsest = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
         if (soft := self._with_soft_friction(guess, meshes)) is not None:
             guess, meshes = soft, self._finer_where_bent(soft)
         self.neighbour = proof_on(guess, meshes)
@@ -99,7 +101,8 @@ class _Refining:
             first = number == 0 and self.neighbour is None
             try:
                 self.limits_between = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self.sticking)
-                last = self._on(meshes, self.best or guess, first, nearby=soft is not None or not first)
+                known = soft or self.best or self.neighbour
+                last = self._on(meshes, self.best or guess, first, nearby=known is not None)
             except KeyboardInterrupt:
                 if last is None:
                     raise
@@ -113,6 +116,11 @@ class _Refining:
                     break
             elif not first and last.status not in SPENT and (calmer := on_lines(self.problem, meshes)) != meshes:
                 meshes = calmer
+                continue
+            elif self._strayed(last):
+                # What a coarse mesh took for a motion is none, and leads to none.
+                self.best = self.measures = None
+                self.afresh, meshes = True, tuple(evenly_finer(mesh, SECOND) for mesh in coarsest)
                 continue
             elif not first or last.status in LIMITS_OF_THE_USER or are_certain(last.conflicts):
                 break
@@ -134,6 +142,11 @@ class _Refining:
         elif self.best is not None and not best_limited:
             self._limit_best_between()
         return self.solves.concluded(self.best or last, self.steps)
+
+    def _strayed(self, failed: Solution) -> bool:
+        """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
+        ended = self.afresh or failed.status in LIMITS_OF_THE_USER
+        return not ended and self.best is not None and not is_motion(self.best)
 
     def _meets_obstacle_on_path(self, solution: Solution) -> bool:
         """Whether a moving obstacle is met on a given path, which no finer mesh changes."""
@@ -242,7 +255,7 @@ class _Refining:
         if first:
             plain = replace(settings.interval_limits, rounds=0)
             return self.solves.solve(self.problem, start, replace(settings, interval_limits=plain))
-        if self.best is None:
+        if self.best is None and not self.afresh:
             # Other guesses were tried on the first mesh.
             settings = replace(settings, restarts=Restarts(0))
         return self.solves.solve(

@@ -197,3 +197,18 @@ def test_controls_become_lines_where_finer_meshes_are_not_solved(
     assert solution.success
     assert (solution.phases[0].mesh.given != (free,)) == alternating
     assert solution.objective == pytest.approx(0.7539, rel=1e-3)
+
+
+def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    real, starts = solves.solve, []
+
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> rt.Solution:
+        found = real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
+        starts.append(isinstance(start, rt.Solution))
+        return replace(found, status=Status.INFEASIBLE) if starts[-1] else found
+
+    monkeypatch.setattr(solves, "solve", solve)
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
+    solution = rt.plan(rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort()), check=False)
+    assert starts[:4] == [False, True, True, False]
+    assert solution.proof is not None and solution.proof.motion_holds
