@@ -3,7 +3,8 @@
 A first, coarse mesh approximates the motion, and a second one finds its optimum. The order of the scheme predicts the
 mesh that is needed, from the errors of the intervals and from the change of the objective. Where an exact motion
 exceeds limits of torques between the points, they are lowered there by the excess, on the same mesh. Where a finer
-mesh is not solved or its error stagnates, controls of systems become lines.
+mesh is not solved or its error stagnates, controls of systems become lines. Where that does not help either, and the
+solution on the coarse mesh is no motion, the plan begins again from its guess.
 """
 
 from __future__ import annotations
