@@ -37,9 +37,10 @@ Rows may be redundant, and near straight knees they are almost dependent. Withou
 there.
 """
 FINE_CORRECTIONS = {"first_correction": 1e-6, "correction_increase": 4.5, "correction_decrease": 0.1}
-"""Corrections of inertia for robots, near the least ones that are needed (``benchmarks/barrier.md``).
+"""Corrections of inertia for robots in stages, near the least ones that are needed (``benchmarks/barrier.md``).
 
-Larger ones shorten steps along the negative curvature. Systems may start so far away that shorter steps are better.
+Larger ones shorten steps along the negative curvature. Systems may start so far away that shorter steps are better, and
+the conflicts of an infeasible flight were not found with the finer ones.
 """
 BARRIER, BARRIER_OF_LEGS = 1e-2, 1e-4
 """First barrier parameters from a guess; the latter for contacts of a floating root.
@@ -77,9 +78,9 @@ def first_barrier(formulation: Formulation) -> float:
 
 def options(formulation: Formulation) -> dict[str, float]:
     """Return the options of the compiled solver that the formulation requires."""
-    of_rows = {"row_correction": ROW_CORRECTION, "least_row_correction": ROW_CORRECTION}
-    of_robots = FINE_CORRECTIONS if all(phase.robot for phase in formulation.nlp.problem.phases) else {}
-    return of_robots if isinstance(formulation, Reduction) else of_robots | of_rows
+    if not isinstance(formulation, Reduction):
+        return {"row_correction": ROW_CORRECTION, "least_row_correction": ROW_CORRECTION}
+    return FINE_CORRECTIONS if all(phase.robot for phase in formulation.nlp.problem.phases) else {}
 
 
 def multipliers(formulation: Formulation, y: Array, lam: Array) -> tuple[Array, Array]:

@@ -17,9 +17,9 @@ FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 WEIGHT = 24.53
 
 
-def calm():
+def calm(weight=1e-2):
     """Effort alone lets light legs whirl."""
-    return rt.Effort() + 1e-2 * rt.Lagrange(lambda point: ca.sumsqr(point.v[6:]))
+    return rt.Effort() + weight * rt.Lagrange(lambda point: ca.sumsqr(point.v[6:]))
 
 
 def crouched(robot):
@@ -60,7 +60,8 @@ def test_four_feet_stay_while_the_body_sways():
 def test_it_trots_on_for_a_dozen_half_strides():
     solo = rt.load("solo12", root="floating", limits={"velocity": 15.0, "effort": 2.7})
     foot = partial(rt.PointContact, friction=0.5, normal_force=(1.0, 60.0))
-    trot = gait.trot(solo, step_length=0.05, duration=0.2, clearance=0.03, contact=foot, objective=calm())
+    # With a smaller weight hind knees that are nearly straight cost least, and no feedback holds them.
+    trot = gait.trot(solo, step_length=0.05, duration=0.2, clearance=0.03, contact=foot, objective=calm(3e-2))
     solution = rt.plan(trot, mesh=rt.Mesh(8, rt.HermiteSimpson()))
     assert not rt.witness.second_opinion(solution, feedback=rt.witness.NoFeedback()).upright
     # A ground with a little more friction than the plan uses.

@@ -80,7 +80,7 @@ void estimate_multipliers(Run& run, double most) {
   const Side side{current.gradient_x(), none.data(), of_slacks.data(), none.data(), none.data()};
   Newton& newton = run.direction.newton;
   newton.options = {run.options.elimination_tolerance, run.options.pivot_tolerance};
-  Solved solved = newton.least_squares(current, side, run.options.least_row_correction, run.step.get());
+  Solved solved = newton.least_squares(current, side, 0.0, run.step.get());
   if (solved == Solved::dependent)
     solved = newton.least_squares(current, side, run.options.row_correction, run.step.get());
   const bool usable = (solved == Solved::good || solved == Solved::inaccurate) &&
