@@ -28,8 +28,8 @@ import numpy as np
 from scipy.linalg.blas import dgemm
 
 import robotraj as rt
+from robotraj.solvers.attempts import FACTORS
 from robotraj.solvers.formulation import BARRIER, BARRIER_OF_LEGS
-from robotraj.solvers.interior_point import FACTORS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.reduction import reduce

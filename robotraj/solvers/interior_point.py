@@ -20,6 +20,14 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
+from robotraj.solvers.attempts import (
+    FACTORS,
+    PATIENCE_ASSEMBLED,
+    PATIENCE_STAGES,
+    Attempt,
+    attempts_from,
+    solve_in_turn,
+)
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
@@ -30,7 +38,7 @@ from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program, refresh
 from robotraj.solvers.stagewise.reduction import Reduction
-from robotraj.solvers.status import STATUSES, Status
+from robotraj.solvers.status import Status
 from robotraj.transcription.assembly.block import alike
 
 if TYPE_CHECKING:
@@ -40,17 +48,8 @@ if TYPE_CHECKING:
 
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
-FACTORS = (100.0, 10.0)
-"""Error of the problem of one barrier parameter below which the parameter falls, in multiples of the parameter.
-
-The first takes fewer iterations. If its line search fails, the solve starts again from the guess with the second.
-"""
-PATIENCE, PATIENCE_ASSEMBLED, LARGER = 500, 150, 100.0
-"""Iterations of the first attempt, of one on a problem without stages, and factor on the first barrier of the next.
-
-Near singular postures such as straight knees an attempt may wander without converging. With contacts, attempts that
-converge seldom take 100 iterations.
-"""
+LOST_DIGITS = ("step failed",)
+"""Ends of a recursion that loses digits, as on fine meshes where few motors bring many states to their end."""
 UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
 """Statuses after which the fallback solves the problem.
 
@@ -206,49 +205,42 @@ class InteriorPoint(Solver):
     ) -> Outcome:
         nlp, program, native = formulation.nlp, formulation.program, compiled.native
         ready = time.perf_counter()
-        start = formulation.start(nlp.guess)
+        start, stages = formulation.start(nlp.guess), isinstance(formulation, Reduction)
         from_guess = barrier = self.initial_barrier or first_barrier(formulation)
-        scale = self.objective_scale or of_program(native, start, program, from_guess, nlp)
         warm = warm_start(multipliers, formulation)
         if warm:
             known_rows = self.adaptive_barrier and "lam" in warm
             barrier = min(barrier, warm_barrier(native, start, program, known_rows))
         elif barrier <= first_barrier(formulation) < BARRIER:
             warm = {"lam": np.zeros(program.form_rows.size)}
-        tried: list[NativeOutcome] = []
-        iterations, factors = 0, FACTORS if self.barrier_factor is None else (self.barrier_factor,)
-        attempts = [(barrier, factor, warm) for factor in factors]
-        longest = PATIENCE if isinstance(formulation, Reduction) else PATIENCE_ASSEMBLED
-        while attempts:
-            first, factor, known = attempts.pop(0)
-            patience = min(self.max_iterations if tried else longest, self.max_iterations - iterations)
+
+        def attempt(chosen: Attempt, factor: float, iterations: int) -> NativeOutcome:
+            # The weight of the barrier stays: rows weigh less beside the objective from a larger one.
+            scale = self.objective_scale or of_program(native, start, program, chosen.from_guess, nlp)
             left = self._left(ready)
-            found = native.solve(
+            return native.solve(
                 start,
                 program.lower,
                 program.upper,
-                self._options(first, factor, patience, formulation),
+                self._options(chosen.barrier, factor, iterations, formulation),
                 objective_scale=scale,
                 callback=report(progress, native, formulation),
                 time_limit=np.inf if left is None else left,
-                **known,
+                **chosen.known,
             )
-            tried.append(found)
-            iterations += found.iterations
-            status = STATUSES.get(found.status, Status.SOLVER_ERROR)
-            # On fine meshes the recursion loses digits where few motors bring many states to their end.
-            imprecise = found.status == "step failed" and isinstance(formulation, Reduction)
-            if iterations >= self.max_iterations or status not in (Status.STALLED, Status.ITERATION_LIMIT) or imprecise:
-                break
-            if status is Status.ITERATION_LIMIT:
-                # The weight of the barrier stays, and rows weigh less beside the objective.
-                larger = LARGER * from_guess
-                scale = self.objective_scale or of_program(native, start, program, larger, nlp)
-                attempts = [(larger, factors[0], {})]
+
+        tried = solve_in_turn(
+            attempts_from(Attempt(barrier, from_guess, None, warm), PATIENCE_STAGES if stages else PATIENCE_ASSEMBLED),
+            FACTORS if self.barrier_factor is None else (self.barrier_factor,),
+            self.max_iterations,
+            LOST_DIGITS if stages else (),
+            attempt,
+        )
+        status, iterations, found = tried.status, tried.iterations, tried.found[-1]
         if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
             status = Status.DIVERGED
         spent = time.perf_counter() - ready
-        if imprecise and iterations < self.max_iterations:
+        if stages and found.status in LOST_DIGITS and iterations < self.max_iterations:
             rest = replace(self, max_iterations=self.max_iterations - iterations, time_limit=self._left(ready))
             outcome = rest._solve_formulated(assembled(nlp), time.perf_counter(), progress, multipliers)
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent}
@@ -263,7 +255,9 @@ class InteriorPoint(Solver):
                 outcome = replace(outcome, status=status)
             times = outcome.times | {"solve": outcome.times.get("solve", 0.0) + spent, "solve: interior point": spent}
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
-        parts = {f"solve: {name}": sum(each.times[name] for each in tried) for name in found.times if name != "total"}
+        parts = {
+            f"solve: {name}": sum(each.times[name] for each in tried.found) for name in found.times if name != "total"
+        }
         # Vectors, line search and residuals; the time of Python around the solve is negligible.
         parts["solve: steps"] = max(0.0, spent - sum(parts.values()))
         y, lam, sizes = found.y, found.lam, (len(nlp.rows), len(nlp.variables))
