@@ -21,6 +21,8 @@ WORDS = ("sole", "foot", "toe")
 def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
     """Return the given frames, or those whose name contains the word sole, foot or toe.
 
+    Of several frames on one link, such as a foot and its sensor, those with the fewest words in their names are feet.
+
     Raises
     ------
     InputError
@@ -36,13 +38,23 @@ def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
         return names
     ends = limb_ends(robot)
     for word in WORDS:
-        found = tuple(name for name in ends if word in re.split(r"[^a-z]+", name.lower()))
+        found = tuple(name for name in ends if word in _words(name))
         if found:
-            return found
+            return tuple(name for name in found if len(_words(name)) == _fewest_words(robot, name, found))
     raise InputError(
         f"No frame of {robot.name!r} is named like a foot; give feet=[...]. Frames at the ends of its limbs: "
         f"{', '.join(ends) or 'none'}."
     )
+
+
+def _words(name: str) -> list[str]:
+    return re.findall("[a-z]+", name.lower())
+
+
+def _fewest_words(robot: Robot, name: str, names: Sequence[str]) -> int:
+    """Return the least number of words of those names whose frames move with the frame ``name``."""
+    joint = {each: robot.model.frames[robot.frame(each)].parentJoint for each in names}
+    return min(len(_words(each)) for each in names if joint[each] == joint[name])
 
 
 def limb_ends(robot: Robot) -> tuple[str, ...]:

@@ -56,6 +56,10 @@ def test_soles_lie_flat() -> None:
         np.testing.assert_allclose(data.oMf[robot.frame(foot)].rotation[:, 2], [0.0, 0.0, 1.0], atol=1e-8)
 
 
+def test_a_sensor_on_a_foot_is_no_foot() -> None:
+    assert gait.feet_of(rt.load("alexander", root="floating"), None) == ("LEFT_FOOT", "RIGHT_FOOT")
+
+
 def test_the_given_height_is_reached() -> None:
     robot = rt.load("solo12", root="floating")
     q = gait.stand(robot, height=0.15)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -12,8 +13,13 @@ from robotraj.witness.plants.plant import Landing, Plant
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
-from robotraj.witness.simulation.spans import spans_of
+from robotraj.witness.simulation.spans import Span, spans_of
 from robotraj.witness.simulation.steps import march
+
+FALLEN = 1.0
+"""Distance of a position from the plan [m, rad] at which a robot with a free root counts as fallen.
+
+What it does afterwards says nothing about the plan, and takes most of the time: its legs swing fast."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,8 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
 
     A phase with the same states as the phase before starts from the simulated state. A jump of the plan between phases
     is then drift. Jumps that a link permits are added. Where contacts begin to hold, a simulated impact stops them. A
-    phase with other states, or after a displaced or mirrored end, starts from its planned state.
+    phase with other states, or after a displaced or mirrored end, starts from its planned state. The simulation of a
+    robot with a free root ends where it has fallen: where a position is ``FALLEN`` from the plan.
     """
     rows: list[tuple[DriftRow, ...]] = []
     landings: list[Landing] = []
@@ -55,7 +62,9 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
         knots = np.asarray(planned.knots, dtype=float)
         own = plant.states(knots[:1], 0)[0]
         x, landed = plant.begin(handed_on(solution, i, plant, own, before))
-        motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, clock=clock)
+        robot = planned.phase.robot
+        ended = None if robot is None or robot.root == "fixed" else partial(_fallen, plant)
+        motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, ended=ended, clock=clock)
         stiff += [] if motion.stiff is None else [motion.stiff]
         landings += plant.watched(landed, motion.states)
         rows.append(drift_of(plant, motion, planned.phase.name))
@@ -64,6 +73,16 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
             break
         before = plant, motion.states[-1], plant.states(knots[-1:], len(knots) - 2)[0]
     return OpenLoop(drifts.merge(rows), failure, tuple(landings), min(stiff, default=None))
+
+
+def _fallen(plant: Plant, x: Array, span: Span) -> str | None:
+    """Return the position that is farthest from the plan if the robot has fallen."""
+    gaps = np.abs(plant.gaps(x[None, :], plant.states(np.array([span.end]), span.interval)))[0]
+    positions = [i for i, name in enumerate(plant.gap_names) if name.startswith("q.")]
+    worst = max(positions, key=lambda i: float(gaps[i]))
+    if not gaps[worst] > FALLEN:
+        return None
+    return f"the robot has fallen, {plant.gap_names[worst]} is {gaps[worst]:.2g} {plant.gap_units[worst]} off"
 
 
 def handed_on(

@@ -118,6 +118,7 @@ def march(
     rtol: float,
     atol: float,
     settle: Settle | None = None,
+    ended: Callable[[Array, Span], str | None] | None = None,
     clock: Callable[[], None] = lambda: None,
 ) -> Motion:
     """Simulate through consecutive spans.
@@ -129,6 +130,8 @@ def march(
         Tolerances of each step.
     settle : callable, optional
         ``settle(x)`` returns the state from which to continue at the end of every span.
+    ended : callable, optional
+        ``ended(x, span)`` returns why the simulation ends with the state at the end of a span; None continues it.
     clock : callable, optional
         Called before every span; it raises when the time limit is reached.
     """
@@ -147,4 +150,6 @@ def march(
         times.append(ends[1:])
         intervals.append(np.full(len(found) - 1, span.interval))
         stopped = span.end
+        if ended is not None and (failure := ended(x, span)) is not None:
+            break
     return Motion(np.concatenate(times), np.vstack(states), np.concatenate(intervals), failure, stopped, stepper.stiff)

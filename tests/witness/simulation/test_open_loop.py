@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import robotraj as rt
 from robotraj.witness.simulation.integration import integrate
 from robotraj.witness.simulation.open_loop import handed_on
 from robotraj.witness.simulation.runge_kutta import NODES, STAGES, stage_times
@@ -58,3 +59,14 @@ def test_the_plan_is_sampled_at_the_stages_of_equal_steps(steps: int) -> None:
 def test_a_state_or_a_rate_that_is_no_number_ends_the_integration_at_once(x: list[float], rate: list[float]) -> None:
     motion = integrate(lambda t, state, k: np.array(rate), np.array(x), np.array([0.5, 1.0]))
     assert motion.failure == "the state or its rates are not finite" and motion.stopped == 0.5
+
+
+def test_the_simulation_ends_where_a_robot_has_fallen() -> None:
+    biped = rt.load("five_link", root="planar")
+    standing = rt.gait.stand(biped)
+    feet = [rt.PointContact("left_foot"), rt.PointContact("right_foot")]
+    lean = rt.Phase(biped, 3.0, rt.State(q=standing, v=0), rt.State(v=0), rt.Effort(), contacts=feet)
+    report = rt.validate(rt.plan(lean, rt.Mesh(12)))
+    assert report.failure is not None and "the robot has fallen, q." in report.failure
+    assert 0.0 < report.drift.worst.time < 3.0
+    assert not any("open-loop" in failure for failure in report.failures(report.tolerances))
