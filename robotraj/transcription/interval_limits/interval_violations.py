@@ -100,11 +100,12 @@ class IntervalViolation:
 def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[IntervalViolation]:
     """Find rows of the state that are violated by more than ``allowed`` [SI unit], in every interval.
 
-    For bounds below 1 SI unit, such as 0.05 rad/s, ``allowed`` is relative.
+    For bounds below 1 SI unit, such as 0.05 rad/s, and rows of a smaller ``PhaseRow.size``, ``allowed`` is relative.
     """
     rows = phase.rows.of_state
-    sizes = np.array([row.greatest_bound if row.kind is Kind.BOUND else 1.0 for row in rows])
-    shares = np.where((sizes > 0.0) & (sizes < 1.0), sizes, 1.0)
+    bounds = np.array([row.greatest_bound if row.kind is Kind.BOUND else 1.0 for row in rows])
+    sizes = np.array([row.size for row in rows])
+    shares = np.minimum(np.where(bounds > 0.0, bounds, 1.0), np.minimum(sizes, 1.0))
     return _violations(
         index, rows, Expressions(phase.rows, rows, trajectory, None), PLACES, np.maximum(allowed * shares, EXACT)
     )

@@ -62,8 +62,7 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
         knots = np.asarray(planned.knots, dtype=float)
         own = plant.states(knots[:1], 0)[0]
         x, landed = plant.begin(handed_on(solution, i, plant, own, before))
-        robot = planned.phase.robot
-        ended = None if robot is None or robot.root == "fixed" else partial(_fallen, plant)
+        ended = partial(_fallen, plant) if "q.root_x" in plant.gap_names else None
         motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, ended=ended, clock=clock)
         stiff += [] if motion.stiff is None else [motion.stiff]
         landings += plant.watched(landed, motion.states)

@@ -81,6 +81,17 @@ def test_violations_within_what_is_allowed_are_not_listed() -> None:
     assert state_violations(phase, 0, motion, 0.0506) and not state_violations(phase, 0, motion, 0.0507)
 
 
+@pytest.mark.parametrize("bounds", [rt.between(-0.04, 0.04), rt.between(0.96, 1.04)])
+def test_what_is_allowed_is_relative_to_half_of_a_small_range(bounds: Any) -> None:
+    """x peaks 1e-4 above its greatest value, which is 2.5e-3 of half of the range; the witness judges by that, too."""
+    middle, top = 0.5 * (bounds.lower + bounds.upper), bounds.upper + 1e-4
+    motion = parabolas([[middle, top, middle]] * 2, FLAT)
+    row = rt.PathConstraint(lambda point: point.x["x"], lower=bounds.lower, upper=bounds.upper)
+    for phase in (block(states={"x": bounds}), block(constraints=[row])):
+        assert len(state_violations(phase, 0, motion, 2.4e-3)) == 2
+        assert not state_violations(phase, 0, motion, 2.6e-3)
+
+
 @pytest.mark.parametrize(("height", "listed"), [(2.0 * (1 + 1.01 * SHARE), True), (2.0 * (1 + 0.99 * SHARE), False)])
 def test_controls_may_exceed_their_limit_by_a_share(height: float, listed: bool) -> None:
     phase = block(controls={"u": rt.between(-2, 2)})
