@@ -85,12 +85,21 @@ class Measured:
     coarse: float
     order: float
 
-    def next_meshes(self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float) -> tuple[Mesh, ...]:
-        """Refine the mesh of every phase to the goals, with at least ``growth`` times as many intervals."""
-        measures = zip(parts, self.errors, self.broken, strict=True)
+    def next_meshes(
+        self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float, missed: float = 1.0
+    ) -> tuple[Mesh, ...]:
+        """Refine the mesh of every phase to the goals, with at least ``growth`` times as many intervals.
+
+        Phases that miss a goal get at least ``missed`` times as many.
+        """
+        goal = self.proof.goals.error
         return tuple(
-            refinement.refine(part.mesh, _assessment(part, errors, broken, growth), self.proof.goals.error)
-            for part, errors, broken in measures
+            refinement.refine(
+                part.mesh,
+                _assessment(part, errors, broken, max(growth, missed) if errors.max() > goal else growth),
+                goal,
+            )
+            for part, errors, broken in zip(parts, self.errors, self.broken, strict=True)
         )
 
     def with_violations(self, solution: Solution) -> Measured:

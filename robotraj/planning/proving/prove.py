@@ -49,7 +49,9 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 SECOND = 1.5
 """Growth of the number of intervals from a first mesh that could not be solved to the second one."""
 STAGNATION = 0.7
-"""Ratio of errors of two meshes above which the next has ``DOUBLED`` times as many intervals; twice, the plan ends."""
+"""Ratio of errors of two meshes above which phases that miss their goal get ``DOUBLED`` times as many intervals.
+
+After a second time the plan ends."""
 DOUBLED = 2.0
 
 
@@ -130,8 +132,8 @@ class _Refining:
             if number >= ENOUGH - 1 and not self.sticking and self.best is not None and is_motion(self.best):
                 break
             stagnant = stagnant + 1 if self._stagnates() else 0
-            least = DOUBLED if stagnant else 1.0 if not first else self._second if soft is None else SECOND
-            finer = self._finer(meshes, least)
+            least = 1.0 if not first else self._second if soft is None else SECOND
+            finer = self._finer(meshes, least, DOUBLED if stagnant else 1.0)
             if stagnant == 1 or finer == meshes:
                 finer = on_lines(self.problem, finer)
             if stagnant > 1 or finer == meshes:
@@ -201,13 +203,16 @@ class _Refining:
         refinement = self.settings.refinement
         return refinement.second if isinstance(refinement, Equidistribute) else SECOND
 
-    def _finer(self, meshes: tuple[Mesh, ...], least: float) -> tuple[Mesh, ...]:
-        """Return the next meshes; without measures, all intervals are divided evenly."""
+    def _finer(self, meshes: tuple[Mesh, ...], least: float, missed: float) -> tuple[Mesh, ...]:
+        """Return the next meshes, with ``missed`` times as many intervals in phases whose error exceeds its goal.
+
+        Without measures, all intervals are divided evenly.
+        """
         refinement = self.settings.refinement
         assert refinement is not None
         if self.best is None or self.measures is None:
-            return tuple(evenly_finer(mesh, max(least, SECOND)) for mesh in meshes)
-        return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth))
+            return tuple(evenly_finer(mesh, max(least, missed, SECOND)) for mesh in meshes)
+        return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth), missed)
 
     def _with_soft_friction(self, guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Solution | None:
         """Solve with soft dry friction; None without friction, or if all solves failed."""
