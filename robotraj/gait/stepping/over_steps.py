@@ -139,12 +139,15 @@ def _over(
         inside = [float(np.clip(x, low + margin + back, high - margin - front)) for low, high in treads]
         return min(inside, key=lambda place: abs(place - x))
 
-    for foot, place in home.items():
-        if abs(landing(foot, float(place[0])) - place[0]) > 1e-9:
-            raise InputError(
-                f"rt.gait.{what}: {foot!r} stands at x = {place[0]:.3g} m at the beginning, less than {margin:g} m "
-                "from an edge. Increase start= or decrease margin=."
-            )
+    offs = {foot: float(place[0]) - landing(foot, float(place[0])) for foot, place in home.items()}
+    foot = max(offs, key=lambda name: abs(offs[name]))
+    if abs(offs[foot]) > 1e-9:
+        ends = [home[foot][0] + side for side in (-reach[foot][0], reach[foot][1])]
+        advice = f"Increase start= by {offs[foot]:.3g} m" if offs[foot] > 0.0 else "Decrease start="
+        raise InputError(
+            f"rt.gait.{what}: at the beginning {foot!r} covers x = {ends[0]:.3g} to {ends[1]:.3g} m, less than "
+            f"{margin:g} m from an edge. {advice}, or decrease margin=."
+        )
     rear = min(home[foot][0] - margin - reach[foot][0] for foot in home)
     count = max(int(np.ceil((treads[-1][0] - rear) / length - 1e-9)), 1)
     places = {foot: float(spot[0]) for foot, spot in home.items()}
