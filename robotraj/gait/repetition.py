@@ -14,6 +14,7 @@ from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
+from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
 from robotraj.gait.phase_sequence import sequence
@@ -47,7 +48,7 @@ def repeating(
         Foot on the other side of each foot.
     terms : GaitTerms
     repeat : Mirror, Periodic or None
-        None chooses ``Mirror``, or ``Periodic`` if the inertia is not symmetric.
+        None chooses ``Mirror``, or ``Periodic`` if the inertia or the limits are not symmetric.
     length : float
         Displacement along x in one half [m].
 
@@ -75,8 +76,16 @@ def repeating(
 
 
 def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
-    """Return the mirror of a robot, or ``Periodic`` with a warning where its inertia is not symmetric."""
+    """Return the mirror of a robot, or ``Periodic`` with a warning where its inertia or limits are not symmetric."""
     found = mirror_by_geometry(robot)
+    joint = joint_without_common_limits(robot, found)
+    if joint is not None:
+        warn(
+            f"The position limits of joint {joint!r} of {robot.name!r} have no value in common with the mirror image "
+            f"of those of {found.partner_of.get(joint, joint)!r}. Hence both halves of the gait are planned, with "
+            "rt.Periodic."
+        )
+        return Periodic()
     off = imbalance(robot, found)
     if off <= IMBALANCE:
         return found

@@ -46,8 +46,8 @@ def walk(
 
     Without double support the step is one phase, "single support", closed by a ``Touchdown`` onto its mirror image.
     With double support, the step begins with the phase "double support", which ends with the ``Liftoff`` of the rear
-    foot. With ``repeat=rt.Periodic(...)``, and for robots whose inertia is not symmetric, both steps of a stride are
-    planned.
+    foot. With ``repeat=rt.Periodic(...)``, and for robots whose inertia or limits are not symmetric, both steps of a
+    stride are planned.
 
     ``rt.plan`` starts from ``rt.guess.InvertedPendulum`` by default. The problem can be edited:
     ``dataclasses.replace(problem, phases=[dataclasses.replace(problem.phases[0], ...)])``.

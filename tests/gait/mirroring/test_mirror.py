@@ -9,6 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.imbalance import imbalance
 from robotraj.gait.mirroring.mirror import REFLECTION, mirror
 from robotraj.gait.mirroring.sides import other_side
@@ -99,6 +100,16 @@ def test_robots_of_unequal_sides_repeat_without_a_mirror(name: str) -> None:
         problem = rt.gait.trot(robot, step_length=0.1, duration=0.3)
     assert len(problem.phases) == 2
     assert isinstance(problem.links[-1].repeat, rt.Periodic)
+
+
+def test_a_robot_whose_joints_have_no_mirrored_position_repeats_without_a_mirror() -> None:
+    """Both shoulders of the URDF turn by 0.0087 rad or more to the same side, where a mirror wants opposite ones."""
+    robot = rt.load("simple_humanoid", root="floating")
+    with pytest.warns(UserWarning, match="'LARM_SHOULDER_R' .* no value in common .* 'RARM_SHOULDER_R'"):
+        problem = rt.gait.walk(robot, step_length=0.1, duration=0.4, feet=["l_ankle", "r_ankle"])
+    assert len(problem.phases) == 2
+    free = robot.limits.with_(position=(-1.0, 1.0))
+    assert joint_without_common_limits(replace(robot, limits=free), mirror(robot)) is None
 
 
 @pytest.mark.parametrize("name", ["solo12", "solo8", "bolt"])
