@@ -3,8 +3,8 @@
 A first, coarse mesh approximates the motion, and a second one finds its optimum. The order of the scheme predicts the
 mesh that is needed, from the errors of the intervals and from the change of the objective. Where an exact motion
 exceeds limits of torques between the points, they are lowered there by the excess, on the same mesh. Where a finer
-mesh is not solved or its error stagnates, controls of systems become lines. Where that does not help either, and the
-solution on the coarse mesh is no motion, the plan begins again from its guess.
+mesh is not solved, a first one meets its limit of iterations, or errors stagnate, controls of systems become lines.
+Where that does not help either, and the solution on the coarse mesh is no motion, the plan begins again from its guess.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ class _Refining:
                 best_limited = self.limits_between
                 if self._meets_obstacle_on_path(last):
                     break
-            elif not first and last.status not in SPENT and (calmer := on_lines(self.problem, meshes)) != meshes:
+            elif self._goes_astray(last, first) and (calmer := on_lines(self.problem, meshes)) != meshes:
                 meshes = calmer
                 continue
             elif self._strayed(last):
@@ -145,6 +145,10 @@ class _Refining:
         elif self.best is not None and not best_limited:
             self._limit_best_between()
         return self.solves.concluded(self.best or last, self.steps)
+
+    def _goes_astray(self, failed: Solution, first: bool) -> bool:
+        """Whether a mesh may have failed because free controls exploit it."""
+        return failed.status not in SPENT and (not first or failed.status is Status.ITERATION_LIMIT)
 
     def _strayed(self, failed: Solution) -> bool:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""

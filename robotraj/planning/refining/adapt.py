@@ -49,6 +49,8 @@ CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
 ENDING = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
+WITHOUT_END = (Status.ITERATION_LIMIT, Status.STALLED, Status.DIVERGED)
+"""Statuses of a first mesh after which controls become lines: free ones may exploit a coarse mesh without end."""
 SMALL = 1e-2
 """Least size of an objective to which the tolerance is relative."""
 
@@ -63,7 +65,7 @@ def adapt(
 
     Each mesh starts from the solution on the one before, with a smaller barrier. An objective has settled when it
     hardly changes on a finer mesh, and changed little on the mesh before (``CALMED``). Controls of systems become lines
-    where a finer mesh fails, or where its error hardly falls. Last, intervals are split on which path rows on controls
+    where a mesh fails, or where its error hardly falls. Last, intervals are split on which path rows on controls
     or accelerations are violated, while that excess falls.
 
     Rows are added between the collocation points once a mesh meets the tolerance without them, or is no better than an
@@ -115,8 +117,8 @@ class _Adaptation:
                 splitting = accurate and MOST_EXCESS < excess < FALL * before
                 reached = self.adding_rows and accurate and not splitting
                 tighter = self.accuracy.tighten_if_needed(solution, self._allowed(solution))
-                if (calmer_from := self._onto_lines(solution, start, worst)) is not None:
-                    start = calmer_from
+                if self._onto_lines(solution, start, worst):
+                    start = solution if solution.success else start
                     continue
                 if not solution.success or (reached and not tighter):
                     return solution
@@ -165,7 +167,9 @@ class _Adaptation:
         return self.adding_rows
 
     def _solved(self, start: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
-        solver = self.accuracy.solver.from_nearby() if self.steps else self.accuracy.solver
+        solver = (
+            self.accuracy.solver.from_nearby() if self.steps and isinstance(start, Solution) else self.accuracy.solver
+        )
         own = replace(self.settings, mesh=tuple(self.meshes), solver=solver)
         found = solve(self.problem, start, own, self.progress, hold)
         self.times, self.iterations = added_times(self.times, found.times), self.iterations + found.iterations
@@ -180,22 +184,21 @@ class _Adaptation:
         """Return a solution with the records of the whole plan."""
         return replace(solution, refinement=tuple(self.steps), times=self.times, iterations=self.iterations)
 
-    def _onto_lines(
-        self, solution: Solution, start: InitialGuess | Solution | None, worst: float
-    ) -> InitialGuess | Solution | None:
-        """Let controls of systems be lines where a finer mesh leads astray; return the start on it, None elsewhere."""
+    def _onto_lines(self, solution: Solution, start: InitialGuess | Solution | None, worst: float) -> bool:
+        """Make controls of systems lines on the next mesh where this one leads astray; return whether they are."""
         failed = not solution.success and solution.status not in ENDING
         astray = failed or (worst > self.tolerance and _hardly_falls(self.steps))
-        if not astray or len(self.steps) < 2 or self.refinement == CALM:
-            return None
+        first = len(self.steps) == 1
+        if not astray or (first and solution.status not in WITHOUT_END) or self.refinement == CALM:
+            return False
         # The program of a failed mesh leads astray from the motion on the last one.
         last = start if failed else solution
-        assert isinstance(last, Solution)
-        calmer = on_lines(self.problem, tuple(part.mesh for part in last.phases))
+        meshes = tuple(self.meshes if first or not isinstance(last, Solution) else (part.mesh for part in last.phases))
+        calmer = on_lines(self.problem, meshes)
         if calmer == tuple(self.meshes):
-            return None
+            return False
         self.meshes, self.refinement, self.compared_from = list(calmer), CALM, len(self.steps)
-        return last
+        return True
 
     def _ends_before(self, finer: Sequence[Mesh], worst: float) -> bool:
         """Whether the plan ends without the next meshes."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -9,6 +11,8 @@ from scipy.integrate import quad
 from scipy.optimize import fsolve
 
 import robotraj as rt
+from robotraj.planning.proving import solves
+from robotraj.planning.refining import adapt
 from robotraj.transcription.refinement.linear_controls import LINES, on_lines
 
 LENGTH = 4.0
@@ -50,6 +54,21 @@ def test_a_chain_hangs_as_a_catenary(options):
     assert solution.objective == pytest.approx(catenary(), rel=2e-6)
     # With a tolerance a higher order may succeed before lines are tried, depending on round-off.
     assert options or solution.phases[0].mesh.given == (LINES,)
+
+
+@pytest.mark.parametrize(("module", "options"), [(solves, {}), (adapt, {"tolerance": 1e-4})])
+def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypatch, module, options):
+    real, meshes = module.solve, []
+
+    def endless_at_first(*given):
+        found = real(*given)
+        meshes.append(found.phases[0].mesh.given)
+        return found if len(meshes) > 1 else replace(found, status=rt.solvers.Status.ITERATION_LIMIT)
+
+    monkeypatch.setattr(module, "solve", endless_at_first)
+    solution = rt.plan(hanging_chain(), progress=False, **options)
+    assert meshes[0] != (LINES,) and set(meshes[1:]) == {(LINES,)}
+    assert solution.objective == pytest.approx(catenary(), rel=2e-4)
 
 
 def test_an_exact_motion_shooting_and_contacts_keep_their_schemes():

@@ -111,7 +111,8 @@ SCHEMES = {
         20,
         (EXACT, EXACT, 5e-7, 2e-3, None),
     ),
-    "single shooting, constant": (rt.schemes.SingleShooting(), 20, (1e-3, 3e-3, 3e-3, 3e-2, EXACT)),
+    # Two optima of the cart-pole with 20 constant forces are 0.027 and 0.034 off; round-off decides between them.
+    "single shooting, constant": (rt.schemes.SingleShooting(), 20, (1e-3, 3e-3, 3e-3, 3.5e-2, EXACT)),
     "single shooting, linear": (rt.schemes.SingleShooting(control=LINEAR), 40, (2e-8, EXACT, EXACT, 1e-4, None)),
 }
 NOT_MEANT = {
