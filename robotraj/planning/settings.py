@@ -19,6 +19,8 @@ from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
 from robotraj.planning.proving.first_mesh import (
     COARSE,
+    FEW,
+    NEXT,
     STICKING,
     SYSTEM,
     MeshesOfLines,
@@ -82,9 +84,7 @@ RULES: tuple[Rule, ...] = (
     _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
     _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
     _rule("mesh", when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
-    _rule(
-        "mesh", when.PROVED, when.EXACT, when.STICKING, graded(COARSE, STICKING), "joints start and stop by themselves"
-    ),
+    _rule("mesh", when.PROVED, when.EXACT, when.STICKING, graded(FEW, STICKING), "joints start and stop by themselves"),
     _rule(
         "mesh",
         when.PROVED,
@@ -93,6 +93,7 @@ RULES: tuple[Rule, ...] = (
         MeshesOfLines(),
         "accelerations that bend between the points hide power from the quadrature",
     ),
+    _rule("mesh", when.PROVED, when.EXACT, when.AVOIDING, graded(FEW), "ways around obstacles are sought on it"),
     _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh approximates the motion"),
     _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
@@ -164,7 +165,10 @@ RULES: tuple[Rule, ...] = (
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
     _rule(
-        "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
+        "refinement", when.PROVED, when.EXACT, when.AVOIDING, Equidistribute(second=3.0), "its first mesh is coarser"
+    ),
+    _rule(
+        "refinement", when.PROVED, when.EXACT, Equidistribute(second=NEXT), "only the objective has not converged yet"
     ),
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),

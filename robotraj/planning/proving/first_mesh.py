@@ -14,8 +14,14 @@ from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
-COARSE = 16
-"""Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
+COARSE = 28
+"""Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own.
+
+With ``NEXT`` times as many, least times of arms have settled on the second mesh, and most efforts too. From 16
+intervals the third mesh was needed (``benchmarks/barrier.md``).
+"""
+NEXT = 2.5
+"""Least growth from that mesh to the second one."""
 KINKED = 32
 """Intervals of the first mesh of an arm whose objective has kinks, such as the absolute power, by ``LINES``."""
 SYSTEM = 30
@@ -30,6 +36,11 @@ CROWDING = 0.8
 """Concentration of the knots at the ends, from 0 for equal intervals to 1."""
 
 
+FEW = 16
+"""Intervals of the first mesh where many problems are solved on it.
+
+These are ways around obstacles, and soft friction before dry friction.
+"""
 STICKING = RadauIIA(3)
 """Scheme of motions with dry friction for the least integral.
 
