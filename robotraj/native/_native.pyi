@@ -662,8 +662,7 @@ class SymmetricFactors:
     """L D L' of a sparse symmetric indefinite matrix, which factorises Newton systems without stages.
 
     Multifrontal (Duff and Reid 1983), in an order of approximate minimum degree, with pivots of one or two rows that
-    keep multipliers below 1 / threshold; rows are scaled first. Where many pivots are delayed, the third factorisation
-    begins with the order of the second one's pivots.
+    keep multipliers below 1 / threshold; rows are scaled first.
 
     Parameters
     ----------
@@ -685,6 +684,9 @@ class SymmetricFactors:
     def factorise(self, values: Array, threshold: float = 1e-8, small: float = 1e-20) -> tuple[int, int, int]:
         """Return the numbers of negative and of zero pivots, and of delayed pivots."""
     def solve(self, b: Array) -> Array: ...
+    @property
+    def products(self) -> int:
+        """Operations of a factorisation without delayed pivots; a multiplication and an addition count as two."""
     @property
     def largest_front(self) -> int: ...
 

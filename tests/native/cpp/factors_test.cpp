@@ -32,7 +32,9 @@ ROBOTRAJ_TEST(factors_solve_and_count_the_signs_of_eigenvalues) {
         pattern.starts.push_back(static_cast<int>(pattern.rows.size()));
       }
       native::ldl::Factors factors(pattern, {}, processor);
-      const auto inertia = factors.factorise(values.data(), 1e-6, 1e-20);
+      std::vector<double> placed(values.size());
+      for (std::size_t e = 0; e < values.size(); ++e) placed[factors.tree().place_of[e]] = values[e];
+      const auto inertia = factors.factorise(placed.data(), 1e-6, 1e-20);
       const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues();
       CHECK(inertia.zero == 0);
       CHECK(inertia.negative == (eigenvalues.array() < 0.0).count());

@@ -44,8 +44,10 @@ void bind_ldl(nb::module_& m) {
       .def(
           "factorise",
           [](Factors& self, const Doubles& values, double threshold, double small) {
-            const ldl::Inertia found =
-                self.factorise(checked(values, self.pattern().rows.size(), "values"), threshold, small);
+            const double* from = checked(values, self.pattern().rows.size(), "values");
+            std::vector<double> placed(self.pattern().rows.size());
+            for (std::size_t e = 0; e < placed.size(); ++e) placed[self.tree().place_of[e]] = from[e];
+            const ldl::Inertia found = self.factorise(placed.data(), threshold, small);
             return nb::make_tuple(found.negative, found.zero, found.delayed);
           },
           nb::arg("values"), nb::arg("threshold") = 1e-8, nb::arg("small") = 1e-20)
@@ -58,6 +60,7 @@ void bind_ldl(nb::module_& m) {
             return to_numpy(std::move(x));
           },
           nb::arg("b"))
+      .def_prop_ro("products", [](const Factors& self) { return self.tree().products; })
       .def_prop_ro("largest_front", [](const Factors& self) { return self.tree().largest; });
 }
 

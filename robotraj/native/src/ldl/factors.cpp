@@ -30,7 +30,7 @@ void Factors::make_room() {
   std::size_t factor = 0, stacked = 0, stack = 0, front = 0;
   for (const Node& node : tree_.nodes) {
     const std::size_t below = node.below.size(), ld = padded_rows(node.columns + static_cast<int>(below));
-    front = std::max(front, ld * (below + kPanel + 3));
+    front = std::max(front, ld * (below + kPanel + 2));
     factor += ld * node.columns;
     for (const int child : node.children) stacked -= parts_[child].entries;
     stacked += parts_[&node - tree_.nodes.data()].entries = padded_rows(static_cast<int>(below)) * below;
@@ -42,16 +42,22 @@ void Factors::make_room() {
 }
 
 void Factors::scale(const double* values) {
-  const int n = pattern_.n;
-  scale_.assign(n, 0.0);
-  for (int column = 0; column < n; ++column) {
-    double largest = scale_[column];
-    for (int e = pattern_.starts[column]; e < pattern_.starts[column + 1]; ++e) {
+  scale_.assign(pattern_.n, 0.0);
+  local_scale_.resize(std::max<std::size_t>(local_scale_.size(), tree_.largest));
+  double* local = local_scale_.data();
+  for (std::size_t index = 0; index < tree_.nodes.size(); ++index) {
+    const Node& node = tree_.nodes[index];
+    const std::size_t columns = node.columns, below = node.below.size();
+    std::copy_n(scale_.data() + node.first, columns, local);
+    std::fill_n(local + columns, below, 0.0);
+    for (int e = tree_.place_starts[index]; e < tree_.place_starts[index + 1]; ++e) {
+      const Place& place = tree_.places[e];
       const double size = std::abs(values[e]);
-      scale_[pattern_.rows[e]] = std::max(scale_[pattern_.rows[e]], size);
-      largest = std::max(largest, size);
+      local[place.row] = std::max(local[place.row], size);
+      local[place.column] = std::max(local[place.column], size);
     }
-    scale_[column] = largest;
+    std::copy_n(local, columns, scale_.data() + node.first);
+    for (std::size_t i = 0; i < below; ++i) scale_[node.below[i]] = std::max(scale_[node.below[i]], local[columns + i]);
   }
   for (double& largest : scale_) largest = largest > 0 ? inverse_root(largest) : 1.0;
 }
@@ -60,16 +66,11 @@ Inertia Factors::factorise(const double* values, double threshold, double small)
   scale(values);
   entries_ = orders_ = diagonals_ = stacked_ = 0;
   Inertia all;
-  for (std::size_t node = 0; node < tree_.nodes.size(); ++node) {
-    const Inertia found = eliminate(node, values, threshold, small);
-    all.negative += found.negative;
-    all.zero += found.zero;
-    all.delayed += found.delayed;
-  }
+  for (std::size_t node = 0; node < tree_.nodes.size(); ++node) eliminate(node, values, threshold, small, all);
   return all;
 }
 
-Inertia Factors::eliminate(std::size_t index, const double* values, double threshold, double small) {
+void Factors::eliminate(std::size_t index, const double* values, double threshold, double small, Inertia& all) {
   const Node& node = tree_.nodes[index];
   int late = 0;
   for (const int child : node.children) late += parts_[child].delayed;
@@ -79,7 +80,7 @@ Inertia Factors::eliminate(std::size_t index, const double* values, double thres
   front.ld = padded_rows(front.rows);
   const std::size_t ld = front.ld, rows = front.rows;
   // Columns of L stay where they are; the next front overwrites the others.
-  factor_.reserve(entries_ + ld * (rows + kPanel + 3), entries_);
+  factor_.reserve(entries_ + ld * (rows + kPanel + 2), entries_);
   front.entries = factor_.data() + entries_;
   front.memory = front.entries + ld * rows;
   for (std::size_t j = 0; j < rows; ++j) {
@@ -87,10 +88,8 @@ Inertia Factors::eliminate(std::size_t index, const double* values, double thres
     std::memset(front.entries + j * ld + from, 0, (ld - from) * sizeof(double));
   }
   if (order_.size() < orders_ + rows) order_.resize(orders_ + rows + rows / 2);
-  if (diagonal_.size() < diagonals_ + rows) {
-    diagonal_.resize(diagonals_ + rows);
-    off_.resize(diagonals_ + rows);
-  }
+  diagonal_.resize(std::max(diagonal_.size(), diagonals_ + rows));
+  off_.resize(diagonal_.size());
   front.order = order_.data() + orders_;
   front.diagonal = diagonal_.data() + diagonals_;
   front.off = off_.data() + diagonals_;
@@ -99,11 +98,11 @@ Inertia Factors::eliminate(std::size_t index, const double* values, double thres
   for (int c = 0; c < node.columns; ++c) rest[c] = node.first + c;
   std::copy(node.below.begin(), node.below.end(), rest + node.columns);
   local_scale_.resize(std::max(local_scale_.size(), rows));
-  for (std::size_t i = 0; i < rows - late; ++i) local_scale_[i] = scale_[tree_.order[rest[i]]];
+  for (std::size_t i = 0; i < rows - late; ++i) local_scale_[i] = scale_[rest[i]];
   for (int e = tree_.place_starts[index]; e < tree_.place_starts[index + 1]; ++e) {
     const Place& place = tree_.places[e];
     front.entries[(late + place.column) * ld + late + place.row] +=
-        values[place.entry] * local_scale_[place.column] * local_scale_[place.row];
+        values[e] * local_scale_[place.column] * local_scale_[place.row];
   }
   // The blocks of the children are stacked.
   std::size_t end = stacked_;
@@ -114,21 +113,27 @@ Inertia Factors::eliminate(std::size_t index, const double* values, double thres
     const int own = part.delayed, count = own + static_cast<int>(below.size());
     const std::size_t step = padded_rows(count);
     const double* block = stack_.data() + (end -= step * count);
-    places_.resize(count);
-    before -= own;
-    for (int i = 0; i < own; ++i) {
-      places_[i] = before + i;
-      front.order[before + i] = order_[part.order + part.pivots + i];
+    const int* places = below.data();
+    if (late > 0) {
+      places_.resize(count);
+      places = places_.data();
+      before -= own;
+      for (int i = 0; i < own; ++i) {
+        places_[i] = before + i;
+        front.order[before + i] = order_[part.order + part.pivots + i];
+      }
+      for (std::size_t i = 0; i < below.size(); ++i) places_[own + i] = late + below[i];
     }
-    for (std::size_t i = 0; i < below.size(); ++i) places_[own + i] = late + below[i];
-    kernels_.add(block, static_cast<int>(step), count, places_.data(), front.entries, front.ld);
+    kernels_.add(block, static_cast<int>(step), count, places, front.entries, front.ld);
   }
   stacked_ = end;
 
   const Pivots pivots = kernels_.eliminate(front, {threshold, small, node.parent < 0});
   Part& part = parts_[index];
   keep(front, pivots.count, part);
-  return {pivots.negative, pivots.zero, part.delayed};
+  all.negative += pivots.negative;
+  all.zero += pivots.zero;
+  all.delayed += part.delayed;
 }
 
 void Factors::keep(const Front& front, int pivots, Part& part) {
@@ -152,7 +157,7 @@ void Factors::keep(const Front& front, int pivots, Part& part) {
 
 void Factors::solve(double* x) {
   all_.resize(pattern_.n);
-  for (int k = 0; k < pattern_.n; ++k) all_[k] = x[tree_.order[k]] * scale_[tree_.order[k]];
+  for (int k = 0; k < pattern_.n; ++k) all_[k] = x[tree_.order[k]] * scale_[k];
   for (const Part& part : parts_) vector_.reserve(part.ld);
   for (std::size_t node = 0; node < parts_.size(); ++node) {
     const Part& part = parts_[node];
@@ -184,7 +189,7 @@ void Factors::solve(double* x) {
     kernels_.backward(factor_.data() + part.entries, part.ld, part.pivots, v);
     for (int k = 0; k < part.pivots; ++k) all_[order[k]] = v[k];
   }
-  for (int k = 0; k < pattern_.n; ++k) x[tree_.order[k]] = all_[k] * scale_[tree_.order[k]];
+  for (int k = 0; k < pattern_.n; ++k) x[tree_.order[k]] = all_[k] * scale_[k];
 }
 
 }  // namespace robotraj::native::ldl

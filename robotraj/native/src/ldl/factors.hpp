@@ -27,7 +27,7 @@ class Factors {
   /// `groups` as in tree_of_fewest_products, `processor` as in kernels_of.
   explicit Factors(Pattern pattern, const std::vector<int>& groups = {}, const std::string& processor = {});
 
-  /// Factorises; the values are those of the pattern's entries.
+  /// Factorises; the value of each entry of the pattern is at its `Tree::place_of`.
   Inertia factorise(const double* values, double threshold, double small);
   /// x := A^-1 x, by the last factors. Parts along zero pivots are zero.
   void solve(double* x);
@@ -42,13 +42,13 @@ class Factors {
   };
   void scale(const double* values);
   void make_room();
-  Inertia eliminate(std::size_t node, const double* values, double threshold, double small);
+  void eliminate(std::size_t node, const double* values, double threshold, double small, Inertia& all);
   void keep(const Front& front, int pivots, Part& part);
 
   Pattern pattern_;
   const FrontKernels& kernels_;
   Tree tree_;
-  std::vector<double> scale_;
+  std::vector<double> scale_;  // of the rows in the new order
   std::vector<Part> parts_;
   std::size_t entries_ = 0, orders_ = 0, diagonals_ = 0, stacked_ = 0;
   Buffer factor_, stack_, vector_;

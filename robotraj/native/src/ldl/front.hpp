@@ -22,7 +22,7 @@ struct Front {
   int* order;        ///< numbers of the rows in the matrix; swapped with them
   double* diagonal;  ///< of the inverse of D, a number a pivot
   double* off;       ///< beside it: not zero where a pivot has two rows, at the first of them
-  double* memory;    ///< (kPanel + 3) ld numbers
+  double* memory;    ///< (kPanel + 2) ld numbers
 };
 
 struct PivotRule {

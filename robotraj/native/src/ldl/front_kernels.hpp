@@ -10,31 +10,29 @@
 namespace robotraj::native::ldl {
 namespace {
 
-ROBOTRAJ_INLINE void swap_numbers(double& x, double& y) {
-  const double kept = x;
+template <class Number>
+ROBOTRAJ_INLINE void swap_numbers(Number& x, Number& y) {
+  const Number kept = x;
   x = y;
   y = kept;
 }
 
 /// A pivot of this size beside the largest number of its column is accepted without a search for a larger one.
-constexpr double kGood = 0.01;
+constexpr double kGood = 1e-4;
 
 class Elimination {
  public:
-  Elimination(Front& front, const PivotRule& rule)
-      : f_(front), ld_(front.ld), rule_(rule), w_(front.memory), one_(w_ + (kPanel + 1) * ld_), two_(one_ + ld_) {}
+  Elimination(Front& front, const PivotRule& rule) : f_(front), ld_(front.ld), rule_(rule), w_(front.memory) {}
 
   Pivots run() {
     double threshold = rule_.threshold;
     int end = f_.candidates, begun = 0;
-    bool forced = false;
     for (;;) {
       if (done_ == end) {
         if (end == f_.candidates) break;
         if (done_ == begun) {
           // No pivot is left within the threshold. The last front accepts any other.
-          if (!rule_.last || forced) break;
-          forced = true;
+          if (!rule_.last || threshold == 0.0) break;
           threshold = 0.0;
         }
         end = f_.candidates;
@@ -47,43 +45,43 @@ class Elimination {
     }
     flush();
     if (rule_.last) finish();
+    found_.count = done_;
     return found_;
   }
 
  private:
   double& at(int i, int j) { return f_.entries[j * ld_ + i]; }
 
-  /// Column j of the Schur complement after all pivots so far, rows `begin` to `end`. `begin` is `done_` or a
-  /// multiple of kStep beyond j; `end` is a multiple of kStep.
-  void column(int j, int begin, int end, double* out) {
+  /// Column j of the Schur complement after all pivots so far, from row `done_` on. Returns the largest number below it.
+  double column(int j, double* out) {
     const double* own = f_.entries + j * ld_;
-    for (int i = (begin > j ? begin : j) / kStep * kStep; i < end; i += kStep) *packs(out + i) = *packs(own + i);
-    for (int i = begin; i < j; ++i) out[i] = at(j, i);
+    const int k = done_, first = k / kStep * kStep;
+    if (j > k) {
+      for (int i = j / kStep * kStep; i < ld_; i += kStep) *packs(out + i) = *packs(own + i);
+      for (int i = k; i < j; ++i) out[i] = at(j, i);
+      own = out;
+    }
     const double* columns[kPanel + 1];
     double factors[kPanel + 1];
     int count = 0;
-    for (int p = panel_; p < done_; ++p) {
+    for (int p = panel_; p < k; ++p) {
       const double factor = w_[(p - panel_) * ld_ + j];
       if (factor == 0.0) continue;
       columns[count] = f_.entries + p * ld_;
       factors[count++] = factor;
     }
-    if (count == 0) return;
-    int i = begin / kStep * kStep;
-    for (; i + 2 * kStep <= end; i += 2 * kStep) {
-      Pack one = *packs(out + i), two = *packs(out + i + kStep);
-      for (int p = 0; p < count; ++p) {
-        one -= *packs(columns[p] + i) * factors[p];
-        two -= *packs(columns[p] + i + kStep) * factors[p];
-      }
-      *packs(out + i) = one;
-      *packs(out + i + kStep) = two;
+    Pack high{};
+    for (int i = first; i < ld_; i += kStep) {
+      Pack sum = *packs(own + i);
+      for (int p = 0; p < count; ++p) sum -= *packs(columns[p] + i) * factors[p];
+      *packs(out + i) = sum;
+      const Pack size = sum < 0.0 ? -sum : sum;
+      if (i > first) high = size > high ? size : high;
     }
-    for (; i < end; i += kStep) {
-      Pack one = *packs(out + i);
-      for (int p = 0; p < count; ++p) one -= *packs(columns[p] + i) * factors[p];
-      *packs(out + i) = one;
-    }
+    double most = 0.0;
+    for (int lane = 0; lane < kStep; ++lane) most = high[lane] > most ? high[lane] : most;
+    for (int row = k + 1; row < first + kStep; ++row) most = magnitude(out[row]) > most ? magnitude(out[row]) : most;
+    return most;
   }
 
   /// The largest number of a column among rows `begin` to `end`.
@@ -122,14 +120,14 @@ class Elimination {
   /// Eliminates the next candidate, alone or with another; false if neither is accepted.
   bool pivot(double threshold) {
     const int k = done_;
-    column(k, k, ld_, one_);
-    const double a = one_[k], most = largest(one_, k + 1, ld_);
+    double *one = w_ + (k - panel_) * ld_, *two = one + ld_;
+    const double most = column(k, one), a = one[k];
     const bool alone = magnitude(a) > rule_.small && magnitude(a) >= threshold * most;
     if (alone && magnitude(a) >= kGood * most) return take_one();
-    const int r = partner(one_);
+    const int r = partner(one);
     if (r < 0) return alone && take_one();
-    column(r, k, ld_, two_);
-    const double b = one_[r], c = two_[r], rest_one = rest(one_, r), rest_two = rest(two_, r);
+    column(r, two);
+    const double b = one[r], c = two[r], rest_one = rest(one, r), rest_two = rest(two, r);
     const double det = magnitude(a * c - b * b);
     const double growth_one = magnitude(c) * rest_one + magnitude(b) * rest_two;
     const double growth_two = magnitude(b) * rest_one + magnitude(a) * rest_two;
@@ -142,17 +140,15 @@ class Elimination {
     const double of_two = other ? magnitude(c) / size_two : -1.0;
     const double of_both = both ? (growth > 0 ? det / growth : 1e300) : -1.0;
     if (of_both >= 0 && of_both >= of_one && of_both >= of_two) {
-      swap(r, k + 1);
-      swap_numbers(one_[r], one_[k + 1]);
-      swap_numbers(two_[r], two_[k + 1]);
+      swap(k + 1, r);
+      swap_numbers(one[r], one[k + 1]);
+      swap_numbers(two[r], two[k + 1]);
       return take_two();
     }
     if (of_two > of_one) {
-      swap(r, k);
-      swap_numbers(two_[r], two_[k]);
-      double* kept = one_;
-      one_ = two_;
-      two_ = kept;
+      swap(k, r);
+      swap_numbers(two[r], two[k]);
+      for (int i = k / kStep * kStep; i < ld_; i += kStep) *packs(one + i) = *packs(two + i);
       return take_one();
     }
     return of_one >= 0 && take_one();
@@ -160,15 +156,11 @@ class Elimination {
 
   bool take_one() {
     const int k = done_++;
-    const double inverse = 1.0 / one_[k];
     double *l = f_.entries + k * ld_, *w = w_ + (k - panel_) * ld_;
-    for (int i = k / kStep * kStep; i < ld_; i += kStep) {
-      *packs(w + i) = *packs(one_ + i);
-      *packs(l + i) = *packs(one_ + i) * inverse;
-    }
+    const double inverse = 1.0 / w[k];
+    for (int i = k / kStep * kStep; i < ld_; i += kStep) *packs(l + i) = *packs(w + i) * inverse;
     f_.diagonal[k] = inverse;
     f_.off[k] = 0.0;
-    found_.count += 1;
     found_.negative += inverse < 0;
     return true;
   }
@@ -176,13 +168,11 @@ class Elimination {
   bool take_two() {
     const int k = done_;
     done_ += 2;
-    const double a = one_[k], b = one_[k + 1], c = two_[k + 1], det = a * c - b * b;
-    const double first = c / det, between = -b / det, second = a / det;
     double *l1 = f_.entries + k * ld_, *l2 = l1 + ld_, *w1 = w_ + (k - panel_) * ld_, *w2 = w1 + ld_;
+    const double a = w1[k], b = w1[k + 1], c = w2[k + 1], det = a * c - b * b;
+    const double first = c / det, between = -b / det, second = a / det;
     for (int i = k / kStep * kStep; i < ld_; i += kStep) {
-      const Pack x = *packs(one_ + i), y = *packs(two_ + i);
-      *packs(w1 + i) = x;
-      *packs(w2 + i) = y;
+      const Pack x = *packs(w1 + i), y = *packs(w2 + i);
       *packs(l1 + i) = first * x + between * y;
       *packs(l2 + i) = between * x + second * y;
     }
@@ -191,28 +181,20 @@ class Elimination {
     f_.diagonal[k + 1] = second;
     f_.off[k] = between;
     f_.off[k + 1] = 0.0;
-    found_.count += 2;
     // A negative determinant has one eigenvalue of each sign.
     found_.negative += det < 0 ? 1 : (a < 0 ? 2 : 0);
     return true;
   }
 
-  /// Rows and columns i and j change places.
+  /// Rows and columns i <= j change places.
   void swap(int i, int j) {
     if (i == j) return;
-    if (i > j) {
-      const int kept = i;
-      i = j;
-      j = kept;
-    }
     for (int c = 0; c < i; ++c) swap_numbers(at(i, c), at(j, c));
     swap_numbers(at(i, i), at(j, j));
     for (int c = i + 1; c < j; ++c) swap_numbers(at(c, i), at(j, c));
     for (int r = j + 1; r < f_.rows; ++r) swap_numbers(at(r, i), at(r, j));
     for (int p = panel_; p < done_; ++p) swap_numbers(w_[(p - panel_) * ld_ + i], w_[(p - panel_) * ld_ + j]);
-    const int kept = f_.order[i];
-    f_.order[i] = f_.order[j];
-    f_.order[j] = kept;
+    swap_numbers(f_.order[i], f_.order[j]);
   }
 
   /// Updates the rest of the front by the panel's pivots.
@@ -226,7 +208,6 @@ class Elimination {
     for (; done_ < f_.candidates; ++done_) {
       for (int i = done_ + 1; i < ld_; ++i) at(i, done_) = 0.0;
       f_.diagonal[done_] = f_.off[done_] = 0.0;
-      found_.count += 1;
       found_.zero += 1;
     }
   }
@@ -234,7 +215,7 @@ class Elimination {
   Front& f_;
   const int ld_;
   const PivotRule rule_;
-  double *w_, *one_, *two_;
+  double* w_;  ///< columns of L D of the panel's pivots, and after them those that are tried
   int done_ = 0, panel_ = 0;
   Pivots found_{0, 0, 0};
 };

@@ -197,22 +197,23 @@ void add_places(const Pattern& pattern, Tree& tree) {
     for (int column = 0; column < n; ++column)
       for (int e = pattern.starts[column]; e < pattern.starts[column + 1]; ++e) {
         const int a = at[column], b = at[pattern.rows[e]];
-        visit(Place{e, std::max(a, b), std::min(a, b)});
+        visit(e, std::max(a, b), std::min(a, b));
       }
   };
-  each([&](const Place& place) { ++tree.place_starts[owner[place.column] + 1]; });
+  each([&](int, int, int column) { ++tree.place_starts[owner[column] + 1]; });
   for (int i = 0; i < nodes; ++i) tree.place_starts[i + 1] += tree.place_starts[i];
+  tree.place_of.resize(tree.place_starts[nodes]);
   tree.places.resize(tree.place_starts[nodes]);
+  std::vector<std::pair<int, int>> rows(tree.places.size());
   std::vector<int> next(tree.place_starts.begin(), tree.place_starts.end() - 1);
-  each([&](const Place& place) { tree.places[next[owner[place.column]]++] = place; });
+  each([&](int e, int row, int column) { rows[tree.place_of[e] = next[owner[column]]++] = {row, column}; });
   for (int i = 0; i < nodes; ++i) {
     const Node& node = tree.nodes[i];
     for (int c = 0; c < node.columns; ++c) where[node.first + c] = c;
     for (std::size_t r = 0; r < node.below.size(); ++r) where[node.below[r]] = node.columns + static_cast<int>(r);
-    for (int e = tree.place_starts[i]; e < tree.place_starts[i + 1]; ++e) {
-      Place& place = tree.places[e];
-      place = {place.entry, where[place.row], where[place.column]};
-    }
+    for (int e = tree.place_starts[i]; e < tree.place_starts[i + 1]; ++e)
+      tree.places[e] = {static_cast<std::uint16_t>(where[rows[e].first]),
+                        static_cast<std::uint16_t>(where[rows[e].second])};
     for (const int child : node.children)
       for (const int row : tree.nodes[child].below) tree.nodes[child].places.push_back(where[row]);
   }

@@ -1,6 +1,7 @@
 // The assembly tree of a sparse symmetric matrix: which rows are eliminated together, and which they update.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 namespace robotraj::native::ldl {
@@ -20,18 +21,19 @@ struct Node {
   std::vector<int> children;  ///< in the order in which they come
 };
 
-/// An entry of the matrix in its node: front(row, column) gets values[entry].
+/// Where an entry of the matrix is in its node.
 struct Place {
-  int entry, row, column;
+  std::uint16_t row, column;
 };
 
 struct Tree {
   std::vector<int> order;         ///< order[k] is the row of the matrix that is k-th
   std::vector<Node> nodes;        ///< children before their parents
   std::vector<int> place_starts;  ///< of each node's entries in `places`
-  std::vector<Place> places;
-  long products = 0;  ///< expected, without delays
-  int largest = 0;    ///< rows of the largest front, without delays
+  std::vector<Place> places;      ///< of all entries, node by node
+  std::vector<int> place_of;      ///< number of each entry of the pattern in `places`
+  long products = 0;              ///< expected, without delays
+  int largest = 0;                ///< rows of the largest front, without delays
 };
 
 /// Of an order by approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Analysis 17 (1996), Eigen's).

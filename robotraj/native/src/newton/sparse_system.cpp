@@ -136,14 +136,14 @@ SparseSolver::SparseSolver(const SparseMatrices& matrices) : matrices_(matrices)
   }
   factors_ = std::make_unique<ldl::Factors>(entries.pattern(), groups);
   for (auto* places : {&diagonal_, &of_hessian_, &of_jacobian_, &products_})
-    for (std::int32_t& place : *places) place = place < 0 ? -1 : entries.place(place);
+    for (std::int32_t& place : *places)
+      place = place < 0 ? -1 : factors_->tree().place_of[static_cast<std::size_t>(entries.place(place))];
   values_.resize(factors_->pattern().rows.size());
   right_.resize(static_cast<std::size_t>(size));
 }
 
 Pivots SparseSolver::factorise_and_solve(const StageValues& jacobian, const StageValues& hessian,
-                                         const NewtonSystem& system, Along* along) {
-  if (along) along->before(0, 1);
+                                         const NewtonSystem& system, Along*) {
   const Layout& layout = matrices_.layout();
   const auto value = [this](std::int32_t place) -> double& { return values_[static_cast<std::size_t>(place)]; };
   std::fill(values_.begin(), values_.end(), 0.0);
@@ -165,7 +165,6 @@ Pivots SparseSolver::factorise_and_solve(const StageValues& jacobian, const Stag
   if (inertia.zero > 0 || inertia.negative < rows) return Pivots::dependent;
   if (inertia.negative > rows) return Pivots::indefinite;
   solve(jacobian, system);
-  if (along) along->after(0, 1);
   return Pivots::good;
 }
 

@@ -179,27 +179,22 @@ Solved Newton::least_squares(Iterate& iterate, const Side& side, double delta_c,
 }
 
 Solved Newton::factorise() {
-  const Side& side = side_;
-  const Vectors& step = step_;
-  const bool elastic = problem_.elastic();
-  if (elastic) {
-    reduce_elastic(side);
-    reduce(side, 0, problem_.layout().count());
-  }
-  const auto system = this->system(side, true, step);
+  const std::size_t stages = problem_.layout().count();
+  // The residual of a program without stages is computed once, by `refine`.
+  const bool elastic = problem_.elastic(), whole = elastic || stages == 1;
+  if (elastic) reduce_elastic(side_);
+  if (whole) reduce(side_, 0, stages);
+  const auto system = this->system(side_, true, step_);
   solver_->options = options;
-  switch (solver_->factorise_and_solve(*jacobian_, hessian_, system, elastic ? nullptr : this)) {
+  switch (solver_->factorise_and_solve(*jacobian_, hessian_, system, whole ? nullptr : this)) {
     case Pivots::indefinite: return Solved::indefinite;
     case Pivots::dependent: return Solved::dependent;
     default: break;
   }
-  if (!elastic) {
-    if (!finite(step)) return Solved::invalid;
-    return left_ < tolerance(size_) ? Solved::good : refine();
-  }
-  recover(side, step, 0, problem_.layout().count());
-  recover_elastic(side, step);
-  return finite(step) ? refine() : Solved::invalid;
+  if (whole) recover(side_, step_, 0, stages);
+  if (elastic) recover_elastic(side_, step_);
+  if (!finite(step_)) return Solved::invalid;
+  return !whole && left_ < tolerance(size_) ? Solved::good : refine();
 }
 
 void Newton::solve_reduced(const Side& side, const Vectors& step) {
