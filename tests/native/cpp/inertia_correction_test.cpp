@@ -94,7 +94,7 @@ ROBOTRAJ_TEST(centring_moves_the_products_of_a_longer_step_into_their_range) {
   const double mu = 1e-3;
   CHECK(its.run.direction.find(at, mu, before.get()));
   CHECK(its.run.direction.find(at, mu, step.get()));
-  CHECK(its.run.direction.center(at, 1.0, 1.0, step.get()));
+  CHECK(its.run.direction.center(at, 1.0, 1.0, 10.0, step.get()));
   int moved = 0;
   for (int i = 0; i < 5; ++i) {
     const double product = (at.at->lower[i] + before->lower[i]) * (at.below()[i] + before->s[i]);

@@ -14,11 +14,11 @@ constexpr double kComplementarityTolerance = 1e-4;
 constexpr std::size_t kRemembered = 4;
 constexpr double kProgress = 0.9, kFixed = 0.8, kLargestBarrier = 1e5;
 constexpr double kAsLong = 0.9;  // share of the predictor's length that a corrected step keeps
-constexpr int kCenterings = 2;
-constexpr double kLong = 0.9;    // length of a step that is not centred
 constexpr double kLonger = 0.3;  // by how much further than its length a step is centred
 constexpr double kGain = 0.1;    // share of kLonger by which one of its lengths must grow,
 constexpr double kLoss = 0.99;   // and the least ratio of the other one
+
+constexpr Centring kOfAdaptive{0.9, 2, 10.0}, kOfMonotone{0.4, 1, 100.0};
 
 }  // namespace
 
@@ -65,17 +65,19 @@ bool Barrier::update() {
 
 bool Barrier::choose() {
   if (!second_order_step()) return false;
-  center();
+  center(kOfAdaptive);
   return true;
 }
 
 bool Barrier::follow() {
   if (!run_.direction.find(*run_.current, run_.mu, run_.step.get())) return false;
-  if (run_.options.adaptive_barrier) center();
+  if (run_.options.adaptive_barrier) center(kOfAdaptive);
+  // Without stages a solution takes a tenth of a factorisation, and longer steps save some of these.
+  else if (run_.problem.layout().count() == 1) center(kOfMonotone);
   return true;
 }
 
-void Barrier::center() {
+void Barrier::center(const Centring& how) {
   Run& run = run_;
   Iterate& at = *run.current;
   const VectorKernels& vectors = native::vector_kernels_of();
@@ -87,10 +89,11 @@ void Barrier::center() {
                      vectors.longest_dual_step(bounds, at.at->lower, step.lower, at.at->upper, step.upper, tau)};
   };
   auto [primal, dual] = lengths();
-  for (int count = 0; count < kCenterings && std::min(primal, dual) < kLong; ++count) {
+  for (int count = 0; count < how.times && std::min(primal, dual) < how.below; ++count) {
     if (!before_) before_ = std::make_unique<Room>(run.problem);
     before_->copy(run.step);
-    bool better = run.direction.center(at, std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger), step);
+    const double further[] = {std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger)};
+    bool better = run.direction.center(at, further[0], further[1], how.largest, step);
     const auto [of_primal, of_dual] = lengths();
     const bool gains = of_primal >= primal + kGain * kLonger || of_dual >= dual + kGain * kLonger;
     better = better && gains && of_primal >= kLoss * primal && of_dual >= kLoss * dual;

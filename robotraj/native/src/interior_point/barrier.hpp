@@ -8,6 +8,13 @@
 
 namespace robotraj::interior_point {
 
+/// Which steps are centred: those of a length `below`, so many times, to products of at most `largest` mu.
+struct Centring {
+  double below;
+  int times;
+  double largest;
+};
+
 /// Monotone: as soon as E_mu <= kappa_eps mu,
 ///
 ///     mu <- max(eps_tol / (kappa_eps + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
@@ -15,8 +22,11 @@ namespace robotraj::interior_point {
 /// Adaptive: mu = sigma mean(z s), sigma = (mean(z s) after the step of mu = 0 / mean(z s))^3, as long as the error of
 /// the optimality conditions falls below 0.9 of the largest of the last four; else monotone from 0.8 mean(z s) on, until
 /// it does again. The step of the chosen mu also corrects the complementarity by the products of the changes in the step
-/// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one. A step that the
-/// bounds shorten to less than 0.9 is centred at most twice, for steps that are longer by 0.3, as long as it lengthens.
+/// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one.
+///
+/// A step that the bounds shorten is centred for steps that are longer by 0.3, as long as it lengthens; with a monotone
+/// parameter in programs without stages alone.
+///
 /// Sources: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods, SIAM J. Optim.
 /// 19 (2009), sections 3 and 4; Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim.
 /// 2 (1992), for the correction; Gondzio, Multiple centrality corrections in a primal-dual method for linear
@@ -39,7 +49,7 @@ class Barrier {
   bool decrease();
   double least() const;
   bool second_order_step();
-  void center();
+  void center(const Centring& how);
 
   Run& run_;
   std::unique_ptr<Room> before_;  // the step before it is centred

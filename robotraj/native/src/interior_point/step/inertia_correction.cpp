@@ -13,8 +13,8 @@ namespace {
 constexpr double kLargest = 1e40, kLeast = 1e-20;  // delta_w^max, delta_w^min
 constexpr double kGrowFirst = 100.0;
 constexpr int kMostWaits = 2;
-constexpr double kPower = 0.25;                                // kappa_c
-constexpr double kLeastProduct = 0.1, kLargestProduct = 10.0;  // of a distance and its multiplier, relative to mu
+constexpr double kPower = 0.25;        // kappa_c
+constexpr double kLeastProduct = 0.1;  // of a distance and its multiplier, relative to mu
 
 /// Adds the time from its construction to its destruction to a sum.
 class Timed {
@@ -119,9 +119,10 @@ bool InertiaCorrection::aim(Iterate& iterate, double mu, bool second_order, cons
   return correct(iterate, iterate.residual(), step);
 }
 
-bool InertiaCorrection::center(Iterate& iterate, double primal, double dual, const Vectors& step) {
+bool InertiaCorrection::center(Iterate& iterate, double primal, double dual, double largest, const Vectors& step) {
   const native::Bounds bounds = problem_.bounds();
-  const double least = kLeastProduct * mu_, largest = kLargestProduct * mu_;
+  const double least = kLeastProduct * mu_;
+  largest *= mu_;
   if (!second_order_) {
     std::fill_n(lower_products_, problem_.slacks(), 0.0);
     std::fill_n(upper_products_, problem_.slacks(), 0.0);

@@ -38,8 +38,8 @@ class InertiaCorrection {
   /// the complementarity: Newton's step neglects them.
   bool aim(Iterate& iterate, double mu, bool second_order, const Vectors& step);
   /// Corrects a step of `find` or `aim` so that a longer one stays centred: products of distances and multipliers after
-  /// the lengths `primal` and `dual` that are outside of [0.1 mu, 10 mu] are moved to it, by at most 10 mu downwards.
-  bool center(Iterate& iterate, double primal, double dual, const Vectors& step);
+  /// the lengths `primal` and `dual` outside of [0.1 mu, `largest` mu] are moved to it, downwards by at most `largest` mu.
+  bool center(Iterate& iterate, double primal, double dual, double largest, const Vectors& step);
 
   double seconds = 0.0;  ///< spent on linear algebra
 
