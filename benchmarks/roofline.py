@@ -13,7 +13,8 @@ iteration is in processor time, the least of several solves of a compiled progra
 the line search are included.
 
 Gaits have no stages, and their Newton systems are factorised as sparse matrices. Their table has the unknowns and rows
-of the last mesh of a default plan, and the part of an iteration that is linear algebra.
+of the last mesh of a default plan, and the part of an iteration that is linear algebra. Their limit counts one
+factorisation, r^2 for each pivot of a front of r rows, and the point functions.
 """
 
 from __future__ import annotations
@@ -25,13 +26,16 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from scipy import sparse
 from scipy.linalg.blas import dgemm
 
 import robotraj as rt
+from robotraj.native.build import load_native
 from robotraj.solvers.attempts import FACTORS
 from robotraj.solvers.formulation import BARRIER, BARRIER_OF_LEGS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
+from robotraj.solvers.stagewise.program import Program
 from robotraj.solvers.stagewise.reduction import reduce
 
 HERE = Path(__file__).resolve().parent
@@ -45,6 +49,8 @@ time on a shared machine. The limit is the speed of a BLAS's product of matrices
 products of 30 rows. The larger a stage, the closer an iteration is to the limit, since the limit counts nothing but
 dense matrices; the recursion skips zeros.
 """
+FEW = 12
+"""Entries of an inequality that is eliminated before the factorisation, as in ``sparse_system.cpp``."""
 GAITS = ("solo12", "anymal", "bolt", "talos_legs", "g1")
 RUNS = 9
 INTERVALS = (25, 50, 100, 200, 400, 800, 1600)
@@ -96,6 +102,30 @@ def points(nlp: rt.transcription.Nlp) -> float:
     return total
 
 
+def factorisation(program: Program) -> float:
+    """Operations of one sparse factorisation, with inequalities of few entries eliminated."""
+    rows, columns = program.jacobian
+    n, equal = int(program.nu.sum()), int(program.equalities.sum())
+    count = equal + int(program.inequalities.sum())
+    entries = np.bincount(rows, minlength=count)
+    kept = np.flatnonzero((np.arange(count) < equal) | (entries > FEW))
+    number = np.full(count, -1)
+    number[kept] = n + np.arange(kept.size)
+    jacobian = sparse.csr_array((np.ones(rows.size), (rows, columns)), shape=(count, n))
+    few = jacobian[np.flatnonzero(number < 0)]
+    products = (few.T @ few).tocoo()
+    diagonal = np.arange(n + kept.size)
+    of_rows = number[rows] >= 0
+    i = np.concatenate([diagonal, program.hessian[0], number[rows[of_rows]], products.row])
+    j = np.concatenate([diagonal, program.hessian[1], columns[of_rows], products.col])
+    size = (diagonal.size, diagonal.size)
+    lower = sparse.csc_array((np.ones(i.size), (np.maximum(i, j), np.minimum(i, j))), shape=size)
+    assert program.groups is not None
+    groups = np.concatenate([np.concatenate([each[:n], each[n + kept]]) for each in program.groups])
+    starts, entries = lower.indptr.astype(np.int64), lower.indices.astype(np.int64)
+    return float(load_native().SymmetricFactors(starts, entries, groups=groups.tolist()).products)
+
+
 def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -> Iterator[float]:
     """Processor time of an iteration [s], of several solves of one compiled program."""
     reduction = reduce(nlp)
@@ -136,7 +166,7 @@ def row(phase: rt.Phase, intervals: int, peak: float, small: float) -> str:
     )
 
 
-def gait_row(problem: rt.Problem) -> str:
+def gait_row(problem: rt.Problem, peak: float) -> str:
     """One line of the table of gaits, after its first cell."""
     solver = rt.InteriorPoint(tolerance=1e-6, threads=1, fallback=None)
     origin: Any = cast(rt.Solution, rt.plan(problem, solver=solver, progress=False)).multipliers.origin  # type: ignore[union-attr]
@@ -152,8 +182,12 @@ def gait_row(problem: rt.Problem) -> str:
         took.append(time.process_time() - began)
         shares.append(found.times["linear algebra"] / found.times["total"])
     rows = int(program.equalities.sum() + program.inequalities.sum())
-    each = 1e3 * min(took) / found.iterations
-    return f"{start.size} | {rows} | {found.iterations} | {each:.2f} | {100 * np.median(shares):.0f} |"
+    solves, graphs, each = factorisation(program), points(nlp), min(took) / found.iterations
+    return (
+        f"{start.size} | {rows} | {found.iterations} | {solves / 1e6:.2f} | {graphs / 1e6:.2f} | "
+        f"{(solves + graphs) / peak * 1e3:.2f} | {1e3 * each:.2f} | {each * peak / (solves + graphs):.1f} | "
+        f"{100 * np.median(shares):.0f} |"
+    )
 
 
 def gaits() -> dict[str, rt.Problem]:
@@ -180,9 +214,10 @@ def tables() -> Iterator[str]:
         robot = rt.load(name, **settings)
         yield f"| {name} | {robot.nv} | {row(across(robot), MESH, peak, small)}"
     yield "\nA step of a walk or trot, on the last mesh of its default plan, by a sparse factorisation:\n"
-    yield f"| gait | unknowns | rows | iterations | iteration [ms] | linear algebra [%] |\n|{'---|' * 6}"
+    titles = "factorisation [MFlop] | points [MFlop] | limit [ms] | iteration [ms] | ratio | linear algebra [%] |"
+    yield f"| gait | unknowns | rows | iterations | {titles}\n|{'---|' * 10}"
     for name, problem in gaits().items():
-        yield f"| {name} | {gait_row(problem)}"
+        yield f"| {name} | {gait_row(problem, peak)}"
 
 
 def main() -> None:
