@@ -21,7 +21,8 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
     """Put several robots into one, so that one problem moves all of them.
 
     Joints and frames get the name of their robot as a prefix, as in ``left_elbow_joint``. q, v and tau are those of the
-    robots, concatenated. A constraint may read frames of several robots, for example to keep them apart.
+    robots, concatenated. ``friction_speed`` is the least of robots with dry friction. A constraint may read frames of
+    several robots, for example to keep them apart.
 
     Parameters
     ----------
@@ -37,7 +38,7 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
     Raises
     ------
     InputError
-        Fewer than two robots, a root that moves, another gravity or smoothing of friction, or an impossible pose.
+        Fewer than two robots, a root that moves, another gravity, or an impossible pose.
 
     Examples
     --------
@@ -53,9 +54,8 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
             raise InputError(f"{name!r} has a {robot.root} root; rt.robot.join takes robots with fixed roots.")
     first = next(iter(robots.values()))
     for name, robot in robots.items():
-        same = np.array_equal(robot.model.gravity.vector, first.model.gravity.vector)
-        if not same or robot.friction_speed != first.friction_speed:
-            raise InputError(f"{name!r} has another gravity or friction_speed than the first robot; load both alike.")
+        if not np.array_equal(robot.model.gravity.vector, first.model.gravity.vector):
+            raise InputError(f"{name!r} has another gravity than the first robot; load both alike.")
     poses = dict(at or {})
     for name in poses:
         if name not in robots:
@@ -83,7 +83,7 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
         values("damping"),
         values("friction"),
         values("neutral"),
-        first.friction_speed,
+        min((robot.friction_speed for _, robot in every if np.any(robot.friction)), default=first.friction_speed),
         JoinedGeometry(parts),
         "rt.robot.join",
         notes=tuple(f"{name}: {note}" for name, robot in every for note in robot.notes),

@@ -58,7 +58,9 @@ class Robot:
         A configuration inside the position limits [rad, m]; the root is at the origin unless the
         SRDF's reference places it.
     friction_speed : float
-        Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s].
+        Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s]. ``rt.load`` takes a 64th of the
+        URDF's highest speed limit of joints with friction, at least 0.05 and at most 0.5. Another one is set by
+        ``dataclasses.replace(robot, friction_speed=...)``.
     geometry : Geometry
         Source of the shapes.
     origin : str

@@ -27,6 +27,12 @@ def test_names_limits_and_losses_are_those_of_the_parts(pair):
     assert whole.mass == pytest.approx(left.mass + right.mass)
 
 
+def test_friction_of_the_whole_is_as_narrow_as_that_of_a_part_with_some():
+    ur5, z1, go1 = (rt.load(name) for name in ("ur5", "z1", "go1"))
+    assert rt.robot.join({"dog": go1, "arm": ur5}).friction_speed == go1.friction_speed
+    assert rt.robot.join({"dog": go1, "arm": z1}).friction_speed == z1.friction_speed
+
+
 def test_dynamics_of_a_part_do_not_depend_on_the_other(pair):
     (left, right), whole = pair[0].values(), pair[1]
     rng = np.random.default_rng(0)

@@ -128,6 +128,12 @@ def test_damping_and_friction_of_the_urdf_dissipate(arm):
     np.testing.assert_allclose(rough.dissipation([1.0, 0]), [0.2, 0], rtol=1e-12)
 
 
+@pytest.mark.parametrize(("name", "speed"), [("ur5", 0.05), ("z1", 0.05), ("talos", 5.4 / 64), ("go1", 30.1 / 64)])
+def test_friction_is_as_wide_as_joints_are_fast(name, speed):
+    assert rt.load(name).friction_speed == pytest.approx(speed)
+    assert rt.load(name, limits={"velocity": 1.0}).friction_speed == pytest.approx(speed)
+
+
 def test_damping_follows_locked_and_continuous_joints(tmp_path):
     robot = rt.load(write(tmp_path, "continuous"), locked={"shoulder": 0.1})
     np.testing.assert_array_equal(robot.damping, [0])

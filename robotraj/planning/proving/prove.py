@@ -17,7 +17,7 @@ import numpy as np
 from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
-from robotraj.planning.proving.soft_friction import is_of_arms, needs_softening, softened, softenings
+from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, softened
 from robotraj.planning.proving.solves import Solves
 from robotraj.planning.setting_conditions import is_kinked
 from robotraj.problem.initial_guess import InitialGuess
@@ -225,7 +225,7 @@ class _Refining:
         limits = replace(self.settings.interval_limits, rounds=0)
         settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
         found: Solution | None = None
-        for softening in softenings(self.problem):
+        for softening in SOFTENING:
             own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
             try:
                 softer = self.solves.solve(softened(self.problem, softening), found or guess, own)
@@ -242,8 +242,8 @@ class _Refining:
         return found
 
     def _finer_where_bent(self, soft: Solution) -> tuple[Mesh, ...]:
-        """Return meshes of arms that are finer where torques bend: they bend more sharply with less soft friction."""
-        if self.settings.refinement is None or not is_of_arms(self.problem):
+        """Return meshes that are finer where torques bend: they bend more sharply with less soft friction."""
+        if self.settings.refinement is None:
             return tuple(part.mesh for part in soft.phases)
         return measured(soft, None, self.goals, bending=True).next_meshes(soft.phases, self.settings.refinement, SOFTER)
 
@@ -276,8 +276,8 @@ class _Refining:
     def _warm(self) -> Solver:
         """The solver of a solve that starts from a solution on another mesh."""
         solver = self.settings.solver
-        if self.sticking and is_of_arms(self.problem):
-            # Effort of arms is mostly lost to friction, and times of sticking and sliding differ from mesh to mesh.
+        if self.sticking:
+            # Effort is mostly lost to friction, and times of sticking and sliding differ from mesh to mesh.
             return solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
         # as the signs of powers do.

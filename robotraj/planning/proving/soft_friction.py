@@ -21,12 +21,10 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 
-SOFTENING, SOFTENING_OF_GAITS = (10.0, 4.0, 2.0, 1.2), (10.0,)
-"""Factors c on v_s for the first solves, for arms and for robots whose root moves.
+SOFTENING = (10.0, 4.0, 2.0, 1.2)
+"""Factors c on v_s for the first solves, each on a finer mesh.
 
-Arms are solved on a finer mesh each time. Gaits, whose iterations take many times as long and whose effort depends
-little on friction, are softened once and keep their mesh: the next solve starts from the multipliers too. Fewer
-factors for arms are faster, and fewer plans are proved (``benchmarks/barrier.md``).
+Fewer factors are faster, and fewer plans are proved (``benchmarks/barrier.md``).
 """
 
 
@@ -36,18 +34,11 @@ def softened(problem: Problem, softening: float) -> Problem:
 
 
 def needs_softening(problem: Problem) -> bool:
-    """Whether a robot with dry friction minimises an integral; in least time no joint rests."""
+    """Whether an arm with dry friction minimises an integral.
+
+    In least time no joint rests. Legs lose little to friction, and their motions need no guess by softer one.
+    """
     return any(_has_friction(phase) and _integrates(phase) for phase in problem.phases)
-
-
-def is_of_arms(problem: Problem) -> bool:
-    """Whether all robots have a fixed root."""
-    return all(phase.robot is None or phase.robot.root == "fixed" for phase in problem.phases)
-
-
-def softenings(problem: Problem) -> tuple[float, ...]:
-    """Return the falling factors c of the first solves."""
-    return SOFTENING if is_of_arms(problem) else SOFTENING_OF_GAITS
 
 
 def _softer(phase: Phase, softening: float) -> Phase:
@@ -59,7 +50,7 @@ def _softer(phase: Phase, softening: float) -> Phase:
 
 def _has_friction(phase: Phase) -> bool:
     robot = phase.robot
-    if robot is None or isinstance(phase.dynamics, Kinematics):
+    if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics):
         return False
     return bool(np.any(robot.friction > 0.0))
 

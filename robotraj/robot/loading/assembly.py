@@ -35,6 +35,12 @@ from robotraj.robot.root import carried, root_of, units_of, with_root
 
 Array = npt.NDArray[np.float64]
 
+FRICTION_SHARE, FASTEST_FRICTION = 1 / 64, 0.5
+"""``friction_speed`` in shares of the highest speed limit of joints with friction, and its largest value [rad/s, m/s].
+
+One width for all joints would make dry friction a jump for fast legs, and a damper for slow arms.
+"""
+
 
 def assemble(
     about: Description,
@@ -108,12 +114,19 @@ def assemble(
         damping=np.array(model.damping),
         friction=friction,
         neutral=inside(kept, wanted),
+        friction_speed=_friction_speed(friction, own.velocity),
         geometry=_geometry(about, whole, ids, at),
         origin=about.origin,
         end_effector=about.end_effector,
         notes=tuple(note for note in notes if note),
         root=root,
     )
+
+
+def _friction_speed(friction: Array, speeds: Array) -> float:
+    """Return the width of dry friction, from the URDF's speed limits of the joints that have some."""
+    limited = speeds[(friction > 0.0) & np.isfinite(speeds)]
+    return float(np.clip(FRICTION_SHARE * np.max(limited, initial=0.0), Robot.friction_speed, FASTEST_FRICTION))
 
 
 def _locked(

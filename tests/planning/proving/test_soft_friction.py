@@ -21,7 +21,7 @@ def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
         ("z1", rt.Effort(), True),
         ("z1", rt.Duration(), False),
         ("ur5", rt.Effort(), False),
-        ("go1", rt.Effort(), True),
+        ("go1", rt.Effort(), False),
         ("solo12", rt.Effort(), False),
     ],
 )
@@ -79,8 +79,6 @@ def test_rates_of_torque_balances_have_the_same_friction() -> None:
 
 
 def test_trots_with_dry_friction_take_few_iterations() -> None:
-    # With damping of every variable, where the curvature of friction was negative, they took 562 in sum. One trot alone
-    # takes a third more or less with the round-off.
     robot = rt.load("go1", root="floating")
     feet = tuple(name for name in rt.gait.limb_ends(robot) if name.endswith("foot"))
     trots = [
@@ -88,4 +86,4 @@ def test_trots_with_dry_friction_take_few_iterations() -> None:
         for speed in (0.18, 0.2, 0.25)
     ]
     assert all(solution.success for solution in trots)
-    assert sum(solution.iterations for solution in trots) <= 420
+    assert sum(solution.iterations for solution in trots) <= 150
