@@ -11,6 +11,7 @@ from robotraj.native.engines.base import Engine
 from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.constraints.integral import IntegralConstraint
+from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Solver
@@ -141,6 +142,13 @@ def _follows_path(case: Case) -> bool:
     return len(others) < len(phases) and all(is_exact(phase, (HermiteSimpson(),)) for phase in others)
 
 
+def _weighs_ends_alone(phase: Phase) -> bool:
+    """Whether only the ends count: the objective has no integral, as a least time, and no obstacles are in the way."""
+    terms = phase.objective.terms if phase.objective is not None else ()
+    avoiding = any(each.avoids_collisions for each in phase.constraints)
+    return bool(terms) and not avoiding and not any(isinstance(term, Integral) for _, term in terms)
+
+
 def _floats(phase: Phase) -> bool:
     return phase.robot is not None and phase.robot.root == "floating"
 
@@ -169,6 +177,6 @@ STAGEWISE = Condition("solver by stages", _has_narrow_stages)
 ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase in case.problem.phases))
 SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
 FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])
-AVOIDING = any_phase("clearance", lambda phase: any(each.avoids_collisions for each in phase.constraints))
+ENDS_ALONE = Condition("ends alone", lambda case: all(map(_weighs_ends_alone, case.problem.phases)))
 CONTACTS = any_phase("contacts", lambda phase: bool(phase.bound_contacts))
 PASSIVE = any_phase("joints without a motor", _has_passive_joints)

@@ -93,8 +93,15 @@ RULES: tuple[Rule, ...] = (
         MeshesOfLines(),
         "accelerations that bend between the points hide power from the quadrature",
     ),
-    _rule("mesh", when.PROVED, when.EXACT, when.AVOIDING, graded(FEW), "ways around obstacles are sought on it"),
-    _rule("mesh", when.PROVED, when.EXACT, graded(COARSE), "a coarse mesh approximates the motion"),
+    _rule(
+        "mesh",
+        when.PROVED,
+        when.EXACT,
+        when.ENDS_ALONE,
+        graded(COARSE),
+        "least times without obstacles converge slowly",
+    ),
+    _rule("mesh", when.PROVED, when.EXACT, graded(FEW), "a coarse mesh approximates the motion"),
     _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
     _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
@@ -165,10 +172,15 @@ RULES: tuple[Rule, ...] = (
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
     _rule(
-        "refinement", when.PROVED, when.EXACT, when.AVOIDING, Equidistribute(second=3.0), "its first mesh is coarser"
+        "refinement",
+        when.PROVED,
+        when.EXACT,
+        when.ENDS_ALONE,
+        Equidistribute(second=NEXT),
+        "least times mostly settle on that mesh",
     ),
     _rule(
-        "refinement", when.PROVED, when.EXACT, Equidistribute(second=NEXT), "only the objective has not converged yet"
+        "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
     ),
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),

@@ -14,14 +14,13 @@ from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
-COARSE = 28
-"""Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own.
+FEW = 16
+"""Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
+COARSE, NEXT = 28, 2.5
+"""Intervals of the first mesh of motions in least time, and least growth to the second one, on which most settle.
 
-With ``NEXT`` times as many, least times of arms have settled on the second mesh, and most efforts too. From 16
-intervals the third mesh was needed (``benchmarks/barrier.md``).
+Least times converge by a lower order than integrals. From 16 and 48 intervals they needed a third mesh.
 """
-NEXT = 2.5
-"""Least growth from that mesh to the second one."""
 KINKED = 32
 """Intervals of the first mesh of an arm whose objective has kinks, such as the absolute power, by ``LINES``."""
 SYSTEM = 30
@@ -36,11 +35,6 @@ CROWDING = 0.8
 """Concentration of the knots at the ends, from 0 for equal intervals to 1."""
 
 
-FEW = 16
-"""Intervals of the first mesh where many problems are solved on it.
-
-These are ways around obstacles, and soft friction before dry friction.
-"""
 STICKING = RadauIIA(3)
 """Scheme of motions with dry friction for the least integral.
 
@@ -84,7 +78,7 @@ class MeshesOnPaths:
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
         """Return the mesh of each phase."""
-        return tuple(graded(COARSE) if phase.path is None else graded(PATH, LINES) for phase in problem.phases)
+        return tuple(graded(FEW) if phase.path is None else graded(PATH, LINES) for phase in problem.phases)
 
 
 @dataclass(frozen=True)
