@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import TimeSpan, check_options, number
+from robotraj.gait.dependent_feet import warn_of_dependent_feet
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
@@ -82,6 +83,7 @@ def sequence(
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
     contacts = {foot: foot_contact(terms.contact, foot) for foot in every}
     posture = standing(BalancedStance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
+    warn_of_dependent_feet(robot, supports, posture)
     objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
     for i, support in enumerate(supports):

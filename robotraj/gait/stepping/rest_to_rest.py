@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
@@ -138,8 +139,12 @@ def alternating(robot: Robot, options: StepOptions) -> tuple[list[tuple[str, ...
         raise InputError(
             f"This motion needs two or four feet; {robot.name!r} has {', '.join(names)}. Name them with feet=."
         )
-    centre = np.mean(list(home.values()), axis=0)
-    diagonal = tuple(n for n in names if np.prod(home[n] - centre) > 0)
+    # In a plane footholds have no y; the model has.
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.neutral)
+    below = {n: np.array(data.oMf[robot.frame(n)].translation[:2]) for n in names}
+    centre = np.mean(list(below.values()), axis=0)
+    diagonal = tuple(n for n in names if np.prod(below[n] - centre) > 0)
     others = tuple(n for n in names if n not in diagonal)
     if len(diagonal) != 2:
         raise InputError(f"The feet {', '.join(names)} of {robot.name!r} are no two diagonal pairs; use rt.gait.steps.")

@@ -1,0 +1,42 @@
+"""Feet that cannot move independently, and the plane in which their robot is planned."""
+
+from __future__ import annotations
+
+import warnings
+
+import pytest
+
+import robotraj as rt
+
+LIMITS = {"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7}
+
+
+@pytest.mark.parametrize("what", ["crawl", "start_stop"])
+def test_legs_in_parallel_planes_cannot_hold_feet_on_both_sides(what: str) -> None:
+    solo8 = rt.load("solo8", root="floating")
+    with pytest.warns(UserWarning, match=r"cannot move independently.* root='planar'"):
+        if what == "crawl":
+            rt.gait.crawl(solo8, step_length=0.03, duration=0.5)
+        else:
+            rt.gait.start_stop(solo8, step_length=0.05, count=2)
+
+
+def test_feet_that_move_independently_are_not_warned_of() -> None:
+    solo8, solo12 = (rt.load(name, root="floating") for name in ("solo8", "solo12"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rt.gait.trot(solo8, step_length=0.05, duration=0.2)
+        rt.gait.crawl(solo12, step_length=0.03, duration=0.5)
+        rt.gait.start_stop(solo12, step_length=0.05, count=2)
+
+
+def test_a_quadruped_steps_in_a_plane() -> None:
+    """Its feet have no y there, but they still form two diagonal pairs."""
+    solo8 = rt.load("solo8", root="planar", limits=LIMITS)
+    problem = rt.gait.start_stop(solo8, step_length=0.05, count=2)
+    standing = [frozenset(contact.frame for contact in phase.contacts) for phase in problem.phases]
+    pairs = {feet for feet in standing if len(feet) == 2}
+    assert pairs == {frozenset({"FL_FOOT", "HR_FOOT"}), frozenset({"FR_FOOT", "HL_FOOT"})}
+    solution = rt.plan(problem)
+    assert solution.proof is not None and solution.proof.holds
+    assert solution.at(solution.duration).q[0] - solution.at(0.0).q[0] == pytest.approx(0.05, abs=1e-6)
