@@ -18,6 +18,7 @@ constexpr double kLonger = 0.3;  // by how much further than its length a step i
 constexpr double kGain = 0.1;    // share of kLonger by which one of its lengths must grow,
 constexpr double kLoss = 0.99;   // and the least ratio of the other one
 
+constexpr double kSmall = 1e-4;
 constexpr Centring kOfAdaptive{0.9, 2, 10.0}, kOfMonotone{0.4, 1, 100.0};
 
 }  // namespace
@@ -72,8 +73,8 @@ bool Barrier::choose() {
 bool Barrier::follow() {
   if (!run_.direction.find(*run_.current, run_.mu, run_.step.get())) return false;
   if (run_.options.adaptive_barrier) center(kOfAdaptive);
-  // Without stages a solution takes a tenth of a factorisation, and longer steps save some of these.
-  else if (run_.problem.layout().count() == 1) center(kOfMonotone);
+  // Without stages a solution takes a tenth of a factorisation. A small first barrier lets bounds shorten many steps.
+  else if (run_.problem.layout().count() == 1 && run_.options.initial_barrier <= kSmall) center(kOfMonotone);
   return true;
 }
 
