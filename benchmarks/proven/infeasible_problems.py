@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -152,6 +153,14 @@ def weak_legs() -> rt.Phase:
     return rt.Phase(robot, 0.5, rest, rest, rt.Effort(), contacts=contacts, limits=limits, name="stand")
 
 
+def steep_trot() -> rt.Problem:
+    """Trot up a slope that is steeper than the friction of the feet."""
+    contact = partial(rt.PointContact, friction=0.3)
+    ground = rt.terrain.Slope(0.6)
+    robot = rt.load("solo12", root="floating")
+    return rt.gait.trot(robot, step_length=0.05, duration=0.2, contact=contact, ground=ground)
+
+
 FOLDER = tempfile.TemporaryDirectory()
 """Where URDFs are written; it is removed when the process ends."""
 
@@ -282,6 +291,7 @@ PROBLEMS: Mapping[str, Infeasible] = {
     # mirrors, footholds and fixed ends phases later
     "five_link, mirrored knees": Infeasible(mirrored_knees, ("knee", "position limit", "Touchdown|mirror")),
     "five_link, step of 2 m": Infeasible(long_step, ("foot", "Touchdown")),
+    "solo12, slope without friction": Infeasible(steep_trot, ("friction", "slope"), (0.59, 0.7)),
     "solo12, foothold out of reach": Infeasible(far_foothold, ("FL_FOOT", "contact position", "phase 'support 1'")),
     "three phases, end too far": Infeasible(three_moves, ("v", "state bound"), (1.3, 2.5)),
     "phases fixed apart": Infeasible(fixed_apart, ("state bound, v", "phase 'rest'")),

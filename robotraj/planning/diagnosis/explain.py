@@ -1,7 +1,7 @@
 """Why a plan failed: the conflicts of its limits.
 
-The cheapest check comes first: ends without a configuration, then torques too small to hold an end, then the relaxed
-problem on a coarse mesh.
+The cheapest check comes first: slopes that are too steep, ends without a configuration, torques too small to hold an
+end, then the relaxed problem on a coarse mesh.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
+from robotraj.planning.diagnosis.slipping import slipping_contacts
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
@@ -73,7 +74,7 @@ def conflicts_of(
     agreed: bool = False,
     near: Sequence[PhaseTrajectory] = (),
 ) -> tuple[Conflict, ...]:
-    """Return the first conflicts that are found: at the ends, of torques that hold them, of the relaxed problem.
+    """Return the first conflicts that are found: of slopes, at the ends, of torques that hold them, of relaxed rows.
 
     With ``agreed``, two searches must find the same conflicts at the ends; otherwise one search suffices.
     The first search starts from the ends of ``near``, the iterate of a solver.
@@ -91,7 +92,7 @@ def _searched(
     """Return the first conflicts, and whether a motion of the relaxed problem meets every row."""
     if isinstance(start, Solution):
         near = [part.trajectory for part in start.phases]
-    found = unreached_ends(problem, agreed, near) or unheld_ends(problem)
+    found = slipping_contacts(problem) or unreached_ends(problem, agreed, near) or unheld_ends(problem)
     if found:
         return found, False
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)
