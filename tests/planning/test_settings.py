@@ -229,3 +229,21 @@ def test_a_mesh_replaces_the_goals_of_earlier_settings_and_their_refinement() ->
     alone = rt.plan(move(), rt.Mesh(10), settings=proved.settings)
     assert alone.settings.goals is None and alone.settings.refinement is None and alone.proof is None
     assert rt.plan(move(), settings=proved.settings).objective == proved.objective
+
+
+@pytest.mark.parametrize(
+    ("objective", "obstacles", "count"),
+    [
+        (rt.Duration(), (), 28),
+        (rt.Duration() + 1e-3 * rt.Effort(), (), 16),
+        (rt.Effort(), (), 16),
+        (rt.Duration(), (rt.obstacles.Sphere(0.1, (0.5, 0.0, 0.5)),), 16),
+    ],
+)
+def test_least_times_in_the_open_begin_on_more_intervals(
+    objective: Objective, obstacles: tuple[rt.obstacles.Sphere, ...], count: int
+) -> None:
+    apart = [rt.CollisionFree(obstacles)] if obstacles else []
+    phase = rt.Phase(rt.load("ur5"), (0.5, 5.0), objective=objective, constraints=apart)
+    mesh = resolve(rt.Problem([phase]), {}).mesh
+    assert isinstance(mesh, rt.Mesh) and mesh.count == count
