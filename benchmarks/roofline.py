@@ -19,6 +19,7 @@ factorisation, r^2 for each pivot of a front of r rows, and the point functions.
 
 from __future__ import annotations
 
+import datetime
 import sys
 import time
 from collections.abc import Iterator
@@ -44,8 +45,8 @@ NOTES = "## What the recursion does"
 """Heading in ``TABLE`` of what the script does not write."""
 HEAD = """# An iteration beside the arithmetic limit of a core
 
-Written by `python benchmarks/roofline.py`, whose docstring has the formulas; `rt.InteriorPoint(threads=1)`, processor
-time on a shared machine. The limit is the speed of a BLAS's product of matrices of 256 rows. The last column uses
+Written on {date} by `python benchmarks/roofline.py`, whose docstring has the formulas; `rt.InteriorPoint(threads=1)`,
+processor time on a shared machine. The limit is the speed of a BLAS's product of matrices of 256 rows. The last column uses
 products of 30 rows. The larger a stage, the closer an iteration is to the limit, since the limit counts nothing but
 dense matrices; the recursion skips zeros.
 """
@@ -228,7 +229,7 @@ def main() -> None:
         lines.append(line)
     notes = TABLE.read_text()
     notes = notes[notes.index(NOTES) :]
-    TABLE.write_text("\n".join([HEAD, *lines, "", notes]))
+    TABLE.write_text("\n".join([HEAD.format(date=datetime.date.today()), *lines, "", notes]))
 
 
 if __name__ == "__main__":

@@ -93,8 +93,8 @@ void Barrier::center(const Centring& how) {
   for (int count = 0; count < how.times && std::min(primal, dual) < how.below; ++count) {
     if (!before_) before_ = std::make_unique<Room>(run.problem);
     before_->copy(run.step);
-    const double further[] = {std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger)};
-    bool better = run.direction.center(at, further[0], further[1], how.largest, step);
+    bool better =
+        run.direction.center(at, std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger), how.largest, step);
     const auto [of_primal, of_dual] = lengths();
     const bool gains = of_primal >= primal + kGain * kLonger || of_dual >= dual + kGain * kLonger;
     better = better && gains && of_primal >= kLoss * primal && of_dual >= kLoss * dual;

@@ -19,9 +19,7 @@ struct Inertia {
 /// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are first scaled
 /// by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
 ///
-/// The order is that of the pattern alone, as if no diagonal were zero.
-///
-/// The memory of one factorisation is reused by the next.
+/// The order is that of the pattern alone, as if no diagonal were zero. One factorisation reuses the memory of another.
 class Factors {
  public:
   /// `groups` as in tree_of_fewest_products, `processor` as in kernels_of.

@@ -121,15 +121,14 @@ bool InertiaCorrection::aim(Iterate& iterate, double mu, bool second_order, cons
 
 bool InertiaCorrection::center(Iterate& iterate, double primal, double dual, double largest, const Vectors& step) {
   const native::Bounds bounds = problem_.bounds();
+  const double least = kLeastProduct * mu_;
   largest *= mu_;
   if (!second_order_) {
     std::fill_n(lower_products_, problem_.slacks(), 0.0);
     std::fill_n(upper_products_, problem_.slacks(), 0.0);
     second_order_ = true;
   }
-  const auto change = [&](double product) {
-    return std::max(-largest, std::clamp(product, kLeastProduct * mu_, largest) - product);
-  };
+  const auto change = [&](double product) { return std::max(-largest, std::clamp(product, least, largest) - product); };
   for (int i = 0; i < problem_.slacks(); ++i) {
     const double ds = primal * step.s[i];
     if (std::isfinite(bounds.lower[i]))
