@@ -46,9 +46,9 @@ NOTES = "## What the recursion does"
 HEAD = """# An iteration beside the arithmetic limit of a core
 
 Written on {date} by `python benchmarks/roofline.py`, whose docstring has the formulas; `rt.InteriorPoint(threads=1)`,
-processor time on a shared machine. The limit is the speed of a BLAS's product of matrices of 256 rows. The last column uses
-products of 30 rows. The larger a stage, the closer an iteration is to the limit, since the limit counts nothing but
-dense matrices; the recursion skips zeros.
+processor time on a shared machine. The limit is the speed of a BLAS's product of matrices of 256 rows. The last column
+uses products of 30 rows. The larger a stage, the closer an iteration is to the limit, since the limit counts nothing
+but dense matrices; the recursion skips zeros.
 """
 FEW = 12
 """Entries of an inequality that is eliminated before the factorisation, as in ``sparse_system.cpp``."""
