@@ -3,7 +3,7 @@
 A first, coarse mesh approximates the motion, and a second one finds its optimum. The order of the scheme predicts the
 mesh that is needed, from the errors of the intervals and from the change of the objective. Where an exact motion
 exceeds limits of torques between the points, they are lowered there by the excess, on the same mesh. Where a finer
-mesh is not solved, a first one meets its limit of iterations, or errors stagnate, controls of systems become lines.
+mesh is not solved, a first one takes iterations without end, or errors stagnate, controls of systems become lines.
 Where that does not help either, and the solution on the coarse mesh is no motion, the plan begins again from its guess.
 """
 
@@ -29,7 +29,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
-from robotraj.transcription.refinement.linear_controls import on_lines
+from robotraj.transcription.refinement.linear_controls import ENDLESS, on_lines
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -148,7 +148,7 @@ class _Refining:
 
     def _goes_astray(self, failed: Solution, first: bool) -> bool:
         """Whether a mesh may have failed because free controls exploit it."""
-        return failed.status not in SPENT and (not first or failed.status is Status.ITERATION_LIMIT)
+        return failed.status not in SPENT and (not first or failed.iterations >= ENDLESS)
 
     def _strayed(self, failed: Solution) -> bool:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""

@@ -20,7 +20,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.equidistribution import Equidistribute
-from robotraj.transcription.refinement.linear_controls import on_lines
+from robotraj.transcription.refinement.linear_controls import ENDLESS, on_lines
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -49,8 +49,6 @@ CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
 ENDING = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
-WITHOUT_END = (Status.ITERATION_LIMIT, Status.STALLED, Status.DIVERGED)
-"""Statuses of a first mesh after which controls become lines: free ones may exploit a coarse mesh without end."""
 SMALL = 1e-2
 """Least size of an objective to which the tolerance is relative."""
 
@@ -189,7 +187,7 @@ class _Adaptation:
         failed = not solution.success and solution.status not in ENDING
         astray = failed or (worst > self.tolerance and _hardly_falls(self.steps))
         first = len(self.steps) == 1
-        if not astray or (first and solution.status not in WITHOUT_END) or self.refinement == CALM:
+        if not astray or (first and solution.iterations < ENDLESS) or self.refinement == CALM:
             return False
         # The program of a failed mesh leads astray from the motion on the last one.
         last = start if failed else solution

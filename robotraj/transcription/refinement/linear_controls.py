@@ -19,6 +19,8 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 LINES = HermiteSimpson(control=LinearControl())
 """Hermite-Simpson with controls that are lines on every interval."""
+ENDLESS = 1000
+"""Iterations without a solution on a first mesh after which controls become lines: free ones may exploit it."""
 
 
 def on_lines(problem: Problem, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
