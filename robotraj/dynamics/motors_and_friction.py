@@ -4,7 +4,10 @@
 
 with d the damping, F the dry friction and v_s the robot's ``friction_speed``. The last term is a smooth F sign(v).
 A softening c > 0 replaces tanh(s) by s / sqrt(s^2 + c^2), s = v / v_s. That is another friction, whose solutions are
-guesses only (``robotraj.planning.proving.soft_friction``).
+guesses only (``robotraj.planning.proving.soft_friction``). It may be averaged over the times from t - e to t + e, when
+the speed is taken to be v + a (t' - t):
+
+    2 s / (sqrt((s + d)^2 + c^2) + sqrt((s - d)^2 + c^2)),  d = a e / v_s
 """
 
 from __future__ import annotations
@@ -20,7 +23,9 @@ if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 
-def joint_forces(robot: Robot, v: ca.SX, tau: ca.SX, damping: Column, softening: float = 0.0) -> ca.SX:
+def joint_forces(
+    robot: Robot, v: ca.SX, tau: ca.SX, damping: Column, softening: float = 0.0, change: ca.SX | None = None
+) -> ca.SX:
     """Return the generalised force of the motors, the damping and the friction, (nv,) [N m, N].
 
     Parameters
@@ -35,6 +40,8 @@ def joint_forces(robot: Robot, v: ca.SX, tau: ca.SX, damping: Column, softening:
         Viscous damping, of the design if there is one [N m s/rad, N s/m].
     softening : float
         c; 0 for the robot's own friction.
+    change : casadi.SX (nv,), optional
+        a e, by which speeds change within the time over which soft friction is averaged [rad/s, m/s].
     """
     force = ca.SX(robot.nv, 1)
     for i, joint in enumerate(robot.actuated):
@@ -44,10 +51,16 @@ def joint_forces(robot: Robot, v: ca.SX, tau: ca.SX, damping: Column, softening:
         force -= damping * v
     # Frictionless joints have no tanh in the graph.
     for i in np.flatnonzero(robot.friction).tolist():
-        force[i] -= robot.friction[i] * _saturation(v[i] / robot.friction_speed, softening)
+        relative = None if change is None else change[i] / robot.friction_speed
+        force[i] -= robot.friction[i] * _saturation(v[i] / robot.friction_speed, softening, relative)
     return force
 
 
-def _saturation(speed: ca.SX, softening: float) -> ca.SX:
-    """Return the share of the dry friction, from -1 to 1, at a speed relative to ``friction_speed``."""
-    return speed / ca.sqrt(speed**2 + softening**2) if softening else ca.tanh(speed)
+def _saturation(speed: ca.SX, softening: float, change: ca.SX | None) -> ca.SX:
+    """Return the share of the dry friction, from -1 to 1; speeds are relative to ``friction_speed``."""
+    if not softening:
+        return ca.tanh(speed)
+    if change is None:
+        return speed / ca.sqrt(speed**2 + softening**2)
+    before, after = (ca.sqrt((speed + sign * change) ** 2 + softening**2) for sign in (-1, 1))
+    return 2.0 * speed / (before + after)

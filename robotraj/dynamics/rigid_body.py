@@ -50,12 +50,15 @@ class RigidBody(OneLine):
         Contacts that hold throughout the phase.
     softening : float
         0 for the robot's own friction; see ``motors_and_friction``.
+    averaging : float
+        Half the time over which the inverse form averages soft friction [s].
     """
 
     robot: Robot
     design: Design | None = None
     contacts: tuple[BoundContact, ...] = ()
     softening: float = 0.0
+    averaging: float = 0.0
 
     @cached_property
     def states(self) -> tuple[Variable, ...]:
@@ -233,7 +236,9 @@ class InverseRigidBody(RigidBody):
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
-        balance = point.inverse_dynamics - joint_forces(self.robot, point.v, point.tau, point.damping, self.softening)
+        change = self.averaging * point.a if self.averaging else None
+        forces = joint_forces(self.robot, point.v, point.tau, point.damping, self.softening, change)
+        balance = point.inverse_dynamics - forces
         terms = [contact_terms_of(contact, point) for contact in self.contacts]
         for each in terms:
             balance += each.reaction

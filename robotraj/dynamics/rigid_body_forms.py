@@ -44,16 +44,25 @@ class InverseDynamics(RigidBodyForm):
     ----------
     softening : float
         c of the dry friction (``robotraj.dynamics.motors_and_friction``); 0 for the robot's own.
+    averaging : float
+        e, half the time over which soft friction is averaged [s].
 
     Raises
     ------
     InputError
-        ``softening`` is negative or not finite.
+        ``softening`` or ``averaging`` is negative or not finite.
     """
+
+    averaging: float = 0.0
+
+    def __post_init__(self) -> None:
+        RigidBodyForm.__post_init__(self)
+        if not (is_number(self.averaging) and 0.0 <= float(self.averaging) < np.inf):
+            raise InputError(f"averaging={self.averaging!r} must be a time from 0.")
 
     def of(self, robot: Robot, design: Design | None = None, contacts: Sequence[BoundContact] = ()) -> InverseRigidBody:
         """Bind to a robot."""
-        return InverseRigidBody(robot, design, tuple(contacts), self.softening)
+        return InverseRigidBody(robot, design, tuple(contacts), self.softening, self.averaging)
 
 
 @dataclass(frozen=True)

@@ -214,7 +214,7 @@ class Jerks(Augmented):
         robot = _robot(self.inner)
         inner = body_of(self.inner)
         assert isinstance(inner, RigidBody)
-        body = InverseDynamics(inner.softening).of(robot, inner.design)
+        body = InverseDynamics(inner.softening, inner.averaging).of(robot, inner.design)
         q = ca.SX.sym("q", robot.nq)
         v, a, j = (ca.SX.sym(name, robot.nv) for name in "vaj")
         tau, rate = ca.SX.sym("tau", robot.nu), ca.SX.sym("rate", robot.nu)

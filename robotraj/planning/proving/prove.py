@@ -15,9 +15,9 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.planning.diagnosis.explain import are_certain
-from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
-from robotraj.planning.proving.soft_friction import SOFTENING, needs_softening, softened
+from robotraj.planning.proving.soft_friction import needs_softening
+from robotraj.planning.proving.soft_solves import finer_where_bent, soft_solution
 from robotraj.planning.proving.solves import Solves
 from robotraj.planning.setting_conditions import is_kinked
 from robotraj.problem.initial_guess import InitialGuess
@@ -41,8 +41,6 @@ PATIENCE, PATIENCE_STICKING = 150, 300
 """Iterations of a solve that can only improve an objective or the guess of another solve."""
 MET = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
-SOFTER = 1.25
-"""Least growth of the number of intervals from one soft friction to the next, less soft one."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
@@ -95,8 +93,11 @@ class _Refining:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
         meshes = coarsest = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
-        if (soft := self._with_soft_friction(guess, meshes)) is not None:
-            guess, meshes = soft, self._finer_where_bent(soft)
+        soft = None
+        if self.sticking and not isinstance(guess, Solution):
+            soft = soft_solution(self.problem, guess, meshes, self.settings, self.solves)
+        if soft is not None:
+            guess, meshes = soft, finer_where_bent(soft, self.settings)
         self.neighbour = proof_on(guess, meshes)
         last: Solution | None = None
         best_limited, stagnant = False, 0
@@ -112,12 +113,18 @@ class _Refining:
                 return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
             if last.status is Status.INTERRUPTED:
                 return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
+            # Free controls may exploit the program of a coarse mesh.
+            endless = last.iterations >= ENDLESS
             if last.success:
                 self.best = last = self._measured(last, self.measures)
                 best_limited = self.limits_between
                 if self._meets_obstacle_on_path(last):
                     break
-            elif self._goes_astray(last, first) and (calmer := on_lines(self.problem, meshes)) != meshes:
+            elif (
+                (not first or endless)
+                and last.status not in SPENT
+                and (calmer := on_lines(self.problem, meshes)) != meshes
+            ):
                 meshes = calmer
                 continue
             elif self._strayed(last):
@@ -145,10 +152,6 @@ class _Refining:
         elif self.best is not None and not best_limited:
             self._limit_best_between()
         return self.solves.concluded(self.best or last, self.steps)
-
-    def _goes_astray(self, failed: Solution, first: bool) -> bool:
-        """Whether a mesh may have failed because free controls exploit it."""
-        return failed.status not in SPENT and (not first or failed.iterations >= ENDLESS)
 
     def _strayed(self, failed: Solution) -> bool:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
@@ -217,35 +220,6 @@ class _Refining:
         if self.best is None or self.measures is None:
             return tuple(evenly_finer(mesh, max(least, missed, SECOND)) for mesh in meshes)
         return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth), missed)
-
-    def _with_soft_friction(self, guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Solution | None:
-        """Solve with soft dry friction; None without friction, or if all solves failed."""
-        if not self.sticking or isinstance(guess, Solution):
-            return None
-        limits = replace(self.settings.interval_limits, rounds=0)
-        settings = replace(self.settings, restarts=Restarts(0), interval_limits=limits)
-        found: Solution | None = None
-        for softening in SOFTENING:
-            own = replace(settings, mesh=meshes, solver=settings.solver.at_most(PATIENCE))
-            try:
-                softer = self.solves.solve(softened(self.problem, softening), found or guess, own)
-            except KeyboardInterrupt:
-                if not isinstance(self.progress, PlanLimits):
-                    raise
-                break
-            if softer.success:
-                found, meshes = softer, self._finer_where_bent(softer)
-            elif are_certain(softer.conflicts):
-                break
-        if isinstance(self.progress, PlanLimits):
-            self.progress.begin()
-        return found
-
-    def _finer_where_bent(self, soft: Solution) -> tuple[Mesh, ...]:
-        """Return meshes that are finer where torques bend: they bend more sharply with less soft friction."""
-        if self.settings.refinement is None:
-            return tuple(part.mesh for part in soft.phases)
-        return measured(soft, None, self.goals, bending=True).next_meshes(soft.phases, self.settings.refinement, SOFTER)
 
     def _on(
         self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool, nearby: bool

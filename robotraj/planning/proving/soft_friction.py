@@ -8,29 +8,52 @@ optimum, or takes hundreds of iterations. The problem is first solved with
 at falling c, each solution the guess of the next, and then with the robot's own friction. The slope of this curve falls
 as v^-3 beside the reversal, that of tanh exponentially. A Newton step can therefore shift the time of a reversal by a
 share of its distance from the optimum. With tanh it shifts by the width of the reversal alone.
+
+On a mesh, friction is seen at the collocation points alone. The effort falls by steps where a reversal passes a point,
+so that reversals get stuck between points. They move on with every finer mesh, and the objective does not settle. Soft
+friction is therefore averaged over a share of an interval (``robotraj.dynamics.motors_and_friction``).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from robotraj.dynamics.kinematics import Kinematics
+from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.solution.solution import Solution
+from robotraj.transcription.schemes.mesh import Mesh
 
 SOFTENING = (10.0, 4.0, 2.0, 1.2)
 """Factors c on v_s for the first solves, each on a finer mesh.
 
 Fewer factors are faster, and fewer plans are proved (``benchmarks/barrier.md``).
 """
+AVERAGED = 0.1
+"""Half the time over which soft friction is averaged, relative to the mean interval of the mesh."""
 
 
-def softened(problem: Problem, softening: float) -> Problem:
-    """Return a problem whose robots have the soft friction of c = ``softening``."""
-    return Problem([_softer(phase, softening) for phase in problem.phases], problem.links)
+def softened(problem: Problem, softening: float, averaging: Sequence[float]) -> Problem:
+    """Return a problem whose robots have the soft friction of c = ``softening``, averaged by e = ``averaging``."""
+    phases = zip(problem.phases, averaging, strict=True)
+    return Problem([_softer(phase, softening, time) for phase, time in phases], problem.links)
+
+
+def averaging_times(problem: Problem, meshes: Sequence[Mesh], found: Solution | None) -> tuple[float, ...]:
+    """Return e for the soft friction of each phase on these meshes [s].
+
+    A free duration is that of the last solution; e is 0 before the first one.
+    """
+    if found is not None:
+        durations = [part.duration for part in found.phases]
+    else:
+        durations = [low if low == high else 0.0 for low, high in (phase.duration_bounds for phase in problem.phases)]
+    return tuple(AVERAGED * duration / mesh.count for duration, mesh in zip(durations, meshes, strict=True))
 
 
 def needs_softening(problem: Problem) -> bool:
@@ -41,10 +64,12 @@ def needs_softening(problem: Problem) -> bool:
     return any(_has_friction(phase) and _integrates(phase) for phase in problem.phases)
 
 
-def _softer(phase: Phase, softening: float) -> Phase:
+def _softer(phase: Phase, softening: float, averaging: float) -> Phase:
     dynamics = phase.dynamics
     if not _has_friction(phase) or isinstance(dynamics, Kinematics):
         return phase
+    if isinstance(dynamics, InverseDynamics):
+        return replace(phase, dynamics=replace(dynamics, softening=softening, averaging=averaging))
     return replace(phase, dynamics=replace(dynamics, softening=softening))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.soft_friction import needs_softening, softened
+from robotraj.planning.proving.soft_friction import averaging_times, needs_softening, softened
 
 
 def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
@@ -37,10 +37,11 @@ def test_only_the_curve_of_friction_is_changed(
 ) -> None:
     (phase,) = problem("z1", rt.Effort()).phases
     given = rt.Problem([phase.with_(dynamics=dynamics)])
-    (soft,), (hard,) = (each.phases for each in (softened(given, 10.0), given))
+    (soft,), (hard,) = (each.phases for each in (softened(given, 10.0, [0.02]), given))
     assert soft.robot is hard.robot
     assert soft.with_(dynamics=dynamics).duration_bounds == hard.duration_bounds
     assert soft.dynamics.softening == 10.0
+    assert getattr(soft.dynamics, "averaging", 0.02) == 0.02
 
 
 @pytest.mark.parametrize("speed", [-3.0, -0.05, 0.0, 0.02, 1.0])
@@ -60,6 +61,37 @@ def test_soft_friction_is_the_algebraic_curve_of_the_docstring(speed: float) -> 
     width = 4.0 * robot.friction_speed
     expected = frictionless + robot.friction * speed / np.hypot(speed, width)
     np.testing.assert_allclose(balance(4.0), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("speed", "acceleration"), [(0.0, 2.0), (0.3, 0.0), (0.3, -5.0), (-0.1, 20.0)])
+def test_averaged_friction_is_the_mean_over_a_time(speed: float, acceleration: float) -> None:
+    robot, time, softening = rt.load("z1"), 0.02, 1.2
+    x, z, u = ca.SX.sym("x", 2 * robot.nv), ca.SX.sym("z", robot.nv), ca.SX.sym("u", robot.nv)
+    at = np.append(robot.neutral, np.full(robot.nv, speed)), np.full(robot.nv, acceleration), np.zeros(robot.nv)
+
+    def balance(averaging: float) -> np.ndarray:
+        body = rt.dynamics.InverseDynamics(softening, averaging).of(robot)
+        residual = body.residual(body.point(ca.SX(0), x, z, u, ca.SX(0, 1), ()))
+        return np.array(ca.Function("residual", [x, z, u], [residual])(*at)).ravel()
+
+    width = softening * robot.friction_speed
+    speeds = speed + acceleration * np.linspace(-time, time, 20001)
+    mean = np.trapezoid(speeds / np.hypot(speeds, width), dx=1e-4 / 2)
+    expected = robot.friction * (mean - speed / np.hypot(speed, width))
+    np.testing.assert_allclose(balance(time) - balance(0.0), expected, atol=1e-6)
+
+
+def test_a_free_duration_is_that_of_the_last_solution() -> None:
+    given, meshes = problem("z1", rt.Effort()), (rt.Mesh(20),)
+    free = rt.Problem([given.phases[0].with_(duration=(0.5, 20.0))])
+    assert averaging_times(given, meshes, None) == pytest.approx((0.1 * 1.0 / 20,))
+    assert averaging_times(free, meshes, None) == (0.0,)
+
+
+@pytest.mark.parametrize("averaging", [-1.0, np.inf, "long"])
+def test_other_times_are_refused(averaging: object) -> None:
+    with pytest.raises(rt.InputError, match="averaging"):
+        rt.dynamics.InverseDynamics(1.2, averaging)
 
 
 @pytest.mark.parametrize("softening", [-1.0, np.inf, np.nan, "soft"])

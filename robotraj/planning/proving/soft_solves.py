@@ -1,0 +1,55 @@
+"""Solves with soft dry friction, less soft each time, of which each is the guess of the next (``soft_friction``)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from robotraj.planning.diagnosis.explain import are_certain
+from robotraj.planning.plan_limits import PlanLimits
+from robotraj.planning.proving.measures import measured
+from robotraj.planning.proving.soft_friction import SOFTENING, averaging_times, softened
+from robotraj.planning.proving.solves import Solves
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.problem import Problem
+from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.solution import Solution
+from robotraj.transcription.schemes.mesh import Mesh
+
+PATIENCE = 150
+"""Iterations of one solve, which can only improve the guess of another."""
+SOFTER = 1.25
+"""Least growth of the number of intervals from one soft friction to the next, less soft one."""
+
+
+def soft_solution(
+    problem: Problem, guess: InitialGuess | None, meshes: tuple[Mesh, ...], settings: Settings, solves: Solves
+) -> Solution | None:
+    """Return the solution with the least soft friction that was solved; None if all solves failed.
+
+    A time limit that ends these solves leaves the plan to the robot's own friction.
+    """
+    limits = replace(settings.interval_limits, rounds=0)
+    own = replace(settings, restarts=Restarts(0), interval_limits=limits, solver=settings.solver.at_most(PATIENCE))
+    limited, found = isinstance(solves.progress, PlanLimits), None
+    for softening in SOFTENING:
+        soft = softened(problem, softening, averaging_times(problem, meshes, found))
+        try:
+            softer = solves.solve(soft, found or guess, replace(own, mesh=meshes))
+        except KeyboardInterrupt:
+            if not limited:
+                raise
+            break
+        if softer.success:
+            found, meshes = softer, finer_where_bent(softer, settings)
+        elif are_certain(softer.conflicts):
+            break
+    if isinstance(solves.progress, PlanLimits):
+        solves.progress.begin()
+    return found
+
+
+def finer_where_bent(soft: Solution, settings: Settings) -> tuple[Mesh, ...]:
+    """Return meshes that are finer where torques bend: they bend more sharply with less soft friction."""
+    if settings.refinement is None or settings.goals is None:
+        return tuple(part.mesh for part in soft.phases)
+    return measured(soft, None, settings.goals, bending=True).next_meshes(soft.phases, settings.refinement, SOFTER)
