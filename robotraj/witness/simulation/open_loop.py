@@ -19,7 +19,8 @@ from robotraj.witness.simulation.steps import march
 FALLEN = 1.0
 """Distance of a position from the plan [m, rad] at which a robot with a free root counts as fallen.
 
-What it does afterwards says nothing about the plan, and takes most of the time: its legs swing fast."""
+Its motion afterwards is no measure of the plan. The simulation of it takes most of the time, since legs swing fast.
+"""
 
 
 @dataclass(frozen=True)
