@@ -24,7 +24,7 @@ FACTORS = (100.0, 10.0)
 The first takes fewer iterations. If its line search fails, the attempt begins again with the second.
 """
 PATIENCE_STAGES = (500,)
-PATIENCE_ASSEMBLED = (150, 150)
+PATIENCE_ASSEMBLED = (150, 250)
 """Iterations of the attempts before the last one: of problems in stages, and of assembled ones.
 
 Near singular postures such as straight knees an attempt may wander without converging. With contacts, attempts that
