@@ -19,7 +19,7 @@ from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.inertia import weightless_joints
+from robotraj.robot.loading.inertia import weightless_joints, weightless_together
 from robotraj.robot.loading.other_units import OTHER_UNITS, in_other_unit, other_unit_note, seems_other
 from robotraj.robot.robot import Robot
 
@@ -55,21 +55,36 @@ def check_limits(phase: str, limits: Limits, robot: Robot) -> None:
             warn(f"Phase {phase!r}: {doubt}")
 
 
-def check_masses(phase: str, robot: Robot, body: Dynamics) -> None:
-    """Refuse joints that move no mass, for which the mass matrix is singular; kinematics need no mass.
+def check_masses(phase: str, robot: Robot, body: Dynamics, ends: Ends) -> None:
+    """Refuse joints that move no mass, alone or together, for which the mass matrix is singular.
+
+    Kinematics need no mass. Joints together are checked at the ends that fix all positions, or else in the neutral
+    configuration.
 
     Raises
     ------
     InputError
-        A joint moves no mass. The message names the joints.
+        Joints move no mass. The message names them.
     """
-    joints = weightless_joints(robot.model) if free_of(body).residuals else ()
+    if not free_of(body).residuals:
+        return
+    joints = weightless_joints(robot.model)
     if joints:
         raise InputError(
             f"Phase {phase!r}: no mass moves with {', '.join(map(repr, joints))}, so the mass matrix is singular. "
             "Give the moved links an <inertial>, or lock the joints with "
             f"rt.load(..., locked={{{joints[0]!r}: 0.0}})."
         )
+    fixed = [b.lower[: robot.nq] for b in ends.values() if np.array_equal(b.lower[: robot.nq], b.upper[: robot.nq])]
+    for q in fixed or [robot.neutral]:
+        together = [robot.velocity_names[i] for i in weightless_together(robot.model, q)]
+        if together:
+            where = "at a given end" if fixed else "in the neutral configuration"
+            raise InputError(
+                f"Phase {phase!r}: {' and '.join(map(repr, together))} can turn together without moving any mass "
+                f"{where}, so the mass matrix is singular. Correct the <inertia> of the links that they move, or lock "
+                f"one of them with rt.load(..., locked={{{together[-1]!r}: 0.0}})."
+            )
 
 
 def check_equations(table: RowTable, system: System) -> None:

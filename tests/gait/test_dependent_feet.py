@@ -40,3 +40,18 @@ def test_a_quadruped_steps_in_a_plane() -> None:
     solution = rt.plan(problem)
     assert solution.proof is not None and solution.proof.holds
     assert solution.at(solution.duration).q[0] - solution.at(0.0).q[0] == pytest.approx(0.05, abs=1e-6)
+
+
+def test_feet_across_the_planes_of_the_legs_leave_a_force_open_and_the_plan_is_proved() -> None:
+    """A bound on pairs of fore and hind feet: what a tiny singular value divides is no error and no force."""
+    solo8 = rt.load("solo8", root="floating", limits=LIMITS)
+    pairs = (("FL_FOOT", "FR_FOOT"), ("HL_FOOT", "HR_FOOT"))
+    supports = [rt.gait.Support(feet, 0.22, name) for feet, name in zip(pairs, ("fore", "hind"), strict=True)]
+    terms = rt.gait.GaitTerms(rt.PointContact("FL_FOOT", friction=0.6), clearance=0.0, upright=rt.gait.Upright())
+    with pytest.warns(UserWarning, match="cannot move independently"):
+        bound = rt.gait.sequence(solo8, supports, terms, rt.Periodic(displacement={"q.root_x": 0.08}))
+    solution = rt.plan(bound)
+    assert solution.proof is not None and solution.proof.holds
+    report = rt.validate(solution)
+    assert report.passed
+    assert all(holding.difference is None and not holding.solved for holding in report.holdings)

@@ -50,6 +50,21 @@ def test_a_joint_that_moves_no_mass_is_refused_by_name() -> None:
     assert rt.Phase(robot, 1.0, limits=None, dynamics=Kinematics())
 
 
+def test_joints_that_move_no_mass_together_are_refused_by_name() -> None:
+    # A head without inertia about its centre of mass turns freely about the line from there to the crossing axes.
+    model = pin.Model()
+    parent = 0
+    for name, joint in (("pitch", pin.JointModelRY()), ("roll", pin.JointModelRX()), ("yaw", pin.JointModelRZ())):
+        parent = model.addJoint(parent, joint, pin.SE3.Identity(), name)
+        model.addJointFrame(parent)
+    model.appendBodyToJoint(parent, pin.Inertia(1.0, np.array([0.1, 0.0, 0.2]), np.zeros((3, 3))), pin.SE3.Identity())
+    robot = rt.load(model)
+    with pytest.raises(InputError, match="'roll' and 'yaw' can turn together without moving any mass .*{'yaw': 0.0}"):
+        rt.Phase(robot, 1.0, limits=None)
+    assert rt.Phase(robot, 1.0, limits=None, dynamics=Kinematics())
+    assert rt.Phase(rt.load(model, locked={"yaw": 0.0}), 1.0, limits=None)
+
+
 @pytest.mark.parametrize(
     ("name", "end", "hint"),
     [

@@ -18,6 +18,10 @@ TRIANGLE = 1e-2
 """Largest relative excess of a moment over the sum of the two others, for files with few digits."""
 ROUNDING = 1e-9
 """Moments below this times the mass [m^2] count as zero: a radius of gyration of 0.03 mm."""
+SINGULAR = 1e-10
+"""Eigenvalues of the mass matrix, scaled to a diagonal of ones, that count as zero; those of robots are above 1e-4."""
+TAKING_PART = 1e-2
+"""Entries of an eigenvector, relative to the largest one, from which a joint takes part in the motion."""
 
 
 def principal_moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -85,3 +89,20 @@ def weightless_joints(model: pin.Model) -> tuple[str, ...]:
     joints = enumerate(model.joints.tolist()[1:], start=1)
     armature = np.array(model.armature)
     return tuple(model.names[i] for i, joint in joints if carried[i] == 0.0 and not armature[joint.idx_v])
+
+
+def weightless_together(model: pin.Model, q: NDArray[np.float64]) -> tuple[int, ...]:
+    """Return the indices in v of joints that move together without kinetic energy at q; empty where none do.
+
+    A link with mass and no inertia about its centre of mass does not resist a turn about an axis through that centre.
+    """
+    upper = np.triu(pin.crba(model, model.createData(), q))
+    mass = upper + np.triu(upper, 1).T
+    sizes = np.sqrt(np.diag(mass))
+    if not np.all(sizes > 0.0):
+        return ()
+    values, vectors = np.linalg.eigh(mass / np.outer(sizes, sizes))
+    if not len(values) or values[0] > SINGULAR:
+        return ()
+    speeds = np.abs(vectors[:, 0] / sizes)
+    return tuple(int(i) for i in np.flatnonzero(speeds > TAKING_PART * speeds.max()))

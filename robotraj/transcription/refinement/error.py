@@ -45,6 +45,12 @@ NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
 SOLVED = 1e-9
 """Largest relative residual of a solution of the linear equations; above it they are singular."""
+RANK = 1e-13
+"""Singular values of singular equations below this, relative to the largest, count as zero."""
+DEPENDENT = 1e-5
+"""Singular values of contact Jacobians below this, relative to the largest, belong to dependent rows.
+
+Of legs in nearly parallel planes, these values are 1e-8 to 1e-6, others above 1e-2."""
 
 
 def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
@@ -118,13 +124,43 @@ def _decay(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Ar
 def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array:
     """Evaluate f at samples with z solved from g = 0, (m, nx)."""
     equations = MotionEquations.of(phase)
+    held = _held_block(phase)
     if z.shape[1]:
         for _ in range(NEWTON_STEPS):
-            change = _least_change(equations.slopes(t, x, z, u, p), equations.rows(t, x, z, u, p))
+            slopes, rows = equations.slopes(t, x, z, u, p), equations.rows(t, x, z, u, p)
+            independent = None if held is None else _independent_rows(slopes, *held)
+            change = _least_change(slopes, rows) if independent is None else _solved_least(independent, rows)
             z = z - change
             if np.max(np.abs(change)) <= 1e-12 * (1.0 + np.max(np.abs(z))):
                 break
     return equations.rates(t, x, z, u, p)
+
+
+def _held_block(phase: Phase) -> tuple[int, int] | None:
+    """Return nv, and nv plus the number of contact forces, of a robot by inverse dynamics whose contacts hold."""
+    body = phase.body
+    if not isinstance(body, InverseRigidBody) or not body.contacts or not all(c.holds for c in body.contacts):
+        return None
+    if phase.dae.algebraic[: len(body.algebraic)] != body.algebraic:
+        return None
+    return body.robot.nv, len(body.algebraic)
+
+
+def _independent_rows(slopes: Array, nv: int, last: int) -> Array | None:
+    """Remove nearly dependent rows from the contact Jacobians J in dg/dz = [[M, -J'], [J, 0]], (m, nz, nz).
+
+    None where there are none. Legs that move in nearly parallel planes cannot change the distance of their feet across
+    these planes. The error of that row, divided by its tiny singular value, would otherwise count as an acceleration.
+    """
+    left, sizes, _ = np.linalg.svd(slopes[:, nv:last, :nv], full_matrices=False)
+    dependent = sizes <= DEPENDENT * sizes.max(axis=1, keepdims=True)
+    if not dependent.any():
+        return None
+    kept = np.where(dependent[:, None, :], 0.0, left) @ left.transpose(0, 2, 1)
+    slopes = slopes.copy()
+    slopes[:, nv:last, :nv] = kept @ slopes[:, nv:last, :nv]
+    slopes[:, :nv, nv:last] = slopes[:, :nv, nv:last] @ kept
+    return slopes
 
 
 def _least_change(slopes: Array, rows: Array) -> Array:
@@ -142,4 +178,9 @@ def _least_change(slopes: Array, rows: Array) -> Array:
             left = np.abs(slopes @ change - rows[:, :, None])
             if np.max(left, initial=0.0) <= SOLVED * np.max(np.abs(rows), initial=1e-300):
                 return np.asarray(change[:, :, 0])
-    return np.asarray((np.linalg.pinv(slopes) @ rows[:, :, None])[:, :, 0])
+    return _solved_least(slopes, rows)
+
+
+def _solved_least(slopes: Array, rows: Array) -> Array:
+    """Return the change of least norm that solves singular equations best, (m, nz)."""
+    return np.asarray((np.linalg.pinv(slopes, rcond=RANK) @ rows[:, :, None])[:, :, 0])

@@ -22,8 +22,12 @@ import pinocchio as pin
 
 from robotraj.witness.protocols import Array
 
-RANK_TOLERANCE = 1e-9
-"""Singular values below this, relative to the largest, belong to redundant rows."""
+RANK_TOLERANCE = 1e-5
+"""Singular values below this, relative to the largest, belong to redundant rows.
+
+Plans have errors of 1e-6 to 1e-4. Of legs in nearly parallel planes, these values are 1e-8 to 1e-6. Others are above
+1e-3, also where feet of robots with arms are heavy. Rows of tiny values would make the simulation stiff.
+"""
 
 PROJECTIONS = 10
 """Largest number of Gauss-Newton steps of a projection; a drift of 1e-3 m needs 3."""

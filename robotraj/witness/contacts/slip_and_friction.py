@@ -50,7 +50,8 @@ class Holding(OneLine):
     planned : tuple of Violation
         Limits of normal force, friction and centre of pressure that the planned forces violate.
     solved : tuple of Violation
-        Limits that the forces of the equations of motion violate, under the planned q, v and tau.
+        Limits that the forces of the equations of motion violate, under the planned q, v and tau. What the equations
+        do not determine is as planned.
     difference : Peak or None
         Largest difference of planned and solved force [N, N m]; None where forces are not unique.
     weight : float
@@ -98,14 +99,15 @@ def holding_of(
             gaps = stance.by_contact(held.gap)
             forces = forces_in(sample, phase.bound_contacts, i)
             applied = actuation @ sample.tau[i] - stance.robot.dissipation(v)
-            own = stance.forces(q, v, applied, held)
-            solved = None if own is None else stance.by_contact(own)
+            own = stance.forces(q, v, applied, held, forces)
+            solved, unique = (None, False) if own is None else (stance.by_contact(own[0]), own[1])
             instant = Instant(stance.robot, data, q, v)
             for watch in watched:
                 name = watch.contact.name
                 # Forces of implicit contacts are constant over an interval and are evaluated at its end.
                 if watch.contact.holds or (i + 1) % len(part.sites) == 0:
-                    watch.see(instant, float(t), gaps[name], forces[name], None if solved is None else solved[name])
+                    own_forces = None if solved is None else solved[name]
+                    watch.see(instant, float(t), gaps[name], forces[name], own_forces, unique)
     return tuple(watch.result(phase.name) for watch in watched)
 
 
@@ -123,14 +125,15 @@ class _Watched:
         self._solved: list[Array] = []
         self._differences: list[float] = []
 
-    def see(self, instant: Instant, t: float, gap: Array, forces: Array, solved: Array | None) -> None:
+    def see(self, instant: Instant, t: float, gap: Array, forces: Array, solved: Array | None, unique: bool) -> None:
         self._times.append(t)
         self._gaps.append(split(self.contact, self._anchors, instant, gap))
         what = f"limits of contact {self.contact.name!r}"
         self._planned.append(as_numbers(self.contact.limits(instant, list(forces), self._anchors), what))
         if solved is not None and len(solved) == len(forces):
             self._solved.append(as_numbers(self.contact.limits(instant, list(solved), self._anchors), what))
-            self._differences.append(float(np.max(np.abs(forces - solved), initial=0.0)))
+            if unique:
+                self._differences.append(float(np.max(np.abs(forces - solved), initial=0.0)))
 
     def result(self, phase: str) -> Holding:
         times = np.array(self._times)
@@ -140,7 +143,7 @@ class _Watched:
                 (("slip", "m"), ("sink", "m"), ("turn", "rad")), zip(*self._gaps, strict=True), strict=True
             )
         )
-        unique = len(self._solved) == len(times)
+        unique = len(self._differences) == len(times)
         force = _peak("force", "N", times, np.array(self._differences), phase) if unique else None
         return Holding(
             self.contact.name,
@@ -149,7 +152,7 @@ class _Watched:
             sink,
             turn,
             self._broken(times, self._planned, phase, ""),
-            self._broken(times, self._solved, phase, ", solved for") if unique else (),
+            self._broken(times, self._solved, phase, ", solved for") if len(self._solved) == len(times) else (),
             force,
             self._weight,
         )

@@ -126,17 +126,24 @@ class Stance:
         held = Held(np.zeros_like(self._shift), *self._rates(instant))
         return accelerate(self.robot.model, self._data, q, v, applied, held)[0]
 
-    def forces(self, q: Array, v: Array, applied: Array, held: Held) -> Array | None:
-        """Solve for the forces (m,) of the rows ``held`` at this state; None where they are not unique.
+    def forces(
+        self, q: Array, v: Array, applied: Array, held: Held, planned: Mapping[str, Array]
+    ) -> tuple[Array, bool] | None:
+        """Solve for the forces (m,) of the rows ``held`` at this state; also return whether they are unique.
 
         Forces are dual to the rows: J' f has the power f . (J v). Redundant rows, such as four corners of one foot, do
-        not determine the internal forces.
+        not determine the internal forces, nor do rows that are redundant to within the accuracy of a plan. There the
+        forces are as ``planned``. None where contacts have no forces dual to their rows.
         """
-        # NumPy before 2.4 has no rank of an empty matrix.
-        known = len(held.gap) > 0 and np.isfinite(held.jacobian).all()
-        if known and np.linalg.matrix_rank(held.jacobian, rtol=RANK_TOLERANCE) < len(held.gap):
+        given = np.concatenate([*(planned[contact.name] for contact in self.contacts), np.zeros(0)])
+        if len(given) != len(held.gap) or not np.isfinite(held.jacobian).all():
             return None
-        return accelerate(self.robot.model, self._data, q, v, applied, held)[1]
+        left, sizes, _ = np.linalg.svd(held.jacobian, full_matrices=False)
+        determined = left[:, sizes > RANK_TOLERANCE * np.max(sizes, initial=0.0)].T
+        rows = Held(determined @ held.gap, determined @ held.jacobian, determined @ held.bias)
+        loaded = applied + held.jacobian.T @ given
+        missing = accelerate(self.robot.model, self._data, q, v, loaded, rows)[1]
+        return given + determined.T @ missing, len(determined) == len(given)
 
     def strike(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return the velocities (nv,) after an impact that stops all contacts, and its impulses (m,) [N s, N m s]."""

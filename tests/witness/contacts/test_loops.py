@@ -80,5 +80,11 @@ def test_a_loop_that_is_closed_twice_moves_as_if_closed_once_and_its_forces_are_
     image[order] = [1.0, -1.0, 1.0]
     q, v, applied = 0.4 * image, 1.5 * image, np.array([0.3, -0.2, 0.5])
     np.testing.assert_allclose(double.acceleration(q, v, applied), single.acceleration(q, v, applied), atol=1e-11)
-    assert single.forces(q, v, applied, single.rows(q, v)).shape == (2,)
-    assert double.forces(q, v, applied, double.rows(q, v)) is None
+    force, unique = single.forces(q, v, applied, single.rows(q, v), {"once": np.zeros(2)})
+    assert unique
+    # The two closures share the force; what they exert against each other is as planned.
+    planned = {"once": np.array([5.0, -3.0]), "again": np.array([2.0, 1.0])}
+    shared, unique = double.forces(q, v, applied, double.rows(q, v), planned)
+    assert not unique
+    np.testing.assert_allclose(shared[:2] - shared[2:], force, atol=1e-9)
+    np.testing.assert_allclose(shared[:2] + shared[2:], planned["once"] + planned["again"], atol=1e-9)

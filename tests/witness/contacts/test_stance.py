@@ -103,7 +103,10 @@ def test_forces_of_the_witness_are_those_of_newton(rod):
     bound = PointContact("foot").bind(rod)
     held = Stance(rod, [bound], {"foot.x": 0.0})
     q, v, _, force = falling(0.3, 1.0, 0.1)(0.05)
-    np.testing.assert_allclose(held.forces(q, v, np.zeros(3), held.rows(q, v)), force, atol=1e-9)
+    for planned in (np.zeros(2), force, np.array([3.0, -7.0])):
+        found, unique = held.forces(q, v, np.zeros(3), held.rows(q, v), {"foot": planned})
+        np.testing.assert_allclose(found, force, atol=1e-9)
+        assert unique
 
 
 def test_an_exact_stance_passes(make, rod):
