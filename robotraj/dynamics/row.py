@@ -2,8 +2,54 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
+import numpy as np
+
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+
+
+class Measure(ABC):
+    """A quantity that a row bounds through a smooth function of it; reports state the quantity.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit of the quantity.
+    """
+
+    unit: str
+
+    @abstractmethod
+    def of(self, value: float) -> float:
+        """Return the quantity [unit] for a value of the row; infinite values stay."""
+
+
+@dataclass(frozen=True)
+class Magnitude(Measure):
+    """The length of a vector w, whose row is w'w / limit^2."""
+
+    limit: float
+    unit: str
+
+    def of(self, value: float) -> float:
+        """Return limit sqrt(value)."""
+        return self.limit * float(np.sqrt(max(value, 0.0))) if value > -np.inf else value
+
+
+@dataclass(frozen=True)
+class Angle(Measure):
+    """An angle a, whose row is (1 - cos(a)) / (1 - cos(limit)), with 0 < limit < pi."""
+
+    limit: float
+    unit: str = "rad"
+
+    def of(self, value: float) -> float:
+        """Return arccos(1 - value (1 - cos(limit)))."""
+        if not np.isfinite(value):
+            return value
+        return float(np.arccos(np.clip(1.0 - value * (1.0 - np.cos(self.limit)), -1.0, 1.0)))
 
 
 @dataclass(frozen=True)
@@ -23,6 +69,8 @@ class Row(OneLine):
     variable : str or None
         Name of the DAE's variable, if the value is a single variable. The row then becomes a bound of the NLP. With
         ``Where.RATE`` it bounds the variable's time derivative. ``Phase.rows`` lists the rows of a phase.
+    measure : Measure or None
+        The quantity that reports state in place of the value, if the value is a function of it.
     """
 
     name: str
@@ -31,8 +79,18 @@ class Row(OneLine):
     upper: float
     joint: str | None = None
     variable: str | None = None
+    measure: Measure | None = None
 
     @property
     def label(self) -> str:
         """Name and joint, as reports show them."""
         return f"{self.name}, {self.joint}" if self.joint else self.name
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit in which reports state values and bounds of the row."""
+        return self.unit if self.measure is None else self.measure.unit
+
+    def shown(self, value: float) -> float:
+        """Return a value or a bound of the row as reports state it [shown_unit]."""
+        return value if self.measure is None else self.measure.of(value)

@@ -41,7 +41,8 @@ def between_points(problem: Problem, found: Sequence[IntervalViolation]) -> tupl
         row = each.row
         side: Side = "off" if row.is_equality else "over" if each.upper else "under"
         measured = (each.time, each.amount, row.unit, each.limit, side, row.size)
-        listed.append(Violation(problem.phases[each.phase].name, row.name, row.joint, *measured))
+        violation = Violation(problem.phases[each.phase].name, row.name, row.joint, *measured)
+        listed.append(violation.measured(row.measure))
     return tuple(sorted(listed, key=lambda violation: -violation.relative))
 
 
@@ -58,5 +59,6 @@ def _broken(nlp: Nlp, scalars: Scalars, values: Array, factor: Array, w: Array, 
         entry = scalars.entries[(scalars.lower_meaning if side == "under" else scalars.upper_meaning)[i]]
         phase, size = nlp.problem.phases[entry.phase].name, 1.0 / float(factor[i])
         joint = entry.label or None
-        found.append(Violation(phase, entry.name, joint, float(times[i]), beyond, entry.unit, limit, side, size))
+        violation = Violation(phase, entry.name, joint, float(times[i]), beyond, entry.unit, limit, side, size)
+        found.append(violation.measured(entry.measure))
     return found

@@ -29,8 +29,8 @@ from robotraj.planning.diagnosis.explain import are_certain, completed
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
+from robotraj.planning.other_solver import conflicts_are_certain
 from robotraj.problem.initial_guess import InitialGuess
-from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.records import added_times
@@ -214,15 +214,11 @@ def _starts(failed: Solution, nlp: Nlp, guess: InitialGuess | Solution | None, r
             yield longer
     if left and (isinstance(guess, InitialGuess) and not isinstance(guess, StraightLine) or not any(free)):
         left -= 1
-        yield _Start(problem, failed, certain=not any(free) and all(map(_is_driven_at_every_joint, problem.phases)))
+        yield _Start(problem, failed, certain=conflicts_are_certain(nlp))
     if not isinstance(guess, Solution):
         for branch, seed in enumerate(restarts.seeds[:left], 1):
             varied = other_guess(problem, branch, (seed,), given=guess)
             yield replace(longer or _Start(problem, None), guess=varied, varied=True)
-
-
-def _is_driven_at_every_joint(phase: Phase) -> bool:
-    return phase.robot is not None and phase.robot.nu == phase.robot.nv
 
 
 def _motion_text(nlp: Nlp, free: Sequence[bool], durations: tuple[float, ...], found: Solution) -> str:

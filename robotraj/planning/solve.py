@@ -17,6 +17,7 @@ from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
+from robotraj.planning.other_solver import solved_otherwise
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
@@ -35,7 +36,6 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
-from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
 from robotraj.transcription.interval_limits.added_rows import exceeded_although_added, rows_to_add, with_added_rows
@@ -129,7 +129,9 @@ def _solve_once(
     if (clearing or (added and not same)) and multipliers is not None:
         multipliers = lengthened(multipliers, nlp)
     check = _infeasibility_check(problem, guess, settings, progress)
-    solution, w = _solve(nlp, guess, multipliers, solver, check or progress, began)
+    # Restarts of a plan, which have none themselves, need no second opinion.
+    first = settings.restarts.count > 0 or check is not None
+    solution, w = _solve(nlp, guess, multipliers, solver, check or progress, began, first)
     if check is not None and check.conflicts:
         return replace(solution, status=Status.INFEASIBLE, conflicts=check.conflicts)
     if solution.status is Status.INTERRUPTED and not interval_limits.rounds:
@@ -231,16 +233,6 @@ def solve_on_coarse_mesh(
     return solve(problem, guess, few, progress)
 
 
-def _solve_by_interior_point(nlp: Nlp, progress: Progress | None, failed: Outcome) -> Outcome:
-    """Solve by the interior-point method after IPOPT failed; return the failed outcome if that fails too."""
-    found = InteriorPoint(fallback=None).solve(nlp, progress)
-    iterations, times = failed.iterations + found.iterations, added_times(failed.times, found.times)
-    if found.status is not Status.SOLVED:
-        return replace(failed, iterations=iterations, times=times)
-    message = f"{found.message} (since IPOPT ended at its iteration limit)"
-    return replace(found, message=message, iterations=iterations, times=times)
-
-
 def _no_rounds(solution: Solution) -> bool:
     return False
 
@@ -261,8 +253,12 @@ def _solve(
     solver: Solver,
     progress: Progress | None,
     began: float,
+    first: bool = False,
 ) -> tuple[Solution, np.ndarray]:
-    """Solve a transcribed problem whose building began at ``began``; also return the decision vector."""
+    """Solve a transcribed problem whose building began at ``began``; also return the decision vector.
+
+    A ``first`` solve that ends infeasible has a second opinion, other than the restarts that follow it.
+    """
     shared = guess.shared if isinstance(guess, Start) else None
     known = guess.multipliers if isinstance(guess, Solution) else shared.known if shared else None
     try:
@@ -274,9 +270,8 @@ def _solve(
         # The derivatives would take longer than the time that is left: the guess is the only iterate.
         none = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
         outcome = Outcome(Status.INTERRUPTED, "no iteration was possible", nlp.guess, none, 0, {})
-    if outcome.status is Status.ITERATION_LIMIT and solver == Ipopt():
-        # A default limit ends the solve of one solver, not the plan.
-        outcome = _solve_by_interior_point(nlp, progress, outcome)
+    if outcome.status is Status.ITERATION_LIMIT or (first and outcome.status is Status.INFEASIBLE):
+        outcome = solved_otherwise(outcome, nlp, solver, progress, multipliers)
     outcome = replace(outcome, w=unwrapped(nlp, outcome.w))
     if shared is not None:
         shared.keep(nlp, outcome.multipliers)

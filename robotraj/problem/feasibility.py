@@ -154,7 +154,7 @@ def _check_order(table: RowTable) -> None:
 
 def _range(row: Row) -> str:
     """Write the bounds of a row, with its unit."""
-    return _with(f"[{row.lower:g}, {row.upper:g}]", row.unit)
+    return _with(f"[{row.shown(row.lower):g}, {row.shown(row.upper):g}]", row.shown_unit)
 
 
 def _with(value: str, unit: str) -> str:
@@ -255,7 +255,8 @@ def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:
         if np.isnan(number):
             raise InputError(f"Phase {table.phase!r}: {row.label} is NaN at the {end.value}; check its expression.")
         if not row.lower - SLACK <= number <= row.upper + SLACK:
+            value = _with(f"{row.shown(number):.6g}", row.shown_unit)
             raise InputError(
-                f"Phase {table.phase!r}: at the {end.value}, {row.label} is {_with(f'{number:.6g}', row.unit)}, "
-                f"outside {_range(row)}. Move the {end.value}, or relax the constraint."
+                f"Phase {table.phase!r}: at the {end.value}, {row.label} is {value}, outside {_range(row)}. "
+                f"Move the {end.value}, or relax the constraint."
             )

@@ -81,7 +81,9 @@ def phase_table(
     dae = rows.dae
     cells: list[Cells] = [("duration", "", "", interval_text(*duration), "s")]
     cells += [line for end, bounds in ends.items() for line in _end(rows, end, bounds)]
-    cells += [(r.name, r.joint or "", r.where.value, interval_text(r.lower, r.upper), r.unit) for r in rows]
+    for row in rows:
+        interval = interval_text(row.shown(row.lower), row.shown(row.upper))
+        cells.append((row.name, row.joint or "", row.where.value, interval, row.shown_unit))
     cells += [(r.quantity, r.label, "throughout", "= 0", r.unit) for r in dae.residuals]
     cells += [("defect", s.name, "throughout", "= 0", s.unit) for s in dae.states]
     cells += [(r.name, r.joint or "", "", interval_text(r.lower, r.upper), r.unit) for r in more]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.row import Measure
 
 Side = Literal["over", "under", "off"]
 """``"over"`` an upper bound, ``"under"`` a lower bound, ``"off"`` the required value of an equality."""
@@ -57,6 +59,15 @@ class Violation(OneLine):
     def label(self) -> str:
         """Name and joint: ``"effort limit, elbow"``."""
         return f"{self.name}, {self.joint}" if self.joint else self.name
+
+    def measured(self, measure: Measure | None) -> Violation:
+        """Return the violation of a row's measure, relatively as large; the violation itself without a measure."""
+        if measure is None:
+            return self
+        limit = measure.of(self.limit)
+        amount = abs(measure.of(self.limit + (-self.amount if self.side == "under" else self.amount)) - limit)
+        size = amount / self.relative if np.isfinite(self.amount) else self.size
+        return replace(self, amount=amount, unit=measure.unit, limit=limit, size=size)
 
     def __str__(self) -> str:
         amount, limit = (f"{value:.4g} {self.unit}".rstrip() for value in (self.amount, self.limit))

@@ -50,10 +50,11 @@ NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
 LOST_DIGITS = ("step failed",)
 """Ends of a recursion that loses digits, as on fine meshes where few motors bring many states to their end."""
-UNSOLVED = (Status.INFEASIBLE, Status.STALLED, Status.SOLVER_ERROR)
+UNSOLVED = (Status.STALLED, Status.SOLVER_ERROR)
 """Statuses after which the fallback solves the problem.
 
-Limits of the user and divergence, which any solver would meet, are not among them.
+Limits of the user and divergence, which any solver would meet, are not among them. Neither is an infeasible problem:
+``rt.plan`` decides whether it has a second opinion.
 """
 RUN_OFF = 1e12
 """Size of a scaled variable above which an unsolved solve has diverged."""
@@ -87,8 +88,9 @@ class InteriorPoint(Solver):
         Number of threads that evaluate points; by default the number of processors of the process. Solutions are
         bitwise identical for any number.
     fallback : Solver or None
-        Solves the problem where this method fails, unless it diverged or reached a ``max_iterations`` set by the user.
-        The message names the reason. None switches it off.
+        Solves the problem where the line search or the iterations of this method fail, unless it diverged or reached a
+        ``max_iterations`` set by the user. ``rt.plan`` also lets it solve what this method finds infeasible, where
+        durations are free or joints have no motor. The message names the reason. None switches it off.
     objective_scale : float, optional
         Factor of the objective. The default makes the weight of the first barrier independent of the mesh. Except for
         small objectives on coarse meshes, it is independent of the unit too; see ``robotraj.solvers.objective_scale``.

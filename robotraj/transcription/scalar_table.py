@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.row import Row
+from robotraj.dynamics.row import Measure, Row
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
@@ -29,17 +29,20 @@ class Entry:
     label : str
         The joint, frame, state or parameter that it concerns, ``""`` if none.
     unit : str
+    measure : Measure or None
+        The quantity that reports state in place of the value.
     """
 
     phase: int
     name: str
     label: str
     unit: str
+    measure: Measure | None = None
 
     @classmethod
     def of(cls, phase: int, row: Row) -> Entry:
         """Return the meaning of a row of a phase."""
-        return cls(phase, row.name, row.joint or "", row.unit)
+        return cls(phase, row.name, row.joint or "", row.unit, row.measure)
 
     def __str__(self) -> str:
         return f"{self.name}, {self.label}" if self.label else self.name

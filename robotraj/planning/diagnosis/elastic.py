@@ -260,13 +260,14 @@ def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> 
     upper = bool(high[worst] >= low[worst])
     bound = entry.row.upper if upper else entry.row.lower
     amount = slack * entry.scale
+    needed = bound + amount if upper else bound - amount
     return Conflict(
         phase.name,
         entry.row.label,
         float(times[worst]),
-        bound,
-        bound + amount if upper else bound - amount,
-        entry.row.unit,
+        entry.row.shown(bound),
+        entry.row.shown(needed),
+        entry.row.shown_unit,
         slack,
         entry.row.kind is Kind.BOUND or entry.row.joint in _joints(phase),
     )

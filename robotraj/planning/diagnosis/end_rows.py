@@ -13,6 +13,7 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import RigidBody
+from robotraj.dynamics.row import Measure
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.base import Ends
 from robotraj.problem.phase import Phase
@@ -28,7 +29,7 @@ QUATERNION_WEIGHT, END_WEIGHT, CONSTRAINT_WEIGHT, LIMIT_WEIGHT = 1e3, 20.0, 5.0,
 
 @dataclass(frozen=True, eq=False)
 class EndRow:
-    """A row of the relaxed problem: value, bounds in ``unit``, name, and weight of its slack."""
+    """A row of the relaxed problem: value, bounds, name, the unit and the measure of reports, weight of its slack."""
 
     value: ca.SX
     lower: float
@@ -39,10 +40,11 @@ class EndRow:
     time: ca.SX
     weight: float
     physical: bool = False
+    measure: Measure | None = None
 
     @property
     def scale(self) -> float:
-        """Unit of the slack: the larger finite bound, else 1, in ``unit``."""
+        """Unit of the slack: the larger finite bound, else 1."""
         return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b) and b), default=1.0)
 
 
@@ -108,7 +110,8 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
         values = _values(ends, here, x, t)
         for row, value in zip(here, values, strict=True):
             weight = LIMIT_WEIGHT if row.where is Where.THROUGHOUT else CONSTRAINT_WEIGHT
-            yield EndRow(value, row.lower, row.upper, phase.name, row.label, row.unit, t, weight)
+            own = (value, row.lower, row.upper, phase.name, row.label, row.shown_unit, t, weight)
+            yield EndRow(*own, measure=row.measure)
         held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
         for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
             label = f"{variable.quantity}, {variable.label}"

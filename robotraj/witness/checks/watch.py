@@ -48,7 +48,8 @@ class Watch:
         amount, limit, side = violated(value, float(row.lower), float(row.upper))
         if amount <= SOLVER_NOISE * max(1.0, abs(limit)):
             return None
-        return Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, size_of(row, limit))
+        found = Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, size_of(row, limit))
+        return found.measured(row.measure)
 
 
 def size_of(row: Row, limit: float) -> float:

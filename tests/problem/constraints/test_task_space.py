@@ -103,6 +103,28 @@ def test_the_speed_and_the_acceleration_of_the_tool_are_limited(arm, kind):
     assert 0.98 < reached < 1 + 1e-3
 
 
+def test_reports_state_speeds_and_angles_of_the_tool_not_their_squares(arm):
+    slow = rt.constraints.FrameSpeed("tool0", linear=0.1)
+    upright = rt.constraints.FrameAxis("tool0", axis=_pose(arm, HOME).rotation.T @ [0.0, 0.0, 1.0], angle=0.3)
+    phase = rt.Phase(arm, 1.0, rt.State(q=HOME, v=0), rt.State(q=HOME + [1, 0, 0, 0, 0, 0], v=0), None, [slow, upright])
+    bounds = {row.name: (row.shown(row.upper), row.shown_unit) for row in phase.rows}
+    assert bounds["linear speed"] == (0.1, "m/s") and bounds["frame axis angle"] == (pytest.approx(0.3), "rad")
+    assert "<= 0.1" in str(phase) and "m/s" in str(phase)
+    with pytest.raises(rt.NoSolutionFound) as failure:
+        rt.plan(phase)
+    conflict = failure.value.solution.conflicts[0]
+    assert conflict.name == "linear speed, tool0" and conflict.unit == "m/s" and conflict.bound == 0.1
+    # At constant speed the tool would move along its circle about the first joint in 1 s.
+    circle = np.linalg.norm(_pose(arm, HOME).translation[:2])
+    assert 0.7 * circle < conflict.needed < 1.5 * circle
+
+
+def test_an_end_outside_a_region_is_reported_by_its_angle(arm):
+    tilted = rt.constraints.FrameAxis("tool0", axis=_pose(arm, HOME).rotation.T @ [1.0, 0.0, 0.0], angle=0.2)
+    with pytest.raises(rt.InputError, match=r"frame axis angle, tool0 is 1\.570\d* rad, outside \[-inf, 0\.2\] rad"):
+        rt.Phase(arm, 1.0, rt.State(q=HOME, v=0), constraints=[tilted])
+
+
 @pytest.mark.parametrize("name", ["manipulability", "centering"])
 def test_joints_to_spare_keep_away_from_singularities_and_limits(name):
     robot = rt.load("panda", locked=LOCKED)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.row import Row
+from robotraj.dynamics.row import Angle, Row
 from robotraj.dynamics.variable import Column
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 
@@ -63,7 +63,7 @@ class FrameAxis(Constraint):
             rows = [Row(f"frame axis {name}", "rad", 0.0, 0.0, frame) for name in ("across", "across too")]
             rows.append(Row("frame axis half turn", "", 0.0, np.inf, frame))
         else:
-            rows = [Row("frame axis angle", "", -np.inf, 1.0, frame)]
+            rows = [Row("frame axis angle", "", -np.inf, 1.0, frame, measure=Angle(self.angle))]
 
         def expression(point: RobotPoint) -> list[Scalar]:
             pointing = turned(point.frame(frame).rotation, axis)

@@ -9,7 +9,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.row import Row
+from robotraj.dynamics.row import Angle, Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
 from robotraj.problem.constraints.frame_pose import AXES, PoseLike, as_pose, own_pose
@@ -74,7 +74,7 @@ class PoseRegion(Constraint):
         exact, room = self.angle == 0.0, 1.0 - np.cos(self.angle)
         axis = None if self.free_axis is None else unit_vector(self.free_axis, what)
         if not exact:
-            rows.append(Row("region angle", "", -np.inf, 1.0, frame))
+            rows.append(Row("region angle", "", -np.inf, 1.0, frame, measure=Angle(self.angle)))
         else:
             names = AXES if axis is None else AXES[:2]
             rows += [Row(f"region rotation {name}", "rad", 0.0, 0.0, frame) for name in names]

@@ -9,7 +9,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.row import Row
+from robotraj.dynamics.row import Magnitude, Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class FrameMotionLimit(Constraint):
 
     vector: ClassVar[str]
     quantity: ClassVar[str]
+    units: ClassVar[dict[str, str]]
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each limit.
@@ -53,7 +54,10 @@ class FrameMotionLimit(Constraint):
                 f"{self.angular!r}."
             )
         frame, vector = self.frame, self.vector
-        rows = tuple(Row(f"{kind} {self.quantity}", "", -np.inf, 1.0, frame) for kind, _ in given)
+        rows = tuple(
+            Row(f"{kind} {self.quantity}", "", -np.inf, 1.0, frame, measure=Magnitude(limit, self.units[kind]))
+            for kind, limit in given
+        )
 
         def expression(point: RobotPoint) -> list[Scalar]:
             values = getattr(point.frame(frame), vector)
@@ -69,6 +73,7 @@ class FrameSpeed(FrameMotionLimit):
 
     vector: ClassVar[str] = "velocity"
     quantity: ClassVar[str] = "speed"
+    units: ClassVar[dict[str, str]] = {"linear": "m/s", "angular": "rad/s"}
 
 
 @dataclass(frozen=True)
@@ -77,3 +82,4 @@ class FrameAcceleration(FrameMotionLimit):
 
     vector: ClassVar[str] = "acceleration"
     quantity: ClassVar[str] = "acceleration"
+    units: ClassVar[dict[str, str]] = {"linear": "m/s^2", "angular": "rad/s^2"}
