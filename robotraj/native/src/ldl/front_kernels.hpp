@@ -54,34 +54,11 @@ class Elimination {
 
   /// Column j of the Schur complement after all pivots so far, from row `done_` on. Returns the largest number below it.
   double column(int j, double* out) {
-    const double* own = f_.entries + j * ld_;
-    const int k = done_, first = k / kStep * kStep;
-    if (j > k) {
-      for (int i = j / kStep * kStep; i < ld_; i += kStep) *packs(out + i) = *packs(own + i);
-      for (int i = k; i < j; ++i) out[i] = at(j, i);
-      own = out;
-    }
-    const double* columns[kPanel + 1];
-    double factors[kPanel + 1];
-    int count = 0;
-    for (int p = panel_; p < k; ++p) {
-      const double factor = w_[(p - panel_) * ld_ + j];
-      if (factor == 0.0) continue;
-      columns[count] = f_.entries + p * ld_;
-      factors[count++] = factor;
-    }
-    Pack high{};
-    for (int i = first; i < ld_; i += kStep) {
-      Pack sum = *packs(own + i);
-      for (int p = 0; p < count; ++p) sum -= *packs(columns[p] + i) * factors[p];
-      *packs(out + i) = sum;
-      const Pack size = sum < 0.0 ? -sum : sum;
-      if (i > first) high = size > high ? size : high;
-    }
-    double most = 0.0;
-    for (int lane = 0; lane < kStep; ++lane) most = high[lane] > most ? high[lane] : most;
-    for (int row = k + 1; row < first + kStep; ++row) most = magnitude(out[row]) > most ? magnitude(out[row]) : most;
-    return most;
+    const int k = done_;
+    for (int i = (j > k ? j : k) / kStep * kStep; i < ld_; i += kStep) *packs(out + i) = *packs(f_.entries + j * ld_ + i);
+    for (int i = k; i < j; ++i) out[i] = at(j, i);
+    update_column(f_.entries + panel_ * ld_, w_ + j, ld_, k - panel_, k, out);
+    return largest(out, k + 1, ld_);
   }
 
   /// The largest number of a column among rows `begin` to `end`.

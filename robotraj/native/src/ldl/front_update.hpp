@@ -36,19 +36,24 @@ ROBOTRAJ_INLINE void update_tile(const double* l, const double* w, int ld, int d
     for (int i = 0; i < Tall; ++i) packs(c + j * ld)[i] = sum[j][i];
 }
 
-/// Columns j, ... j + Wide of C, from their diagonal down.
-template <int Wide>
-ROBOTRAJ_INLINE void update_columns(const double* l, const double* w, int ld, int depth, int j, double* c) {
-  int i = j / kStep * kStep;
-  for (; i + kTall * kStep <= ld; i += kTall * kStep) update_tile<kTall, Wide>(l + i, w + j, ld, depth, c + j * ld + i);
-  for (; i < ld; i += kStep) update_tile<1, Wide>(l + i, w + j, ld, depth, c + j * ld + i);
+/// `Wide` columns of C, from the pack of row `first` down; `w` begins at the row of W that belongs to the first column.
+template <int Tall, int Wide>
+ROBOTRAJ_INLINE void update_columns(const double* l, const double* w, int ld, int depth, int first, double* c) {
+  int i = first / kStep * kStep;
+  for (; i + Tall * kStep <= ld; i += Tall * kStep) update_tile<Tall, Wide>(l + i, w, ld, depth, c + i);
+  for (; i < ld; i += kStep) update_tile<1, Wide>(l + i, w, ld, depth, c + i);
+}
+
+/// One column of C.
+void update_column(const double* l, const double* w, int ld, int depth, int first, double* c) {
+  update_columns<4, 1>(l, w, ld, depth, first, c);
 }
 
 /// C -= L W' for the columns `first` to `rows`; L and W have `depth` columns.
 void update(const double* l, const double* w, int ld, int rows, int depth, int first, double* c) {
   int j = first;
-  for (; j + kWide <= rows; j += kWide) update_columns<kWide>(l, w, ld, depth, j, c);
-  for (; j < rows; ++j) update_columns<1>(l, w, ld, depth, j, c);
+  for (; j + kWide <= rows; j += kWide) update_columns<kTall, kWide>(l, w + j, ld, depth, j, c + j * ld);
+  for (; j < rows; ++j) update_column(l, w + j, ld, depth, j, c + j * ld);
 }
 
 }  // namespace
