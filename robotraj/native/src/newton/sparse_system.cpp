@@ -20,6 +20,28 @@ std::vector<std::int32_t> in_order(std::size_t count) {
   return places;
 }
 
+/// Calls visit(row, first entry, end) for every row of a pattern that is sorted by rows.
+template <class Visit>
+void each_row(const Pattern& pattern, const Visit& visit) {
+  for (std::size_t e = 0; e < pattern.size();) {
+    const std::size_t begin = e;
+    const std::int32_t row = pattern.rows[e];
+    while (e < pattern.size() && pattern.rows[e] == row) ++e;
+    visit(row, begin, e);
+  }
+}
+
+/// Returns sum + a row's product with z, and adds y times the row to `to`. The sum stays in a register.
+double multiply_row(const StageValues& values, const Pattern& pattern, std::size_t e, std::size_t end, const double* z,
+                    double y, double sum, double* to) {
+  for (; e < end; ++e) {
+    const std::int32_t column = pattern.columns[e];
+    sum += values[e] * z[column];
+    to[column] += values[e] * y;
+  }
+  return sum;
+}
+
 /// Collects entries of the lower triangle; the number of an entry is its place once they are sorted.
 class Entries {
  public:
@@ -198,21 +220,20 @@ double SparseSolver::residual(const StageValues& jacobian, const StageValues& he
   const Layout& layout = matrices_.layout();
   const Pattern &of_rows = matrices_.jacobian(), &of_columns = matrices_.hessian();
   for (int i = 0; i < layout.columns; ++i) left.gradient[i] = system.f[i] + system.dx[i] * system.z[i];
-  for (std::size_t e = 0; e < of_columns.size(); ++e) {
-    const std::int32_t i = of_columns.rows[e], j = of_columns.columns[e];
-    left.gradient[i] += hessian[e] * system.z[j];
-    if (i != j) left.gradient[j] += hessian[e] * system.z[i];
-  }
   for (int i = 0; i < layout.inequality_rows; ++i)
     left.equalities[i] = system.g[i] - (system.de ? system.de[i] * system.lam[i] : 0.0);
   std::copy_n(system.inequalities, layout.slacks, left.inequalities);
-  for (std::size_t e = 0; e < of_rows.size(); ++e) {
-    const std::int32_t row = of_rows.rows[e], column = of_rows.columns[e];
-    left.gradient[column] += jacobian[e] * system.lam[row];
+  each_row(of_columns, [&](std::int32_t i, std::size_t e, std::size_t end) {
+    double sum = left.gradient[i];
+    if (of_columns.columns[e] == i) sum += hessian[e] * system.z[i], ++e;
+    sum = multiply_row(hessian, of_columns, e, end, system.z, system.z[i], sum, left.gradient);
+    left.gradient[i] = sum;
+  });
+  each_row(of_rows, [&](std::int32_t row, std::size_t e, std::size_t end) {
     double& of_row =
         row < layout.inequality_rows ? left.equalities[row] : left.inequalities[row - layout.inequality_rows];
-    of_row += jacobian[e] * system.z[column];
-  }
+    of_row = multiply_row(jacobian, of_rows, e, end, system.z, system.lam[row], of_row, left.gradient);
+  });
   double most = 0.0;
   for (int i = 0; i < layout.columns; ++i) most = std::max(most, std::abs(left.gradient[i]));
   for (int i = 0; i < layout.inequality_rows; ++i) most = std::max(most, std::abs(left.equalities[i]));
