@@ -1,22 +1,11 @@
 #include "factors.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "kernels/packed.hpp"
 
 namespace robotraj::native::ldl {
-namespace {
-
-/// A power of two near 1 / sqrt(x): scaling by it changes no digit.
-double inverse_root(double x) {
-  int exponent;
-  std::frexp(x, &exponent);
-  return std::ldexp(1.0, -(exponent >> 1));
-}
-
-}  // namespace
 
 Factors::Factors(Pattern pattern, const std::vector<int>& groups, const std::string& processor)
     : pattern_(std::move(pattern)),
@@ -41,29 +30,7 @@ void Factors::make_room() {
   stack_.reserve(2 * stack);
 }
 
-void Factors::scale(const double* values) {
-  scale_.assign(pattern_.n, 0.0);
-  local_scale_.resize(std::max<std::size_t>(local_scale_.size(), tree_.largest));
-  double* local = local_scale_.data();
-  for (std::size_t index = 0; index < tree_.nodes.size(); ++index) {
-    const Node& node = tree_.nodes[index];
-    const std::size_t columns = node.columns, below = node.below.size();
-    std::copy_n(scale_.data() + node.first, columns, local);
-    std::fill_n(local + columns, below, 0.0);
-    for (int e = tree_.place_starts[index]; e < tree_.place_starts[index + 1]; ++e) {
-      const Place& place = tree_.places[e];
-      const double size = std::abs(values[e]);
-      local[place.row] = std::max(local[place.row], size);
-      local[place.column] = std::max(local[place.column], size);
-    }
-    std::copy_n(local, columns, scale_.data() + node.first);
-    for (std::size_t i = 0; i < below; ++i) scale_[node.below[i]] = std::max(scale_[node.below[i]], local[columns + i]);
-  }
-  for (double& largest : scale_) largest = largest > 0 ? inverse_root(largest) : 1.0;
-}
-
 Inertia Factors::factorise(const double* values, double threshold, double small) {
-  scale(values);
   entries_ = orders_ = diagonals_ = stacked_ = 0;
   Inertia all;
   for (std::size_t node = 0; node < tree_.nodes.size(); ++node) eliminate(node, values, threshold, small, all);
@@ -97,12 +64,9 @@ void Factors::eliminate(std::size_t index, const double* values, double threshol
   int* rest = front.order + late;
   for (int c = 0; c < node.columns; ++c) rest[c] = node.first + c;
   std::copy(node.below.begin(), node.below.end(), rest + node.columns);
-  local_scale_.resize(std::max(local_scale_.size(), rows));
-  for (std::size_t i = 0; i < rows - late; ++i) local_scale_[i] = scale_[rest[i]];
   for (int e = tree_.place_starts[index]; e < tree_.place_starts[index + 1]; ++e) {
     const Place& place = tree_.places[e];
-    front.entries[(late + place.column) * ld + late + place.row] +=
-        values[e] * local_scale_[place.column] * local_scale_[place.row];
+    front.entries[(late + place.column) * ld + late + place.row] += values[e];
   }
   // The blocks of the children are stacked.
   std::size_t end = stacked_;
@@ -157,7 +121,7 @@ void Factors::keep(const Front& front, int pivots, Part& part) {
 
 void Factors::solve(double* x) {
   all_.resize(pattern_.n);
-  for (int k = 0; k < pattern_.n; ++k) all_[k] = x[tree_.order[k]] * scale_[k];
+  for (int k = 0; k < pattern_.n; ++k) all_[k] = x[tree_.order[k]];
   for (const Part& part : parts_) vector_.reserve(part.ld);
   for (std::size_t node = 0; node < parts_.size(); ++node) {
     const Part& part = parts_[node];
@@ -189,7 +153,7 @@ void Factors::solve(double* x) {
     kernels_.backward(factor_.data() + part.entries, part.ld, part.pivots, v);
     for (int k = 0; k < part.pivots; ++k) all_[order[k]] = v[k];
   }
-  for (int k = 0; k < pattern_.n; ++k) x[tree_.order[k]] = all_[k] * scale_[k];
+  for (int k = 0; k < pattern_.n; ++k) x[tree_.order[k]] = all_[k];
 }
 
 }  // namespace robotraj::native::ldl

@@ -16,8 +16,8 @@ struct Inertia {
   int delayed = 0;             ///< candidates delayed to another front, counted each time
 };
 
-/// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are first scaled
-/// by the root of the largest number of each, one round of Ruiz (RAL-TR-2001-034): an NLP is scaled already.
+/// The multifrontal method of Duff and Reid, ACM Transactions on Mathematical Software 9 (1983). Rows are not
+/// scaled: an NLP is scaled already.
 ///
 /// The order is that of the pattern alone, as if no diagonal were zero. One factorisation reuses the memory of another.
 class Factors {
@@ -38,7 +38,6 @@ class Factors {
     int pivots, ld, delayed;
     std::size_t entries, order, diagonal;  ///< where they begin
   };
-  void scale(const double* values);
   void make_room();
   void eliminate(std::size_t node, const double* values, double threshold, double small, Inertia& all);
   void keep(const Front& front, int pivots, Part& part);
@@ -46,11 +45,10 @@ class Factors {
   Pattern pattern_;
   const FrontKernels& kernels_;
   Tree tree_;
-  std::vector<double> scale_;  // of the rows in the new order
   std::vector<Part> parts_;
   std::size_t entries_ = 0, orders_ = 0, diagonals_ = 0, stacked_ = 0;
   Buffer factor_, stack_, vector_;
-  std::vector<double> diagonal_, off_, all_, local_scale_;
+  std::vector<double> diagonal_, off_, all_;
   std::vector<int> order_, places_;
 };
 

@@ -55,7 +55,8 @@ class Elimination {
   /// Column j of the Schur complement after all pivots so far, from row `done_` on. Returns the largest number below it.
   double column(int j, double* out) {
     const int k = done_;
-    for (int i = (j > k ? j : k) / kStep * kStep; i < ld_; i += kStep) *packs(out + i) = *packs(f_.entries + j * ld_ + i);
+    for (int i = (j > k ? j : k) / kStep * kStep; i < ld_; i += kStep)
+      *packs(out + i) = *packs(f_.entries + j * ld_ + i);
     for (int i = k; i < j; ++i) out[i] = at(j, i);
     update_column(f_.entries + panel_ * ld_, w_ + j, ld_, k - panel_, k, out);
     return largest(out, k + 1, ld_);
