@@ -167,10 +167,13 @@ class Elimination {
   /// Rows and columns i <= j change places.
   void swap(int i, int j) {
     if (i == j) return;
+    double *one = f_.entries + i * ld_, *two = f_.entries + j * ld_;
     for (int c = 0; c < i; ++c) swap_numbers(at(i, c), at(j, c));
-    swap_numbers(at(i, i), at(j, j));
-    for (int c = i + 1; c < j; ++c) swap_numbers(at(c, i), at(j, c));
-    for (int r = j + 1; r < f_.rows; ++r) swap_numbers(at(r, i), at(r, j));
+    swap_numbers(one[i], two[j]);
+    for (int c = i + 1; c < j; ++c) swap_numbers(one[c], at(j, c));
+    int r = j + 1;
+    for (; r % kStep != 0; ++r) swap_numbers(one[r], two[r]);
+    for (; r < ld_; r += kStep) swap_numbers(*packs(one + r), *packs(two + r));
     for (int p = panel_; p < done_; ++p) swap_numbers(w_[(p - panel_) * ld_ + i], w_[(p - panel_) * ld_ + j]);
     swap_numbers(f_.order[i], f_.order[j]);
   }
