@@ -619,8 +619,9 @@ class Outcome:
     lower_duals, upper_duals : ndarray (inequality rows,)
         Multipliers of the bounds, not negative; lam of the inequality rows is upper_duals - lower_duals.
     status : str
-        "solved", "acceptable", "iteration limit", "infeasible", "line search failed", "step failed", "time limit",
-        "interrupted" (Ctrl-C), "stopped" (by the callback) or "failed" (then ``message`` is that of the exception).
+        "solved", "acceptable", "settled" (by ``objective_change``), "iteration limit", "infeasible",
+        "line search failed", "step failed", "time limit", "interrupted" (Ctrl-C), "stopped" (by the callback) or
+        "failed" (then ``message`` is that of the exception).
     iterations : int
     objective, violation : float
         At y; the largest violated row, bounds of inequality rows included.
@@ -703,6 +704,7 @@ class Options:
     acceptable_tolerance: float
     acceptable_iterations: int
     violation_tolerance: float
+    objective_change: float
     max_iterations: int
     processor_limit: float
     initial_barrier: float

@@ -174,6 +174,14 @@ class Solver(OneLine, ABC):
         """
         return self
 
+    def for_guess(self, change: float) -> Solver:
+        """Return this solver for a solution that is only a guess: it ends early, and may leave rows violated.
+
+        It ends where several iterations change the objective by less than ``change`` of it. A solver that cannot do so
+        returns itself.
+        """
+        return self
+
     def with_early_stop(self) -> Solver:
         """Return this solver with few iterations and no fallback, for a problem that seldom has a solution."""
         return self

@@ -74,8 +74,7 @@ class InteriorPoint(Solver):
     max_iterations : int
         Iterations of one solve, including those of the restoration phase. The ``fallback`` counts its own.
     time_limit : float or None
-        Wall-clock time of one solve [s], including the ``fallback``. Solves on finer meshes and restarts are further
-        solves.
+        Wall-clock time of one solve [s], including the ``fallback``. Finer meshes and restarts are further solves.
     initial_barrier : float, optional
         The first barrier parameter. The default is 1e-4 for contacts of a floating root, and 1e-2 otherwise.
     barrier_factor : float, optional
@@ -95,6 +94,8 @@ class InteriorPoint(Solver):
         Factor of the objective. The default makes the weight of the first barrier independent of the mesh. Except for
         small objectives on coarse meshes, it is independent of the unit too; see ``robotraj.solvers.objective_scale``.
         Multipliers belong to the unscaled objective.
+    objective_change : float, optional
+        Share of the objective. The solve ends where eight iterations change less, with scaled rows met to 1e-2.
 
     Raises
     ------
@@ -111,13 +112,14 @@ class InteriorPoint(Solver):
     threads: int | None = None
     fallback: Solver | None = field(default_factory=Ipopt)
     objective_scale: float | None = None
+    objective_change: float | None = None
 
     def __post_init__(self) -> None:
         above_zero("InteriorPoint(tolerance)", self.tolerance)
         counted("InteriorPoint(max_iterations)", self.max_iterations)
         if self.time_limit is not None:
             above_zero("InteriorPoint(time_limit)", self.time_limit, "s")
-        for name in ("initial_barrier", "barrier_factor"):
+        for name in ("initial_barrier", "barrier_factor", "objective_change"):
             above_zero(f"InteriorPoint({name})", 1.0 if getattr(self, name) is None else getattr(self, name))
         scale = self.objective_scale
         if scale is not None and not 0 < scale < np.inf:
@@ -141,6 +143,10 @@ class InteriorPoint(Solver):
     def at_most(self, iterations: int) -> InteriorPoint:
         """Return this solver with no more than these iterations and no fallback."""
         return replace(self, max_iterations=min(self.max_iterations, iterations), fallback=None)
+
+    def for_guess(self, change: float) -> InteriorPoint:
+        """Return this solver, which ends where its objective hardly changes."""
+        return replace(self, objective_change=change)
 
     def within(self, seconds: float) -> InteriorPoint:
         """Return this solver with a limit of wall-clock seconds for one solve."""
@@ -281,6 +287,7 @@ class InteriorPoint(Solver):
             initial_barrier=barrier,
             barrier_factor=barrier_factor,
             adaptive_barrier=self.adaptive_barrier,
+            objective_change=self.objective_change or 0.0,
             # Pivots of a last interval with a fixed end are of the order of its length squared: a larger threshold
             # would take them for zeros.
             elimination_tolerance=1e-10,

@@ -59,6 +59,7 @@ _REMEDIES = {
 STATUSES = {
     "solved": Status.SOLVED,
     "acceptable": Status.SOLVED,
+    "settled": Status.SOLVED,
     "invalid number": Status.INVALID_NUMBER,
     "iteration limit": Status.ITERATION_LIMIT,
     "infeasible": Status.INFEASIBLE,

@@ -15,6 +15,7 @@ REFUSED = {
     "max_iterations": [0, 1e3, 3_000_000_000, "10", True],
     "time_limit": [0.0, -1.0, "3"],
     "initial_barrier": [0.0, -1.0, "1"],
+    "objective_change": [0.0, -1e-3, "1e-3"],
     "threads": [0, 2.5],
 }
 

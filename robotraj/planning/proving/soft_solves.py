@@ -13,10 +13,17 @@ from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
 from robotraj.transcription.schemes.mesh import Mesh
 
 PATIENCE = 150
 """Iterations of one solve, which can only improve the guess of another."""
+CHANGE = 1e-3
+"""Relative change of the objective within eight iterations below which a solve ends.
+
+Reversals go on to move from interval to interval for up to a hundred iterations. The next solve, on other intervals,
+moves them again.
+"""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
 
@@ -26,10 +33,12 @@ def soft_solution(
 ) -> Solution | None:
     """Return the solution with the least soft friction that was solved; None if all solves failed.
 
+    As a guess it may violate rows a little.
     A time limit that ends these solves leaves the plan to the robot's own friction.
     """
     limits = replace(settings.interval_limits, rounds=0)
-    own = replace(settings, restarts=Restarts(0), interval_limits=limits, solver=settings.solver.at_most(PATIENCE))
+    solver = settings.solver.at_most(PATIENCE).for_guess(CHANGE)
+    own = replace(settings, restarts=Restarts(0), interval_limits=limits, solver=solver)
     limited, found = isinstance(solves.progress, PlanLimits), None
     for softening in SOFTENING:
         soft = softened(problem, softening, averaging_times(problem, meshes, found))
@@ -39,7 +48,7 @@ def soft_solution(
             if not limited:
                 raise
             break
-        if softer.success:
+        if softer.status in (Status.SOLVED, Status.ROWS_VIOLATED):
             found, meshes = softer, finer_where_bent(softer, settings)
         elif are_certain(softer.conflicts):
             break

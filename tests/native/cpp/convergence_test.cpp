@@ -79,4 +79,37 @@ ROBOTRAJ_TEST(the_adaptive_rule_ends_with_small_products) {
   }
 }
 
+ROBOTRAJ_TEST(a_guess_is_settled_after_eight_iterations_with_nearly_the_same_objective) {
+  Started its({3.0, 3.0, 3.0, std::sqrt(13.0)});  // on every row
+  interior_point::Iterate& at = *its.run.current;
+  interior_point::Options options;
+  interior_point::Convergence convergence(options);
+  for (int count = 0; count < 20; ++count) CHECK(!convergence.settled(at));
+  options.objective_change = 1e-3;
+  for (const double change : {2e-3, 1e-4}) {
+    convergence.reset();
+    its.problem.objective_scale = 1.0 + change;
+    at.moved();
+    CHECK(!convergence.settled(at));
+    its.problem.objective_scale = 1.0;
+    at.moved();
+    for (int count = 1; count < 8; ++count) CHECK(!convergence.settled(at));
+    CHECK(convergence.settled(at) == (change < 1e-3));
+  }
+  // The first objective is forgotten.
+  convergence.reset();
+  its.problem.objective_scale = 2.0;
+  at.moved();
+  convergence.settled(at);
+  its.problem.objective_scale = 1.0;
+  at.moved();
+  for (int count = 1; count < 9; ++count) CHECK(!convergence.settled(at));
+  CHECK(convergence.settled(at));
+  // A point off the rows is no guess.
+  at.at->x[0] = 2.0;
+  at.moved();
+  CHECK(at.largest_violation() > 1e-2);
+  CHECK(!convergence.settled(at));
+}
+
 }  // namespace robotraj::tests

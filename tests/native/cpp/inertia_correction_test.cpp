@@ -63,6 +63,28 @@ ROBOTRAJ_TEST(negative_curvature_of_saturations_is_dropped_before_the_hessian_is
   CHECK(its.run.direction.newton.solve(at, side, 0.0, 0.0, step.get()) == interior_point::Solved::good);
 }
 
+ROBOTRAJ_TEST(steps_are_short_where_only_rows_are_violated) {
+  Started its(its_start, 0.1, 1e-4);
+  interior_point::Iterate& at = *its.run.current;
+  const double dual = interior_point::dual_error(at, 0.0), violation = at.largest_violation();
+  CHECK(dual < 0.9 * violation);
+  interior_point::Room step(its.problem);
+  const auto length = [&](double tolerance) {
+    its.options.tolerance = tolerance;
+    CHECK(its.run.direction.find(at, its.run.mu, step.get()));
+    CHECK(left_of_rows(its, step, at.residual()) < 1e-6);
+    double sum = 0.0;
+    for (int i = 0; i < 4; ++i) sum += step->x[i] * step->x[i];
+    return std::sqrt(sum);
+  };
+  const double between = 0.5 * (dual + violation), first = length(between), shorter = length(between);
+  const double plain = length(0.9 * dual);
+  CHECK(std::abs(first - plain) < 1e-6 * plain);
+  CHECK(shorter < (1.0 - 1e-4) * plain);
+  // Nor is it shortened where the rows hold within the tolerance.
+  CHECK(std::abs(length(1.1 * violation) - plain) < 1e-6 * plain);
+}
+
 ROBOTRAJ_TEST(second_order_steps_count_the_products_of_the_changes) {
   Started its;
   interior_point::Iterate& at = *its.run.current;

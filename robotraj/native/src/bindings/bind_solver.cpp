@@ -23,6 +23,7 @@ static void each_option(Use&& use) {
   use("acceptable_tolerance", &Options::acceptable_tolerance);
   use("acceptable_iterations", &Options::acceptable_iterations);
   use("violation_tolerance", &Options::violation_tolerance);
+  use("objective_change", &Options::objective_change);
   use("max_iterations", &Options::max_iterations);
   use("processor_limit", &Options::processor_limit);
   use("initial_barrier", &Options::initial_barrier);

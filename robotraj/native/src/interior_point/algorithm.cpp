@@ -41,6 +41,7 @@ End Algorithm::iterate(double mu) {
       case Converged::acceptable: return End::acceptable;
       default: break;
     }
+    if (!goal && convergence_.settled(*run.current)) return End::settled;
     if (progress_.check) progress_.check(progress_.iterations, progress_.trace.back()[0], progress_.trace.back()[1]);
     if (progress_.iterations >= options_.max_iterations) return End::iteration_limit;
     if (out_of_time()) return End::processor_limit;

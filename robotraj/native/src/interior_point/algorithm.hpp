@@ -26,6 +26,7 @@ struct Progress {
 enum class End {
   solved,
   acceptable,
+  settled,
   restored,
   iteration_limit,
   processor_limit,

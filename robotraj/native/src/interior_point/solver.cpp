@@ -15,6 +15,7 @@ const char* status_of(End end) {
   switch (end) {
     case End::solved: return "solved";
     case End::acceptable: return "acceptable";
+    case End::settled: return "settled";
     case End::iteration_limit: return "iteration limit";
     case End::processor_limit: return "time limit";
     case End::infeasible: return "infeasible";
@@ -132,7 +133,7 @@ void Solver::collect(const Start& start, Outcome& outcome) {
     if (std::isnan(broken)) break;
   }
   // A largest magnitude ignores NaN.
-  const bool claimed = outcome.status == "solved" || outcome.status == "acceptable";
+  const bool claimed = outcome.status == "solved" || outcome.status == "acceptable" || outcome.status == "settled";
   if (claimed && !(std::isfinite(outcome.objective) && std::isfinite(outcome.violation) && finite(outcome.y) &&
                    finite(outcome.lam) && finite(outcome.lower_duals) && finite(outcome.upper_duals)))
     outcome.status = "invalid number";

@@ -9,12 +9,14 @@ namespace {
 
 constexpr double kLargestMean = 100.0;  // s_max
 constexpr double kAdaptiveGap = 0.1;    // largest product of the adaptive rule, relative to the tolerance
+constexpr std::size_t kUnchanged = 8;   // iterations
+constexpr double kNearRows = 1e-2;      // violation of a guess
 
 double mean(double sum, int count) { return count > 0 ? sum / count : 0.0; }
 
 }  // namespace
 
-double error(Iterate& iterate, double mu) {
+double dual_error(Iterate& iterate, double mu) {
   const VectorKernels& run = native::vector_kernels_of();
   Problem& problem = iterate.problem();
   const int bounds = problem.bound_count(), slacks = problem.slacks();
@@ -24,8 +26,10 @@ double error(Iterate& iterate, double mu) {
   const double s_c = std::max(kLargestMean, mean(of_bounds, bounds)) / kLargestMean;
   const double complementarity = run.largest_complementarity(problem.bounds(), iterate.at->lower, iterate.below(),
                                                              iterate.at->upper, iterate.above(), mu);
-  return std::max({iterate.largest_infeasibility() / s_d, iterate.largest_violation(), complementarity / s_c});
+  return std::max(iterate.largest_infeasibility() / s_d, complementarity / s_c);
 }
+
+double error(Iterate& iterate, double mu) { return std::max(dual_error(iterate, mu), iterate.largest_violation()); }
 
 double system_error(Iterate& iterate, double mu) {
   const VectorKernels& run = native::vector_kernels_of();
@@ -65,6 +69,15 @@ Converged Convergence::check(Iterate& iterate) {
   if (now <= options_.tolerance && feasible && close(iterate)) return Converged::solved;
   acceptable_ = now <= options_.acceptable_tolerance && feasible ? acceptable_ + 1 : 0;
   return acceptable_ >= options_.acceptable_iterations ? Converged::acceptable : Converged::no;
+}
+
+bool Convergence::settled(Iterate& iterate) {
+  if (options_.objective_change == 0.0) return false;
+  objectives_.push_back(iterate.objective());
+  if (objectives_.size() > kUnchanged + 1) objectives_.pop_front();
+  if (objectives_.size() <= kUnchanged || iterate.largest_violation() > kNearRows) return false;
+  const auto [least, most] = std::minmax_element(objectives_.begin(), objectives_.end());
+  return *most - *least <= options_.objective_change * std::abs(iterate.objective());
 }
 
 }  // namespace robotraj::interior_point

@@ -1,6 +1,8 @@
 // How far an iterate is from a solution.
 #pragma once
 
+#include <deque>
+
 #include "iterate.hpp"
 #include "options.hpp"
 
@@ -12,6 +14,9 @@ namespace robotraj::interior_point {
 ///
 /// Source: the paper, equation 5.
 double error(Iterate& iterate, double mu);
+
+/// The same without the rows' violation |c|.
+double dual_error(Iterate& iterate, double mu);
 
 /// mean |grad L| + mean |c| + mean |S z - mu|, the error of the primal-dual equations of the barrier problem.
 double system_error(Iterate& iterate, double mu);
@@ -29,14 +34,21 @@ class Convergence {
  public:
   explicit Convergence(const Options& options) : options_(options) {}
 
-  void reset() { acceptable_ = 0; }
+  void reset() {
+    acceptable_ = 0;
+    objectives_.clear();
+  }
   Converged check(Iterate& iterate);
+  /// Whether the objective was within `objective_change` of itself for eight iterations, near the rows; to be asked once
+  /// an iteration. Never where `objective_change` is 0.
+  bool settled(Iterate& iterate);
 
  private:
   bool close(Iterate& iterate) const;
 
   const Options& options_;
   int acceptable_ = 0;
+  std::deque<double> objectives_;  // of the last iterations
 };
 
 }  // namespace robotraj::interior_point

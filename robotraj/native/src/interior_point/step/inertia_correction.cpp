@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "interior_point/problem/convergence.hpp"
+
 namespace robotraj::interior_point {
 
 using native::padded;
@@ -15,6 +17,7 @@ constexpr double kGrowFirst = 100.0;
 constexpr int kMostWaits = 2;
 constexpr double kPower = 0.25;        // kappa_c
 constexpr double kLeastProduct = 0.1;  // of a distance and its multiplier, relative to mu
+constexpr double kNear = 30.0;         // delta_x of steps that only restore the rows, relative to the tolerance
 
 /// Adds the time from its construction to its destruction to a sum.
 class Timed {
@@ -63,6 +66,12 @@ double InertiaCorrection::larger(double delta_w) const {
   return last_ == 0.0 ? options_.first_correction : std::max(kLeast, options_.correction_decrease * last_);
 }
 
+double InertiaCorrection::proximal(Iterate& iterate) const {
+  const double tolerance = options_.tolerance;
+  if (first_) return 0.0;
+  return iterate.largest_violation() > tolerance && dual_error(iterate, 0.0) <= tolerance ? kNear * tolerance : 0.0;
+}
+
 bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   mu_ = mu;
   second_order_ = false;
@@ -73,11 +82,12 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
   bool convex = waits || !problem_.saturates();
   newton.options = {options_.elimination_tolerance, options_.pivot_tolerance};
   const double root = std::pow(std::max(mu, options_.tolerance), kPower);
+  const double delta_x = proximal(iterate);
   double delta_w = 0.0, delta_c = options_.least_row_correction * root;
   bool corrected = options_.row_correction <= options_.least_row_correction;
   const Timed timed(seconds);
   while (delta_w <= kLargest) {
-    switch (newton.solve(iterate, side, delta_w, delta_c, step)) {
+    switch (newton.solve(iterate, side, delta_w + delta_x, delta_c, step)) {
       case Solved::indefinite:
         if (convex) {
           delta_w = larger(delta_w);
@@ -96,6 +106,7 @@ bool InertiaCorrection::find(Iterate& iterate, double mu, const Vectors& step) {
       default:
         if (delta_w > 0.0) last_ = delta_w;
         if (!convex) failures_ = 0;
+        first_ = false;
         return true;
     }
   }

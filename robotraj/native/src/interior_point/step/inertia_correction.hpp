@@ -20,6 +20,12 @@ namespace robotraj::interior_point {
 /// failures of the exact Hessian in a row, one or two steps begin without negative curvature: each failure costs a
 /// factorisation.
 /// Source: the paper, algorithm IC.
+///
+/// Where all conditions of optimality hold within the tolerance and only rows are violated, delta_x = 30 eps_tol is added
+/// as well. Without it, steps along which the objective is flat are long, as those of joints that do not decide the
+/// least time. Each of them violates the rows again. With it, the step changes the variables little beyond what the rows
+/// need, and the gradient by no more than delta_x times the step. The first step is always Newton's: a gradient that vanishes
+/// at the start says nothing of flat directions, and the step solves a linear-quadratic program.
 class InertiaCorrection {
  public:
   InertiaCorrection(Problem& problem, const Options& options);
@@ -29,6 +35,7 @@ class InertiaCorrection {
   void reset() {
     last_ = 0.0;
     failures_ = waits_ = 0;
+    first_ = true;
   }
   /// The step of the barrier problem of `mu` in `step`; false where there is none.
   bool find(Iterate& iterate, double mu, const Vectors& step);
@@ -46,6 +53,7 @@ class InertiaCorrection {
  private:
   Side side(Iterate& iterate, double mu, const double* rows);
   double larger(double delta_w) const;
+  double proximal(Iterate& iterate) const;  // delta_x
 
   Problem& problem_;
   const Options& options_;
@@ -55,6 +63,7 @@ class InertiaCorrection {
   double *lower_products_, *upper_products_;
   bool second_order_ = false;
   double last_ = 0.0, mu_ = 0.0;
+  bool first_ = true;
   int failures_ = 0;  // of the exact Hessian in a row
   int waits_ = 0;     // steps that begin without negative curvature
 };
