@@ -267,6 +267,18 @@ PROBLEMS: Mapping[str, Infeasible] = {
         lambda: reach("panda", (0.1, 1.0), rt.Duration(), limits={"acceleration": {"panda_joint1": 3.0}}),
         ("panda_joint1", "acceleration"),
     ),
+    "ur5, jerk": Infeasible(
+        lambda: reach("ur5", 1.0, constraints=[rt.constraints.JointJerk(rt.between(-10, 10))]),
+        ("shoulder_pan_joint", "jerk limit"),
+    ),
+    "panda, torque rate": Infeasible(
+        lambda: reach("panda", 1.5, constraints=[rt.constraints.JointTorqueRate(rt.between(-5, 5))]),
+        ("panda_joint", "torque rate limit"),
+    ),
+    "panda, slow tool": Infeasible(
+        lambda: reach("panda", 1.5, constraints=[rt.constraints.FrameSpeed("panda_hand_tcp", linear=0.1)]),
+        ("linear speed", "panda_hand_tcp", "m/s"),
+    ),
     "ur5, place too soon": Infeasible(
         lambda: to_place(
             "ur5", "tool0", [0.4, -0.5, 0.4], 0.4, start=rt.State(q=[-2.6, -1.8, 1.6, -1.2, -1.57, 0], v=0)

@@ -132,9 +132,9 @@ def restarted(
             if found.success:
                 message = f"{found.message}{RESTARTED_FROM}{VARIATION}"
                 return replace(found, message=message, times=failed.times, iterations=failed.iterations)
-    if not least:
-        return failed
     conflicts = completed(problem, least, relaxed, solve_coarse)
+    if not conflicts:
+        return failed
     return replace(failed, conflicts=conflicts, status=Status.INFEASIBLE if are_certain(conflicts) else failed.status)
 
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
+from robotraj.planning.diagnosis.rate_limits import wider_rates
 from robotraj.planning.diagnosis.slipping import slipping_contacts
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
@@ -26,7 +27,7 @@ UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.I
 """Statuses for which the relaxed problem is solved."""
 CERTAIN = 2e-2
 """Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
-SHORT_OF_TIME = ("velocity", "acceleration", "effort", "control")
+SHORT_OF_TIME = ("velocity", "acceleration", "jerk", "effort", "torque rate", "control")
 """First words of the names of rows that a longer duration may satisfy."""
 
 
@@ -38,8 +39,17 @@ def are_certain(conflicts: tuple[Conflict, ...]) -> bool:
 def completed(
     problem: Problem, conflicts: tuple[Conflict, ...], motion: Solution | None, solve_coarse: Solve
 ) -> tuple[Conflict, ...]:
-    """Add the least duration with which the limits as they are suffice, if they are limits of rates or torques."""
-    if motion is None or not conflicts:
+    """Add the least duration that suffices, and prefer a limit of jerks or of rates of torques that must give less.
+
+    Without a motion, the relaxed problem was not solved. A longer duration may suffice where limits of speeds,
+    accelerations, jerks, torques or controls conflict.
+    """
+    if motion is not None and not conflicts:
+        return ()
+    rates, wider = wider_rates(problem, solve_coarse, motion)
+    if rates is not None and all(rates.relative < conflict.relative for conflict in conflicts[:1]):
+        conflicts, motion = (rates,), wider
+    if motion is None:
         return conflicts
     if not all(conflict.name.startswith(SHORT_OF_TIME) for conflict in conflicts):
         return conflicts

@@ -1,0 +1,118 @@
+"""Limits of jerks and of rates of torques that must give.
+
+They bound derivatives of polynomials, to which no slack can be added row by row. All of them are therefore widened by
+one factor f >= 1. It is doubled until the relaxed problem needs no slack, and then bisected to the least such factor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion
+from robotraj.problem.constraints.base import BoundConstraint, Constraint
+from robotraj.problem.constraints.motors.rates import RateLimit
+from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import Conflict
+from robotraj.solution.solution import Solution
+from robotraj.transcription.interval_limits.row_values import Rates
+
+WIDEST = 1024.0
+"""Largest factor that is tried."""
+BISECTIONS = 4
+"""Bisections of the factor, to a sixteenth of its last doubling."""
+PLACES = np.linspace(0.0, 1.0, 5)
+"""Places of an interval at which rates are read."""
+
+
+@dataclass(frozen=True)
+class _Widened(Constraint):
+    """A limit of rates whose bounds are ``factor`` times as wide."""
+
+    limit: RateLimit
+    factor: float
+
+    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
+        """Multiply the bounds of all rows."""
+        bound = self.limit.bind(dynamics, parameters)
+        rows = tuple(replace(r, lower=self.factor * r.lower, upper=self.factor * r.upper) for r in bound.rows)
+        return replace(bound, rows=rows)
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add the variables that the limit reads."""
+        return self.limit.augment(dynamics)
+
+
+def wider_rates(
+    problem: Problem, solve: Solve, guess: Solution | None
+) -> tuple[Conflict, Solution] | tuple[None, None]:
+    """Return the limit of a rate that must give, and a motion with wider limits.
+
+    Parameters
+    ----------
+    problem : Problem
+    solve : callable
+        ``solve(problem, guess)`` solves the relaxed problem on a coarse mesh.
+    guess : Solution or None
+
+    Returns
+    -------
+    Conflict and Solution, or None and None
+        The row that is used most in the motion with the least factor, and that motion. None where the problem has no
+        such limits, or where wider ones do not help.
+    """
+    if not any(phase.rows.rates for phase in problem.phases):
+        return None, None
+
+    def motion_with(factor: float) -> Solution | None:
+        motion, conflicts = relaxed_motion(_widened(problem, factor), solve, guess)
+        return motion if motion is not None and motion.success and not conflicts else None
+
+    enough, motion = 1.0, None
+    while motion is None and enough < WIDEST:
+        enough *= 2.0
+        motion = motion_with(enough)
+    if motion is None:
+        return None, None
+    too_little = 0.5 * enough
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (too_little + enough)
+        found = motion_with(middle)
+        if found is None:
+            too_little = middle
+        else:
+            enough, motion = middle, found
+    # Wherever the motion with the least factor is at a limit, that limit must give.
+    return max(_used(problem, motion, enough), key=lambda conflict: conflict.relative), motion
+
+
+def _widened(problem: Problem, factor: float) -> Problem:
+    phases = [
+        phase.with_(
+            constraints=[_Widened(each, factor) if isinstance(each, RateLimit) else each for each in phase.constraints]
+        )
+        for phase in problem.phases
+    ]
+    return Problem(phases, problem.links)
+
+
+def _used(problem: Problem, motion: Solution, factor: float) -> Iterator[Conflict]:
+    """Yield the greatest rate of every limited variable in a motion, as a bound that would do."""
+    for phase, part in zip(problem.phases, motion.phases, strict=True):
+        for variables, curve in ((phase.dae.algebraic, part.trajectory.z), (phase.dae.controls, part.trajectory.u)):
+            for row, column in phase.rows.rates_of(variables):
+                rates = Rates(curve, [column])
+                values = rates.grid(PLACES)[..., 0]
+                shares = np.where(values < 0.0, values / row.lower, values / row.upper)
+                interval, place = np.unravel_index(int(np.argmax(shares)), shares.shape)
+                bound = row.lower if values[interval, place] < 0.0 else row.upper
+                first, last = rates.breaks[interval : interval + 2]
+                needed = bound * min(float(shares[interval, place]), factor)
+                time = float(first + (last - first) * PLACES[place])
+                yield Conflict(
+                    phase.name, row.label, time, bound, needed, row.unit, float(shares.max()) - 1.0, physical=True
+                )
