@@ -23,6 +23,8 @@ FACTORS = (100.0, 10.0)
 
 The first takes fewer iterations. If its line search fails, the attempt begins again with the second.
 """
+AHEAD = 30.0
+"""Factor on ``FACTORS`` from a guess with a small barrier: its problem need not be solved before a smaller one's."""
 PATIENCE_STAGES = (500,)
 PATIENCE_ASSEMBLED = (150, 250)
 """Iterations of the attempts before the last one: of problems in stages, and of assembled ones.

@@ -21,6 +21,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.attempts import (
+    AHEAD,
     FACTORS,
     PATIENCE_ASSEMBLED,
     PATIENCE_STAGES,
@@ -78,8 +79,9 @@ class InteriorPoint(Solver):
     initial_barrier : float, optional
         The first barrier parameter. The default is 1e-4 for contacts of a floating root, and 1e-2 otherwise.
     barrier_factor : float, optional
-        The barrier parameter falls when the error of its problem is below this multiple of it. The default is 100. If
-        the line search fails, the solve starts again from the guess with 10.
+        The barrier parameter falls when the error of its problem is below this multiple of it. The default is 3000
+        for contacts of a floating root from a guess and a first barrier of at most 1e-4, else 100. If the line search
+        fails, the solve starts again from the guess with a tenth of it.
     adaptive_barrier : bool
         Choose the barrier parameter of every step from a step without a barrier, as long as that makes progress
         (Nocedal, Waechter, Waltz, SIAM J. Optim. 19, 2009). Otherwise the parameter falls monotonically.
@@ -215,12 +217,14 @@ class InteriorPoint(Solver):
         ready = time.perf_counter()
         start, stages = formulation.start(nlp.guess), isinstance(formulation, Reduction)
         from_guess = barrier = self.initial_barrier or first_barrier(formulation)
+        ahead = 1.0
         warm = warm_start(multipliers, formulation)
         if warm:
             known_rows = self.adaptive_barrier and "lam" in warm
             barrier = min(barrier, warm_barrier(native, start, program, known_rows))
         elif barrier <= first_barrier(formulation) < BARRIER:
             warm = {"lam": np.zeros(program.form_rows.size)}
+            ahead = AHEAD if self.barrier_factor is None else 1.0
 
         def attempt(chosen: Attempt, factor: float, iterations: int) -> NativeOutcome:
             # The weight of the barrier stays: rows weigh less beside the objective from a larger one.
@@ -230,7 +234,8 @@ class InteriorPoint(Solver):
                 start,
                 program.lower,
                 program.upper,
-                self._options(chosen.barrier, factor, iterations, formulation),
+                # An attempt from the larger barrier knows nothing.
+                self._options(chosen.barrier, ahead * factor if chosen.known else factor, iterations, formulation),
                 objective_scale=scale,
                 callback=report(progress, native, formulation),
                 time_limit=np.inf if left is None else left,

@@ -370,3 +370,23 @@ def test_robots_alone_have_the_finer_corrections_of_inertia() -> None:
     of_system, of_robot = (options(formulate(nlp_of(rt.Problem([phase]), MESH))) for phase in (moved, reach))
     assert "first_correction" not in of_system
     assert of_robot["first_correction"] < 1e-4
+
+
+def test_only_a_guess_on_its_feet_lets_the_barrier_fall_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From an earlier solution it would fall to the end at once, and the solve takes more iterations."""
+    factors: list[float] = []
+    plain = rt.InteriorPoint._options
+
+    def recorded(self: rt.InteriorPoint, barrier: float, factor: float, *rest: Any) -> Any:
+        factors.append(factor)
+        return plain(self, barrier, factor, *rest)
+
+    monkeypatch.setattr(rt.InteriorPoint, "_options", recorded)
+    robot = rt.load("solo12", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
+    steps = [rt.gait.trot(robot, step_length=length, duration=0.2, clearance=0.04) for length in (0.07, 0.08)]
+    mesh = rt.Mesh(4)
+    chained = rt.sweep(steps, chain=True, mesh=mesh, solver=rt.InteriorPoint(threads=1))
+    assert all(solution.success for solution in chained)
+    rt.plan(steps[0], mesh, solver=rt.InteriorPoint(threads=1, barrier_factor=50.0), progress=False)
+    rt.plan(EVERY["block"](), MESH, progress=False)
+    assert factors == [3000.0, 100.0, 50.0, 100.0]

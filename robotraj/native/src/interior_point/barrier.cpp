@@ -11,6 +11,7 @@ namespace robotraj::interior_point {
 namespace {
 
 constexpr double kComplementarityTolerance = 1e-4;
+constexpr double kMostMargin = 100.0;  // a smaller last parameter would take more iterations for nothing
 constexpr std::size_t kRemembered = 4;
 constexpr double kProgress = 0.9, kFixed = 0.8, kLargestBarrier = 1e5;
 constexpr double kAsLong = 0.9;  // share of the predictor's length that a corrected step keeps
@@ -30,7 +31,8 @@ void Barrier::start(double mu) {
 }
 
 double Barrier::least() const {
-  return std::min(run_.options.tolerance, kComplementarityTolerance) / (run_.options.barrier_factor + 1.0);
+  return std::min(run_.options.tolerance, kComplementarityTolerance) /
+         (std::min(run_.options.barrier_factor, kMostMargin) + 1.0);
 }
 
 bool Barrier::decrease() {

@@ -17,7 +17,7 @@ struct Centring {
 
 /// Monotone: as soon as E_mu <= kappa_eps mu,
 ///
-///     mu <- max(eps_tol / (kappa_eps + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
+///     mu <- max(eps_tol / (min(kappa_eps, 100) + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
 ///
 /// Adaptive: mu = sigma mean(z s), sigma = (mean(z s) after the step of mu = 0 / mean(z s))^3, as long as the error of
 /// the optimality conditions falls below 0.9 of the largest of the last four; else monotone from 0.8 mean(z s) on, until
