@@ -53,6 +53,8 @@ SOLES = {
     "talos": (("left_sole_link", "right_sole_link"), {"length": 0.2, "width": 0.12}),
 }
 """Feet of humanoids and their soles [m]."""
+LOCKED = {"icub": {"neck_yaw": 0.0}}
+"""Joints whose links have no inertia."""
 ROBOTS = (*QUADRUPEDS, "bolt", *SOLES)
 HEAD = (
     "| robot | speed | proved | processor [s] | meshes | intervals | iterations | error | excess | root [%] | remark |"
@@ -62,7 +64,7 @@ RULE = "|---|---|---|---|---|---|---|---|---|---|---|"
 
 def step(name: str, froude: float) -> rt.Problem:
     """Return one step at a speed of froude sqrt(g h)."""
-    robot = rt.load(name, root="floating")
+    robot = rt.load(name, root="floating", locked=LOCKED.get(name))
     if name in SOLES:
         feet, sole = SOLES[name]
         contact, gait, more = partial(rt.FlatFoot, **sole), rt.gait.walk, {"double_support": 0.2}

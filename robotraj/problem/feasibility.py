@@ -22,6 +22,7 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.loading.inertia import weightless_joints, weightless_together
 from robotraj.robot.loading.other_units import OTHER_UNITS, in_other_unit, other_unit_note, seems_other
 from robotraj.robot.robot import Robot
+from robotraj.robot.root import root_of
 
 SLACK = 1e-6
 """Largest distance of a given end from a bound that counts as round-off [SI]."""
@@ -77,7 +78,8 @@ def check_masses(phase: str, robot: Robot, body: Dynamics, ends: Ends) -> None:
         )
     fixed = [b.lower[: robot.nq] for b in ends.values() if np.array_equal(b.lower[: robot.nq], b.upper[: robot.nq])]
     for q in fixed or [robot.neutral]:
-        together = [robot.velocity_names[i] for i in weightless_together(robot.model, q)]
+        moving = weightless_together(robot.model, q, len(root_of(robot.root).velocities))
+        together = [robot.velocity_names[i] for i in moving]
         if together:
             where = "at a given end" if fixed else "in the neutral configuration"
             raise InputError(

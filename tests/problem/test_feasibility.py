@@ -65,6 +65,11 @@ def test_joints_that_move_no_mass_together_are_refused_by_name() -> None:
     assert rt.Phase(rt.load(model, locked={"yaw": 0.0}), 1.0, limits=None)
 
 
+def test_a_root_without_mass_may_be_held_by_contacts() -> None:
+    cart = rt.load("cartpole", root="floating")  # its rail has no mass
+    assert rt.Phase(cart, 1.0, limits=None)
+
+
 @pytest.mark.parametrize(
     ("name", "end", "hint"),
     [

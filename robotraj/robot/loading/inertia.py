@@ -91,13 +91,14 @@ def weightless_joints(model: pin.Model) -> tuple[str, ...]:
     return tuple(model.names[i] for i, joint in joints if carried[i] == 0.0 and not armature[joint.idx_v])
 
 
-def weightless_together(model: pin.Model, q: NDArray[np.float64]) -> tuple[int, ...]:
+def weightless_together(model: pin.Model, q: NDArray[np.float64], root: int) -> tuple[int, ...]:
     """Return the indices in v of joints that move together without kinetic energy at q; empty where none do.
 
     A link with mass and no inertia about its centre of mass does not resist a turn about an axis through that centre.
+    The first ``root`` velocities are those of a root, at rest: contacts may hold a root without mass.
     """
     upper = np.triu(pin.crba(model, model.createData(), q))
-    mass = upper + np.triu(upper, 1).T
+    mass = (upper + np.triu(upper, 1).T)[root:, root:]
     sizes = np.sqrt(np.diag(mass))
     if not np.all(sizes > 0.0):
         return ()
@@ -105,4 +106,4 @@ def weightless_together(model: pin.Model, q: NDArray[np.float64]) -> tuple[int, 
     if not len(values) or values[0] > SINGULAR:
         return ()
     speeds = np.abs(vectors[:, 0] / sizes)
-    return tuple(int(i) for i in np.flatnonzero(speeds > TAKING_PART * speeds.max()))
+    return tuple(root + int(i) for i in np.flatnonzero(speeds > TAKING_PART * speeds.max()))
