@@ -42,6 +42,10 @@ class EndRow:
     physical: bool = False
     measure: Measure | None = None
 
+    def shown(self, value: float) -> float:
+        """Return a value or a bound of the row as reports state it [unit]."""
+        return value if self.measure is None else self.measure.of(value)
+
     @property
     def scale(self) -> float:
         """Unit of the slack: the larger finite bound, else 1."""

@@ -190,15 +190,14 @@ def _conflicts(
     for k in giving:
         i, sign, bound = sides[k]
         row = rows[i]
-        shown = (lambda value: value) if row.measure is None else row.measure.of
         needed = bound - sign * float(left[k]) * row.scale
         found.append(
             Conflict(
                 row.phase,
                 row.name,
                 float(times[i]),
-                shown(bound),
-                shown(needed),
+                row.shown(bound),
+                row.shown(needed),
                 row.unit,
                 float(left[k]),
                 row.physical,

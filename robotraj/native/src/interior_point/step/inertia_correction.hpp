@@ -24,8 +24,8 @@ namespace robotraj::interior_point {
 /// Where all conditions of optimality hold within the tolerance and only rows are violated, delta_x = 30 eps_tol is added
 /// as well. Without it, steps along which the objective is flat are long, as those of joints that do not decide the
 /// least time. Each of them violates the rows again. With it, the step changes the variables little beyond what the rows
-/// need, and the gradient by no more than delta_x times the step. The first step is always Newton's: a gradient that vanishes
-/// at the start says nothing of flat directions, and the step solves a linear-quadratic program.
+/// need, and the gradient by no more than delta_x times the step. The first step is always Newton's: it
+/// solves a linear-quadratic program, and no flat direction follows from a gradient that vanishes at the start.
 class InertiaCorrection {
  public:
   InertiaCorrection(Problem& problem, const Options& options);
