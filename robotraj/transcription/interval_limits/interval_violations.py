@@ -12,7 +12,7 @@ differ in their variables and in the allowed violation:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -162,7 +162,11 @@ def _limits_rate(phase: Phase, row: PhaseRow) -> bool:
 
 
 def input_violations(
-    phase: Phase, index: int, trajectory: PhaseTrajectory, inputs: Inputs | None = None
+    phase: Phase,
+    index: int,
+    trajectory: PhaseTrajectory,
+    inputs: Inputs | None = None,
+    leaving: Collection[PhaseRow] = (),
 ) -> list[IntervalViolation]:
     """Find violated path rows of controls or algebraic variables, and bounds of contact forces, in every interval.
 
@@ -170,9 +174,12 @@ def input_violations(
     ----------
     phase, index, trajectory, inputs
         See ``variable_violations``.
+    leaving : collection of PhaseRow
+        Rows that are left out.
     """
     forces = (force for contact in phase.bound_contacts for force in contact.forces)
-    rows = (*phase.rows.of_inputs, *(row for row, _ in phase.rows.bounds_of(forces)))
+    bounds = (row for row, _ in phase.rows.bounds_of(forces))
+    rows = [row for row in (*phase.rows.of_inputs, *bounds) if row not in leaving]
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     return _violations(index, rows, reader, INNER_PLACES, np.zeros(len(rows)))
 

@@ -5,29 +5,35 @@ Constraint generation treats rows of the state alone, and Bernstein bounds treat
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from robotraj.dynamics.contacts.force_measure import FORCE_SAMPLES, GRAVITY, measure
+from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.phase_row import PhaseRow
-from robotraj.transcription.driven_motion import Inputs
+from robotraj.transcription.driven_motion import Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.held_forces import HeldForces
 from robotraj.transcription.interval_limits.interval_violations import input_violations
+from robotraj.transcription.interval_limits.row_values import Expressions
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81
-"""Standard acceleration of free fall [m/s^2], for the weight of a robot."""
-FORCE_POWERS = {"N": 1, "N m": 1, "N^2": 2}
-"""Power of the force in the unit of a row of a contact, which is measured against that power of the weight."""
+FORCE_PLACES = 0.5 * (1.0 + chebyshev.chebpts2(FORCE_SAMPLES))
+"""Places of an interval at which forces of held contacts are measured."""
 
 
 def broken_rows(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
     """Measure violations of path rows that depend on more than the state, and of bounds of contact forces.
+
+    Limits of held contacts must hold for the planned forces, and for those that ``HeldForces`` solves for.
 
     Parameters
     ----------
@@ -42,15 +48,37 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None
         Largest violation on every interval, relative to ``PhaseRow.size``, of contacts to the weight of the robot; 0
         where all rows hold.
     """
+    inputs = inputs or PlannedInputs(trajectory)
+    held = _rows_of(phase, {f"contact {contact.name}" for contact in phase.bound_contacts if contact.holds})
     excess = np.zeros(len(trajectory.x.values))
-    for violation in input_violations(phase, 0, trajectory, inputs):
+    for violation in input_violations(phase, 0, trajectory, inputs, leaving=held):
         relative = violation.amount / _size(phase, violation.row)
         excess[violation.interval] = max(excess[violation.interval], relative)
+    if held:
+        sizes = np.array([_size(phase, row) for row in held])
+        lower, upper = (np.array([getattr(row, side) for row in held]) for side in ("lower", "upper"))
+        for forces in (inputs, HeldForces(phase, trajectory, inputs)) if _determined(phase) else (inputs,):
+            values = Expressions(phase.rows, held, trajectory, forces).grid(FORCE_PLACES)
+            beyond = np.maximum(lower - values, values - upper) / sizes
+            excess = np.maximum(excess, beyond.max(axis=(1, 2)))
     return excess
+
+
+def _rows_of(phase: Phase, names: Collection[str]) -> list[PhaseRow]:
+    return [row for row in phase.rows.throughout if phase.rows.constraints[row.constraint].name in names]
+
+
+def _determined(phase: Phase) -> bool:
+    """Whether the equations of a phase determine the forces of its contacts: all hold, and have forces of their own."""
+    body, dae = phase.body, phase.dae
+    if not isinstance(body, InverseRigidBody) or phase.path is not None:
+        return False
+    sizes = [(len(contact.holds), len(contact.forces)) for contact in body.contacts]
+    return all(rows == forces > 0 for rows, forces in sizes) and dae.algebraic[: len(body.algebraic)] == body.algebraic
 
 
 def _size(phase: Phase, row: PhaseRow) -> float:
     contacts = {f"contact {contact.name}" for contact in phase.bound_contacts}
     if phase.robot is None or phase.rows.constraints[row.constraint].name not in contacts:
         return row.size
-    return float((GRAVITY * phase.robot.mass) ** FORCE_POWERS.get(row.unit, 1))
+    return measure(row.unit, GRAVITY * phase.robot.mass)

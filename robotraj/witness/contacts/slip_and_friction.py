@@ -9,6 +9,7 @@ import numpy as np
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.contacts.force_measure import FORCE_SAMPLES, GRAVITY, measure
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.function import as_ground
@@ -21,16 +22,8 @@ from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
-NEWTONS = {"N": 1, "N m": 1, "N^2": 2, "N s": 1, "N m s": 1, "N^2 s^2": 2, "m": 0, "m/s": 0, "W": 1}
-"""Power of the force in the unit of a row, with which it is compared with the robot's weight."""
-
 FORCE_NOISE = 1e-6
 """Largest violation, relative to the weight, that counts as the tolerance of a solver and is not listed."""
-
-GRAVITY = 9.81
-
-MOST_SAMPLES = 9
-"""Largest number of points of an interval at which contacts are evaluated."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +64,7 @@ class Holding(OneLine):
 
 def part_of(violation: Violation, weight: float) -> float:
     """Return a violation relative to the weight [N], to its square for rows of squares; moments at 1 m."""
-    return violation.amount / weight ** NEWTONS.get(violation.unit, 1)
+    return violation.amount / measure(violation.unit, weight)
 
 
 def weight_of(robot: RobotLike) -> float:
@@ -90,7 +83,7 @@ def holding_of(
     watched = [_Watched(contact, stance, i) for i, contact in enumerate(phase.bound_contacts)]
     actuation = np.asarray(stance.robot.actuation, dtype=float)
     data = stance.robot.model.createData()
-    for part in interval_samples(planned, min(samples, MOST_SAMPLES)):
+    for part in interval_samples(planned, min(samples, FORCE_SAMPLES)):
         clock()
         sample = robot_sample(planned, part.times, part.interval)
         for i, t in enumerate(part.times):
