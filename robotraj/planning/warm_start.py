@@ -37,7 +37,7 @@ from robotraj.transcription.shooting.explicit_dynamics import explicit
 NEAR = 0.1
 """Largest violation of a scaled row at a guess from another problem whose multipliers are used."""
 PATIENCE = 150
-"""Largest number of iterations of a solve that starts from the solution of the separated form."""
+"""Iterations of a solve that can only improve an objective or the guess of another solve."""
 
 
 def earlier_program(

@@ -174,11 +174,11 @@ class Solver(OneLine, ABC):
         """
         return self
 
-    def for_guess(self, change: float) -> Solver:
-        """Return this solver for a solution that is only a guess: it ends early, and may leave rows violated.
+    def until_settled(self, change: float) -> Solver:
+        """Return this solver for a solution that need not be optimal to the tolerance.
 
-        It ends where several iterations change the objective by less than ``change`` of it. A solver that cannot do so
-        returns itself.
+        It ends where several iterations change the objective by less than ``change`` of it, and all rows hold. A solver
+        that cannot do so returns itself.
         """
         return self
 

@@ -97,7 +97,8 @@ class InteriorPoint(Solver):
         small objectives on coarse meshes, it is independent of the unit too; see ``robotraj.solvers.objective_scale``.
         Multipliers belong to the unscaled objective.
     objective_change : float, optional
-        Share of the objective. The solve ends where eight iterations change less, with scaled rows met to 1e-2.
+        Share of the objective. Where eight iterations change less, and so does the duality gap, further steps only
+        restore the rows, and the solve ends.
 
     Raises
     ------
@@ -146,7 +147,7 @@ class InteriorPoint(Solver):
         """Return this solver with no more than these iterations and no fallback."""
         return replace(self, max_iterations=min(self.max_iterations, iterations), fallback=None)
 
-    def for_guess(self, change: float) -> InteriorPoint:
+    def until_settled(self, change: float) -> InteriorPoint:
         """Return this solver, which ends where its objective hardly changes."""
         return replace(self, objective_change=change)
 

@@ -20,6 +20,7 @@ from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.planning.proving.soft_solves import finer_where_bent, soft_solution
 from robotraj.planning.proving.solves import Solves
 from robotraj.planning.setting_conditions import is_kinked
+from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Proof
@@ -37,8 +38,13 @@ MOST_MESHES = 8
 """Largest number of meshes of a plan."""
 ENOUGH = 4
 """Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
-PATIENCE, PATIENCE_STICKING = 150, 300
-"""Iterations of a solve that can only improve an objective or the guess of another solve."""
+PATIENCE_STICKING = 300
+"""``PATIENCE`` where joints stick and slide."""
+CHANGE_STICKING = 1e-4
+"""Relative change of the objective within eight iterations below which a solve ends where joints stick and slide.
+
+Reversals that move from point to point gain 1e-4 in a hundred iterations, and the next mesh moves them again.
+"""
 MET = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -78,6 +84,7 @@ class _Refining:
         self.solves = Solves(progress)
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
+        self.solver = settings.solver.until_settled(CHANGE_STICKING) if self.sticking else settings.solver
         self.measures: Measured | None = None
         """Measures of the best solution so far."""
         self.unchecked: tuple[object, Measured] | None = None
@@ -229,9 +236,7 @@ class _Refining:
         Limits between the points are ignored on the first meshes, which only find a guess for the next. They are also
         ignored where the objective needs a finer mesh, unless ``limits_between``.
         """
-        settings = replace(self.settings, mesh=meshes)
-        if nearby:
-            settings = replace(settings, solver=self._warm)
+        settings = replace(self.settings, mesh=meshes, solver=self._warm if nearby else self.solver)
         if self.measures is not None and self.measures.before is not None and self.measures.proof.motion_holds:
             # The motion is proved, and only its objective has not settled.
             patience = PATIENCE_STICKING if self.sticking else PATIENCE
@@ -249,13 +254,14 @@ class _Refining:
     @property
     def _warm(self) -> Solver:
         """The solver of a solve that starts from a solution on another mesh."""
-        solver = self.settings.solver
-        if self.sticking:
-            # Effort is mostly lost to friction, and times of sticking and sliding differ from mesh to mesh.
-            return solver
+        if self.sticking and self.best is None:
+            # The solution with soft friction is that of another problem.
+            return self.solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
         # as the signs of powers do.
-        return solver.from_nearby(altered=any(phase.rows.rates or is_kinked(phase) for phase in self.problem.phases))
+        return self.solver.from_nearby(
+            altered=any(phase.rows.rates or is_kinked(phase) for phase in self.problem.phases)
+        )
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
         """Measure a solution between its points, and compare it with the solutions ``before``."""

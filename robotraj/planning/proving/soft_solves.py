@@ -9,15 +9,13 @@ from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import measured
 from robotraj.planning.proving.soft_friction import SOFTENING, averaging_times, softened
 from robotraj.planning.proving.solves import Solves
+from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.status import Status
 from robotraj.transcription.schemes.mesh import Mesh
 
-PATIENCE = 150
-"""Iterations of one solve, which can only improve the guess of another."""
 CHANGE = 1e-3
 """Relative change of the objective within eight iterations below which a solve ends.
 
@@ -33,11 +31,10 @@ def soft_solution(
 ) -> Solution | None:
     """Return the solution with the least soft friction that was solved; None if all solves failed.
 
-    As a guess it may violate rows a little.
     A time limit that ends these solves leaves the plan to the robot's own friction.
     """
     limits = replace(settings.interval_limits, rounds=0)
-    solver = settings.solver.at_most(PATIENCE).for_guess(CHANGE)
+    solver = settings.solver.at_most(PATIENCE).until_settled(CHANGE)
     own = replace(settings, restarts=Restarts(0), interval_limits=limits, solver=solver)
     limited, found = isinstance(solves.progress, PlanLimits), None
     for softening in SOFTENING:
@@ -48,7 +45,7 @@ def soft_solution(
             if not limited:
                 raise
             break
-        if softer.status in (Status.SOLVED, Status.ROWS_VIOLATED):
+        if softer.success:
             found, meshes = softer, finer_where_bent(softer, settings)
         elif are_certain(softer.conflicts):
             break

@@ -25,6 +25,20 @@ ROBOTRAJ_TEST(the_monotone_rule_lowers_mu_while_its_problem_is_solved) {
   }
 }
 
+ROBOTRAJ_TEST(a_parameter_falls_without_a_solution_only_where_it_falls_monotonically) {
+  Started its;
+  interior_point::Barrier& barrier = its.algorithm.barrier;
+  barrier.start(1e-3);
+  CHECK(interior_point::error(*its.run.current, 1e-3) > 1e-2);
+  CHECK(barrier.fall());
+  CHECK(its.run.mu == std::pow(1e-3, 1.5));
+  barrier.start(1e-8 / 11.0);
+  CHECK(!barrier.fall());
+  its.options.adaptive_barrier = true;
+  barrier.start(1e-3);
+  CHECK(!barrier.fall());
+}
+
 ROBOTRAJ_TEST(the_adaptive_rule_is_the_cube_of_what_the_predictor_leaves) {
   Started its;
   its.options.adaptive_barrier = true;

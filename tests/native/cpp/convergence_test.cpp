@@ -79,7 +79,7 @@ ROBOTRAJ_TEST(the_adaptive_rule_ends_with_small_products) {
   }
 }
 
-ROBOTRAJ_TEST(a_guess_is_settled_after_eight_iterations_with_nearly_the_same_objective) {
+ROBOTRAJ_TEST(an_objective_has_settled_after_eight_iterations_with_nearly_the_same_objective) {
   Started its({3.0, 3.0, 3.0, std::sqrt(13.0)});  // on every row
   interior_point::Iterate& at = *its.run.current;
   interior_point::Options options;
@@ -105,11 +105,23 @@ ROBOTRAJ_TEST(a_guess_is_settled_after_eight_iterations_with_nearly_the_same_obj
   at.moved();
   for (int count = 1; count < 9; ++count) CHECK(!convergence.settled(at));
   CHECK(convergence.settled(at));
-  // A point off the rows is no guess.
+  // A point far from the rows has no objective yet.
   at.at->x[0] = 2.0;
   at.moved();
   CHECK(at.largest_violation() > 1e-2);
   CHECK(!convergence.settled(at));
+}
+
+ROBOTRAJ_TEST(products_above_the_change_of_the_objective_are_a_gap) {
+  Started its;
+  interior_point::Iterate& at = *its.run.current;
+  const double sum = 9 * interior_point::mean_complementarity(at);
+  interior_point::Options options;
+  interior_point::Convergence convergence(options);
+  for (const double factor : {0.9, 1.1}) {
+    options.objective_change = factor * sum / std::abs(at.objective());
+    CHECK(convergence.has_gap(at) == (factor < 1.0));
+  }
 }
 
 }  // namespace robotraj::tests

@@ -85,6 +85,24 @@ ROBOTRAJ_TEST(steps_are_short_where_only_rows_are_violated) {
   CHECK(std::abs(length(1.1 * violation) - plain) < 1e-6 * plain);
 }
 
+ROBOTRAJ_TEST(steps_that_only_restore_the_rows_are_short_away_from_an_optimum) {
+  Started its({3.0, 3.0, 3.0, std::sqrt(13.0)});  // on every row
+  interior_point::InertiaCorrection& direction = its.run.direction;
+  interior_point::Room newton(its.problem), restoring(its.problem);
+  CHECK(direction.find(*its.run.current, 0.1, newton.get()));
+  direction.only_restore();
+  CHECK(direction.find(*its.run.current, 0.1, restoring.get()));
+  const auto length = [&](const interior_point::Room& step) {
+    double sum = 0.0;
+    for (int i = 0; i < its.problem.columns(); ++i) sum += step->x[i] * step->x[i];
+    return std::sqrt(sum);
+  };
+  CHECK(length(restoring) < 1e-2 * length(newton));
+  direction.reset();
+  CHECK(direction.find(*its.run.current, 0.1, restoring.get()));
+  CHECK(length(restoring) == length(newton));
+}
+
 ROBOTRAJ_TEST(second_order_steps_count_the_products_of_the_changes) {
   Started its;
   interior_point::Iterate& at = *its.run.current;

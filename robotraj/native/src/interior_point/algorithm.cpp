@@ -29,6 +29,7 @@ End Algorithm::iterate(double mu) {
   began_ = processor_seconds();
   run.direction.reset();
   convergence_.reset();
+  settled_ = false;
   barrier.start(mu);
   search.start();
   for (bool first = true;; first = false) {
@@ -41,7 +42,10 @@ End Algorithm::iterate(double mu) {
       case Converged::acceptable: return End::acceptable;
       default: break;
     }
-    if (!goal && convergence_.settled(*run.current)) return End::settled;
+    if (!goal && settled()) {
+      if (run.current->largest_violation() <= options_.tolerance) return End::settled;
+      run.direction.only_restore();
+    }
     if (progress_.check) progress_.check(progress_.iterations, progress_.trace.back()[0], progress_.trace.back()[1]);
     if (progress_.iterations >= options_.max_iterations) return End::iteration_limit;
     if (out_of_time()) return End::processor_limit;
@@ -54,6 +58,14 @@ End Algorithm::iterate(double mu) {
     }
     accept();
   }
+}
+
+bool Algorithm::settled() {
+  if (settled_ || !convergence_.settled(*run.current)) return settled_;
+  convergence_.reset();
+  settled_ = !convergence_.has_gap(*run.current);
+  if (!settled_ && barrier.fall()) search.reset();
+  return settled_;
 }
 
 bool Algorithm::step() {

@@ -43,7 +43,8 @@ class Restoration;
 ///     minimise f(x, s) - mu sum log(s - lower) - mu sum log(upper - s)   subject to   c(x, s) = 0,
 ///
 /// each by damped Newton steps. `InertiaCorrection` computes a step, `LineSearch` its length, `Barrier` lowers mu, and
-/// `Convergence` ends the iteration. With d the distance of an accepted slack from a bound, the bound's multiplier z is
+/// `Convergence` ends the iteration. Once the objective has settled, steps only restore the rows, and the iteration ends
+/// where these hold within the tolerance. With d the distance of an accepted slack from a bound, the bound's multiplier z is
 /// kept near mu / d, so that the Hessian of the system stays close to the one of the barrier problem:
 ///
 ///     z <- max(min(z, kappa_Sigma mu / d), mu / (kappa_Sigma d)).
@@ -69,6 +70,7 @@ class Algorithm {
   End iterate(double mu);
 
  private:
+  bool settled();
   bool step();
   End restore(bool stepped);
   void accept();
@@ -78,6 +80,7 @@ class Algorithm {
   Progress& progress_;
   Convergence convergence_;
   double began_ = 0.0;
+  bool settled_ = false;  // steps only restore the rows
 };
 
 }  // namespace robotraj::interior_point

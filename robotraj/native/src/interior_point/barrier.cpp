@@ -35,16 +35,18 @@ double Barrier::least() const {
          (std::min(run_.options.barrier_factor, kMostMargin) + 1.0);
 }
 
+bool Barrier::fall() {
+  const Options& options = run_.options;
+  const double next =
+      std::max(least(), std::min(options.barrier_decrease * run_.mu, std::pow(run_.mu, options.barrier_power)));
+  if (is_free() || !(next < run_.mu)) return false;
+  run_.set_barrier(next);
+  return true;
+}
+
 bool Barrier::decrease() {
   bool changed = false;
-  const Options& options = run_.options;
-  while (error(*run_.current, run_.mu) <= options.barrier_factor * run_.mu) {
-    const double next =
-        std::max(least(), std::min(options.barrier_decrease * run_.mu, std::pow(run_.mu, options.barrier_power)));
-    if (!(next < run_.mu)) break;
-    run_.set_barrier(next);
-    changed = true;
-  }
+  while (error(*run_.current, run_.mu) <= run_.options.barrier_factor * run_.mu && fall()) changed = true;
   return changed;
 }
 

@@ -38,6 +38,8 @@ class Barrier {
   void start(double mu);
   /// Before a step is computed. Returns whether the parameter changed.
   bool update();
+  /// Lowers a parameter that falls monotonically although its problem is not solved; false where it does not fall.
+  bool fall();
   /// Whether the next step chooses its parameter.
   bool is_free() const { return run_.options.adaptive_barrier && free_; }
   /// Makes the step of the current iterate, for a parameter that it chooses; false where there is no step.

@@ -12,9 +12,9 @@ struct Options {
   double tolerance = 1e-8;             ///< eps_tol, of the scaled error E_0
   double acceptable_tolerance = 1e-6;  ///< of an error that is good enough after `acceptable_iterations` in a row
   int acceptable_iterations = 15;
-  double violation_tolerance = 1e-4;                                 ///< of the most violated row at a solution
-  double objective_change = 0.0;                                     ///< relative one that ends a solve for a guess
-  int max_iterations = 1000;                                         ///< those of the restoration phase included
+  double violation_tolerance = 1e-4;  ///< of the most violated row at a solution
+  double objective_change = 0.0;      ///< relative one that ends a solve; see `Convergence`
+  int max_iterations = 1000;          ///< those of the restoration phase included
   double processor_limit = std::numeric_limits<double>::infinity();  ///< processor seconds of the process
 
   double initial_barrier = 0.1;   ///< mu_0

@@ -17,6 +17,7 @@ constexpr double kGrowFirst = 100.0;
 constexpr int kMostWaits = 2;
 constexpr double kPower = 0.25;        // kappa_c
 constexpr double kLeastProduct = 0.1;  // of a distance and its multiplier, relative to mu
+constexpr double kFar = 1e4;           // delta_x of steps away from an optimum that only restore the rows
 constexpr double kNear = 30.0;         // delta_x of steps that only restore the rows, relative to the tolerance
 
 /// Adds the time from its construction to its destruction to a sum.
@@ -68,6 +69,7 @@ double InertiaCorrection::larger(double delta_w) const {
 
 double InertiaCorrection::proximal(Iterate& iterate) const {
   const double tolerance = options_.tolerance;
+  if (only_restores_) return kFar;
   if (first_) return 0.0;
   return iterate.largest_violation() > tolerance && dual_error(iterate, 0.0) <= tolerance ? kNear * tolerance : 0.0;
 }

@@ -26,6 +26,8 @@ namespace robotraj::interior_point {
 /// least time. Each of them violates the rows again. With it, the step changes the variables little beyond what the rows
 /// need, and the gradient by no more than delta_x times the step. The first step is always Newton's: it
 /// solves a linear-quadratic program, and no flat direction follows from a gradient that vanishes at the start.
+///
+/// `only_restore` adds 1e4 in its place, since the gradient has not vanished where an objective has merely settled.
 class InertiaCorrection {
  public:
   InertiaCorrection(Problem& problem, const Options& options);
@@ -36,7 +38,10 @@ class InertiaCorrection {
     last_ = 0.0;
     failures_ = waits_ = 0;
     first_ = true;
+    only_restores_ = false;
   }
+  /// Later steps restore the rows and change the variables little beyond that.
+  void only_restore() { only_restores_ = true; }
   /// The step of the barrier problem of `mu` in `step`; false where there is none.
   bool find(Iterate& iterate, double mu, const Vectors& step);
   /// The same with other residuals of the rows, by the factors of the last `find`: second-order corrections.
@@ -63,7 +68,7 @@ class InertiaCorrection {
   double *lower_products_, *upper_products_;
   bool second_order_ = false;
   double last_ = 0.0, mu_ = 0.0;
-  bool first_ = true;
+  bool first_ = true, only_restores_ = false;
   int failures_ = 0;  // of the exact Hessian in a row
   int waits_ = 0;     // steps that begin without negative curvature
 };
