@@ -20,7 +20,7 @@ from robotraj.gait.repetition import on_ground
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import standing
+from robotraj.guess.legs.standing_posture import pendulum_time, standing
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
@@ -29,6 +29,10 @@ from robotraj.robot.robot import Robot
 
 LEVEL = Flat()
 LEAPING = Upright(least_height=0.4, greatest_height=np.inf)
+CROUCH = 2.5
+"""Default duration of either stance, in sqrt(h / g): a person crouches and rises in 0.7 s.
+
+In 0.3 s five_link, talos_legs and monopod ended at their limits of torque and speed, or without a motion."""
 
 
 def jump(
@@ -36,8 +40,8 @@ def jump(
     *,
     length: float = 0.0,
     height: float = 0.1,
-    push: float | Sequence[float] | Between = 0.3,
-    land: float | Sequence[float] | Between = 0.3,
+    push: float | Sequence[float] | Between | None = None,
+    land: float | Sequence[float] | Between | None = None,
     feet: Sequence[str] | None = None,
     contact: FootKind = PointContact,
     clearance: float | None = 0.0,
@@ -56,8 +60,9 @@ def jump(
         With ``root="planar"`` or ``"floating"``.
     length, height : float
         Displacement and rise of the centre of mass [m].
-    push, land : float or (float, float)
-        Durations of both stances [s]; free durations, (least, greatest), take many more iterations.
+    push, land : float or (float, float), optional
+        Durations of both stances [s], by default 2.5 sqrt(h / g) with the height h of the centre of mass. Free
+        durations, (least, greatest), take many more iterations.
     feet, contact, clearance, objective, upright, ground
         As for ``walk``; all feet stand. By default the root may sink lower than in a walk and rise without bound.
 
@@ -73,13 +78,16 @@ def jump(
         raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     kind = on_ground(contact, ground)
-    q = standing(BalancedStance(robot, tuple(foot_contact(kind, name).bind(robot) for name in names)))
+    standing_robot = BalancedStance(robot, tuple(foot_contact(kind, name).bound_to(robot) for name in names))
+    q = standing(standing_robot)
     landed = np.array(q)
     landed[0] += length
     data = robot.model.createData()
     rise = _level(robot, data, names, landed, ground) - _level(robot, data, names, q, ground)
     landed[1 if robot.root == "planar" else 2] += rise
     air = float(np.sqrt(8.0 * height / gravity))
+    long = CROUCH * pendulum_time(standing_robot, q)
+    push, land = (long if given is None else given for given in (push, land))
     phases = [Support(names, push, "push off"), Support((), air, "flight"), Support(names, land, "landing")]
     terms = GaitTerms(kind, clearance, objective, upright, ground)
     return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))

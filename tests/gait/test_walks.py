@@ -115,6 +115,16 @@ def test_a_jump_starts_and_ends_standing_still(dog: rt.Robot) -> None:
     np.testing.assert_allclose(problem.phases[0].start_bounds.lower[:19], q)
     np.testing.assert_allclose(problem.phases[2].end_bounds.lower[:19] - q, [0.2, *np.zeros(18)], atol=1e-12)
     assert [type(link) for link in problem.links] == [rt.links.Liftoff, rt.Touchdown]
+    stance = 2.5 * np.sqrt(_height(dog, q) / 9.81)
+    lengths = [phase.duration_bounds[0] for phase in problem.phases]
+    np.testing.assert_allclose([lengths[0], lengths[2]], stance, rtol=0.05)
+    assert gait.jump(dog, push=0.2, land=(0.2, 0.4)).phases[2].duration_bounds == (0.2, 0.4)
+
+
+def test_five_link_jumps_high_by_default() -> None:
+    """A stance of 0.3 s, the default before, needs one and a half times its torque."""
+    robot = rt.load("five_link", root="planar")
+    assert rt.plan(gait.jump(robot, height=0.3), progress=False).proof.holds
 
 
 def test_upright_adds_rows_and_can_be_omitted(dog: rt.Robot) -> None:

@@ -1,7 +1,7 @@
 """Why a plan failed: the conflicts of its limits.
 
-The cheapest check comes first: slopes that are too steep, ends without a configuration, torques too small to hold an
-end, then the relaxed problem on a coarse mesh.
+The cheapest check comes first: slopes that are too steep and jumps that are too long for the friction, ends without a
+configuration, torques too small to hold an end, then the relaxed problem on a coarse mesh.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from dataclasses import replace
 
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
+from robotraj.planning.diagnosis.momentum.jumps import slipping_jumps
+from robotraj.planning.diagnosis.momentum.slipping import slipping_contacts
 from robotraj.planning.diagnosis.rate_limits import wider_rates
-from robotraj.planning.diagnosis.slipping import slipping_contacts
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
@@ -34,6 +35,11 @@ SHORT_OF_TIME = ("velocity", "acceleration", "jerk", "effort", "torque rate", "c
 def are_certain(conflicts: tuple[Conflict, ...]) -> bool:
     """Whether a conflict would remain on a finer mesh."""
     return any(conflict.exact or conflict.relative > CERTAIN for conflict in conflicts)
+
+
+def against_momentum(problem: Problem) -> tuple[Conflict, ...]:
+    """Return the friction that gravity and momentum alone exclude, without a solve."""
+    return slipping_contacts(problem) or slipping_jumps(problem)
 
 
 def completed(
@@ -102,7 +108,7 @@ def _searched(
     """Return the first conflicts, and whether a motion of the relaxed problem meets every row."""
     if isinstance(start, Solution):
         near = [part.trajectory for part in start.phases]
-    found = slipping_contacts(problem) or unreached_ends(problem, agreed, near) or unheld_ends(problem)
+    found = against_momentum(problem) or unreached_ends(problem, agreed, near) or unheld_ends(problem)
     if found:
         return found, False
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)

@@ -1,9 +1,10 @@
 """A check during a long solve whether limits exclude every motion.
 
 Motions with contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. A
-callback of the solver therefore looks once for a conflict of limits: after many iterations, or where iterations begin
-again. It stops the solve where a conflict excludes every motion. Two searches must agree that no configurations exist
-at the ends; the first of them starts from the iterate.
+callback of the solver therefore looks at its first iteration for conflicts with momentum and gravity. It looks once for
+a conflict of limits: after many iterations, or where iterations begin again. It stops the solve where a conflict
+excludes every motion. Two searches must agree that no configurations exist at the ends; the first of them starts from
+the iterate.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from robotraj.planning.diagnosis.elastic import Solve
-from robotraj.planning.diagnosis.explain import are_certain, conflicts_of
+from robotraj.planning.diagnosis.explain import against_momentum, are_certain, conflicts_of
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solvers.base import Iteration, Progress
@@ -50,11 +51,11 @@ class InfeasibilityCheck:
         self._find: Callable[[Sequence[PhaseTrajectory]], tuple[Conflict, ...]] | None = lambda near: conflicts_of(
             problem, solve_coarse, agreed=True, near=near
         )
-        self._show, self._last = show, -1
+        self._problem, self._show, self._last = problem, show, -1
         self.conflicts: tuple[Conflict, ...] = ()
 
     def __call__(self, iteration: Iteration) -> None:
-        """Show an iteration, and look for a conflict once.
+        """Show an iteration, and look for conflicts of momentum at first and for one of limits once.
 
         Raises
         ------
@@ -63,6 +64,8 @@ class InfeasibilityCheck:
         """
         if self._show is not None:
             self._show(iteration)
+        if self._last < 0:
+            self._exclude(against_momentum(self._problem))
         again = iteration.number < self._last
         self._last = iteration.number
         longest = ITERATIONS_FAR if iteration.infeasibility > FAR else ITERATIONS
@@ -70,7 +73,9 @@ class InfeasibilityCheck:
             return
         find, self._find = self._find, None
         origin = None if iteration.read is None else iteration.read()
-        found = find(() if origin is None else extract(origin.nlp, origin.w))
+        self._exclude(find(() if origin is None else extract(origin.nlp, origin.w)))
+
+    def _exclude(self, found: tuple[Conflict, ...]) -> None:
         if are_certain(found):
             self.conflicts = found
             raise Excluded("Limits exclude every motion.")

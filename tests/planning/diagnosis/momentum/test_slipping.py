@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.slipping import slipping_contacts
+from robotraj.planning.diagnosis.momentum.slipping import slipping_contacts
 
 
 @pytest.fixture(scope="module")
