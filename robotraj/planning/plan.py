@@ -32,7 +32,6 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
 from robotraj.solvers.checks import above_zero
-from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
@@ -144,47 +143,48 @@ def plan(
     -----
     Settings that are left open. The first rule of a setting whose conditions hold applies:
 
-    ===============  ============================================  =====================================================
-    setting          where                                         choice
-    ===============  ============================================  =====================================================
-    tolerance        otherwise                                     None
-    goals            no mesh                                       Goals()
-                     otherwise                                     None
-    mesh             a path                                        MeshesOnPaths()
-                     goals, a motor at every joint, dry friction   Mesh of 16 intervals, RadauIIA()
-                     goals, a motor at every joint, a kinked cost  MeshesOfLines()
-                     goals, a motor at every joint, ends alone     Mesh of 28 intervals, HermiteSimpson()
-                     goals, a motor at every joint                 Mesh of 16 intervals, HermiteSimpson()
-                     goals, contacts                               ProportionalMeshes()
-                     goals                                         Mesh of 30 intervals, HermiteSimpson()
-                     otherwise                                     Mesh of 20 intervals, RadauIIA()
-    solver           engine=Compiled()                             Ipopt()
-                     shooting or moving knots                      Ipopt()
-                     goals, a motor at every joint, a kinked cost  InteriorPoint(tolerance=1e-06, initial_barrier=0.001)
-                     a kinked cost                                 Ipopt()
-                     goals                                         InteriorPoint(tolerance=1e-06)
-                     otherwise                                     InteriorPoint()
-    engine           all roots floating                            Native()
-                     solver in C++                                 Native()
-                     otherwise                                     VirtualMachine()
-    interval_limits  goals                                         BernsteinBounds(controls=True, positions=True)
-                     tolerance, systems                            BernsteinBounds(controls=True, states=False)
-                     tolerance, solver by stages, free duration    BernsteinBounds(controls=True)
-                     tolerance, solver by stages                   BernsteinBounds(controls=True, states=False)
-                     robots, solver by stages                      BernsteinBounds()
-                     otherwise                                     ConstraintGeneration()
-    refinement       goals, a path                                 Equidistribute(most=8.0)
-                     goals, a motor at every joint, dry friction   Equidistribute(second=3.0, finest=400, slope=0.3)
-                     goals, a motor at every joint, ends alone     Equidistribute(second=2.5)
-                     goals, a motor at every joint                 Equidistribute(second=3.0)
-                     goals                                         Equidistribute()
-                     tolerance, a path                             SplitAndMerge()
-                     tolerance                                     SplitOrRaise()
-                     otherwise                                     None
-    restarts         contacts                                      Restarts(count=0)
-                     joints without a motor                        Restarts(count=12, seeds=(0, 1, 2, 3, 4, 5, 6, 7, 8))
-                     otherwise                                     Restarts()
-    ===============  ============================================  =====================================================
+    ===============  ===========================================  =====================================================
+    setting          where                                        choice
+    ===============  ===========================================  =====================================================
+    tolerance        otherwise                                    None
+    goals            no mesh                                      Goals()
+                     otherwise                                    None
+    mesh             a path                                       MeshesOnPaths()
+                     goals, fully actuated, friction, free rates  Mesh of 16 intervals, RadauIIA()
+                     goals, fully actuated, a kinked cost         MeshesOfLines()
+                     goals, fully actuated, ends alone            Mesh of 28 intervals, HermiteSimpson()
+                     goals, fully actuated                        Mesh of 16 intervals, HermiteSimpson()
+                     goals, contacts                              ProportionalMeshes()
+                     goals                                        Mesh of 30 intervals, HermiteSimpson()
+                     free rates                                   Mesh of 20 intervals, RadauIIA()
+                     otherwise                                    Mesh of 20 intervals, HermiteSimpson()
+    solver           engine=Compiled()                            Ipopt()
+                     shooting or moving knots                     Ipopt()
+                     goals, fully actuated, a kinked cost         InteriorPoint(tolerance=1e-06, initial_barrier=0.001)
+                     a kinked cost                                Ipopt()
+                     goals                                        InteriorPoint(tolerance=1e-06)
+                     otherwise                                    InteriorPoint()
+    engine           all roots floating                           Native()
+                     solver in C++                                Native()
+                     otherwise                                    VirtualMachine()
+    interval_limits  goals                                        BernsteinBounds(controls=True, positions=True)
+                     tolerance, systems                           BernsteinBounds(controls=True, states=False)
+                     tolerance, solver by stages, free duration   BernsteinBounds(controls=True)
+                     tolerance, solver by stages                  BernsteinBounds(controls=True, states=False)
+                     robots, solver by stages                     BernsteinBounds()
+                     otherwise                                    ConstraintGeneration()
+    refinement       goals, a path                                Equidistribute(most=8.0)
+                     goals, fully actuated, friction              Equidistribute(second=3.0, finest=400, slope=0.3)
+                     goals, fully actuated, ends alone            Equidistribute(second=2.5)
+                     goals, fully actuated                        Equidistribute(second=3.0)
+                     goals                                        Equidistribute()
+                     tolerance, a path                            SplitAndMerge()
+                     tolerance                                    SplitOrRaise()
+                     otherwise                                    None
+    restarts         contacts                                     Restarts(count=0)
+                     joints without a motor                       Restarts(count=12, seeds=(0, 1, 2, 3, 4, 5, 6, 7, 8))
+                     otherwise                                    Restarts()
+    ===============  ===========================================  =====================================================
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])
@@ -263,8 +263,8 @@ def plan(
             if found is None:
                 raise
             solution = found
-        if isinstance(show, PlanLimits) and show.reached is not None:
-            solution = _stopped(solution, show)
+        if isinstance(show, PlanLimits):
+            solution = show.noted(solution)
         if live is not None:
             live.end(solution)
     solution = replace(solution, continuation=records, settings=settings)
@@ -295,10 +295,3 @@ def _careful(settings: Settings) -> Settings:
     if settings.reasons.get("solver") == GIVEN:
         return settings
     return replace(settings, solver=settings.solver.with_early_stop())
-
-
-def _stopped(solution: Solution, limits: PlanLimits) -> Solution:
-    """Return the solution of a plan that a limit stopped; its status is solved if its motion is proved."""
-    proved = solution.proof is not None and solution.proof.motion_holds
-    status = Status.SOLVED if proved or limits.reached is None else limits.reached
-    return replace(solution, status=status, message=f"{solution.message}; {limits.message}")

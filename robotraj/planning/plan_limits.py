@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.time_left import LimitReached, used_time
 from robotraj.planning.diagnosis.memory import least_memory, resident
 from robotraj.problem.problem import Problem
+from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Iteration, Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.schemes.mesh import Mesh
@@ -103,6 +105,14 @@ class PlanLimits:
             self._stop(Status.TIME_LIMIT)
         if megabytes > SMALL and np.isfinite(self.megabytes) and resident() + megabytes > self.megabytes:
             self._stop(Status.MEMORY_LIMIT)
+
+    def noted(self, solution: Solution) -> Solution:
+        """Return a plan's solution with the limit that was reached; a proved motion is solved nevertheless."""
+        if self.reached is None:
+            return solution
+        proved = solution.proof is not None and solution.proof.motion_holds
+        status = Status.SOLVED if proved else self.reached
+        return replace(solution, status=status, message=f"{solution.message}; {self.message}")
 
     def _read(self) -> None:
         if self.reached is not None:

@@ -162,11 +162,11 @@ ALWAYS = Condition("otherwise", lambda case: True)
 TOLERANCE = Condition("tolerance", lambda case: case.settled["tolerance"] is not None)
 OPEN_MESH = Condition("no mesh", lambda case: "mesh" not in case.settled and case.settled["tolerance"] is None)
 EXACT = Condition(
-    "a motor at every joint",
+    "fully actuated",
     lambda case: all(is_exact(phase, (HermiteSimpson(),)) for phase in case.problem.phases),
 )
 ON_PATH = Condition("a path", _follows_path)
-STICKING = Condition("dry friction", lambda case: needs_softening(case.problem))
+STICKING = Condition("friction", lambda case: needs_softening(case.problem))
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)
@@ -176,6 +176,7 @@ NATIVE = Condition("solver in C++", _calls_native)
 STAGEWISE = Condition("solver by stages", _has_narrow_stages)
 ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase in case.problem.phases))
 SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
+FREE_RATES = Condition("free rates", lambda case: not any(phase.rows.rates for phase in case.problem.phases))
 FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])
 ENDS_ALONE = Condition("ends alone", lambda case: all(map(_weighs_ends_alone, case.problem.phases)))
 CONTACTS = any_phase("contacts", lambda phase: bool(phase.bound_contacts))

@@ -84,7 +84,9 @@ RULES: tuple[Rule, ...] = (
     _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
     _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
     _rule("mesh", when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
-    _rule("mesh", when.PROVED, when.EXACT, when.STICKING, graded(FEW, STICKING), "joints start and stop by themselves"),
+    _rule(
+        "mesh", when.PROVED, when.EXACT, when.STICKING, when.FREE_RATES, graded(FEW, STICKING), "joints stop anywhere"
+    ),
     _rule(
         "mesh",
         when.PROVED,
@@ -93,18 +95,12 @@ RULES: tuple[Rule, ...] = (
         MeshesOfLines(),
         "accelerations that bend between the points hide power from the quadrature",
     ),
-    _rule(
-        "mesh",
-        when.PROVED,
-        when.EXACT,
-        when.ENDS_ALONE,
-        graded(COARSE),
-        "least times without obstacles converge slowly",
-    ),
+    _rule("mesh", when.PROVED, when.EXACT, when.ENDS_ALONE, graded(COARSE), "least times converge slowly"),
     _rule("mesh", when.PROVED, when.EXACT, graded(FEW), "a coarse mesh approximates the motion"),
     _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
-    _rule("mesh", when.ALWAYS, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
+    _rule("mesh", when.FREE_RATES, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
+    _rule("mesh", when.ALWAYS, Mesh(20), "a variable whose rate is limited is continuous at the knots"),
     _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
     _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
     _rule(
@@ -179,9 +175,7 @@ RULES: tuple[Rule, ...] = (
         Equidistribute(second=NEXT),
         "least times mostly settle on that mesh",
     ),
-    _rule(
-        "refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has not converged yet"
-    ),
+    _rule("refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has to converge"),
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),

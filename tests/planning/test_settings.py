@@ -247,3 +247,15 @@ def test_least_times_in_the_open_begin_on_more_intervals(
     phase = rt.Phase(rt.load("ur5"), (0.5, 5.0), objective=objective, constraints=apart)
     mesh = resolve(rt.Problem([phase]), {}).mesh
     assert isinstance(mesh, rt.Mesh) and mesh.count == count
+
+
+@pytest.mark.parametrize("options", [{}, {"tolerance": 1e-3}])
+def test_what_has_limited_rates_does_not_jump_at_the_knots(options: dict[str, float]) -> None:
+    arm = rt.load("z1", locked={"jointGripper": 0.0})
+    rest = np.array([0.0, 1.5, -1.0, -0.5, 0.0, 0.0])
+    smooth = rt.constraints.JointJerk(rt.between(-400.0, 400.0))
+    ends = {"start": rt.State(q=rest, v=0.0), "end": rt.State(q=rest + 0.2, v=0.0)}
+    phase = rt.Phase(arm, 1.0, **ends, objective=rt.Effort(), constraints=[smooth])
+    mesh = resolve(rt.Problem([phase]), dict(options)).mesh
+    assert isinstance(mesh, rt.Mesh) and {type(scheme) for scheme in mesh.schemes} == {rt.HermiteSimpson}
+    assert rt.plan(phase, mesh).success
