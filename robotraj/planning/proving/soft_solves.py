@@ -14,6 +14,7 @@ from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
 from robotraj.transcription.schemes.mesh import Mesh
 
 CHANGE = 1e-3
@@ -22,6 +23,8 @@ CHANGE = 1e-3
 Reversals go on to move from interval to interval for up to a hundred iterations. The next solve, on other intervals,
 moves them again.
 """
+NEARLY = 1e-2
+"""Relative violation of a row that a guess may have."""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
 
@@ -29,7 +32,7 @@ SOFTER = 1.25
 def soft_solution(
     problem: Problem, guess: InitialGuess | None, meshes: tuple[Mesh, ...], settings: Settings, solves: Solves
 ) -> Solution | None:
-    """Return the solution with the least soft friction that was solved; None if all solves failed.
+    """Return the guess with the least soft friction that was found; None if all solves failed.
 
     A time limit that ends these solves leaves the plan to the robot's own friction.
     """
@@ -45,13 +48,20 @@ def soft_solution(
             if not limited:
                 raise
             break
-        if softer.success:
+        if is_guess(softer):
             found, meshes = softer, finer_where_bent(softer, settings)
         elif are_certain(softer.conflicts):
             break
     if isinstance(solves.progress, PlanLimits):
         solves.progress.begin()
     return found
+
+
+def is_guess(softer: Solution) -> bool:
+    """Whether a solve ended at a solution, or at the limit of its iterations with its rows nearly met."""
+    if softer.status is not Status.ITERATION_LIMIT:
+        return softer.success
+    return all(violation.relative <= NEARLY for violation in softer.violations(1))
 
 
 def finer_where_bent(soft: Solution, settings: Settings) -> tuple[Mesh, ...]:
