@@ -32,7 +32,7 @@ from scipy.linalg.blas import dgemm
 
 import robotraj as rt
 from robotraj.native.build import load_native
-from robotraj.solvers.attempts import AHEAD, FACTORS
+from robotraj.solvers.attempts import AHEAD, FACTOR
 from robotraj.solvers.formulation import BARRIER, BARRIER_OF_LEGS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
@@ -133,7 +133,7 @@ def iterations(solver: rt.InteriorPoint, nlp: rt.transcription.Nlp, runs: int) -
     program = native_program(reduction.program, nlp.engine, threads=1)
     start, lower, upper = reduction.start(nlp.guess), reduction.program.lower, reduction.program.upper
     scale = of_program(program, start, reduction.program, BARRIER, nlp)
-    options = solver._options(BARRIER, FACTORS[0], solver.max_iterations, reduction)
+    options = solver._options(BARRIER, FACTOR, solver.max_iterations, reduction)
     for _ in range(runs):
         began = time.process_time()
         found = program.solve(start, lower, upper, options, objective_scale=scale)
@@ -174,7 +174,7 @@ def gait_row(problem: rt.Problem, peak: float) -> str:
     program, nlp = origin.formulation.program, origin.nlp
     start = origin.formulation.start(nlp.guess)
     scale = of_program(origin.compiled.native, start, program, BARRIER_OF_LEGS, nlp)
-    options = solver._options(BARRIER_OF_LEGS, AHEAD * FACTORS[0], solver.max_iterations, origin.formulation)
+    options = solver._options(BARRIER_OF_LEGS, AHEAD * FACTOR, solver.max_iterations, origin.formulation)
     given = {"options": options, "objective_scale": scale, "lam": np.zeros(program.form_rows.size)}
     took, shares = [], []
     for _ in range(RUNS):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from numpy.typing import NDArray
@@ -18,23 +17,21 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-FACTORS = (100.0, 10.0)
-"""Error of the problem of one barrier parameter below which the parameter falls, in multiples of the parameter.
-
-The first takes fewer iterations. If its line search fails, the attempt begins again with the second.
-"""
+FACTOR = 100.0
+"""Error of the problem of one barrier parameter below which the parameter falls, in multiples of the parameter."""
 AHEAD = 30.0
-"""Factor on ``FACTORS`` from a guess with a small barrier: its problem need not be solved before a smaller one's."""
+"""Factor on ``FACTOR`` from a guess with a small barrier: its problem need not be solved before a smaller one's."""
 PATIENCE_STAGES = (500,)
-PATIENCE_ASSEMBLED = (150, 250)
+PATIENCE_ASSEMBLED = (200, 250)
 """Iterations of the attempts before the last one: of problems in stages, and of assembled ones.
 
-Near singular postures such as straight knees an attempt may wander without converging. With contacts, attempts that
-converge seldom take 100 iterations. Few of the long ones converge from the larger barrier of the second attempt, so
-that the third begins as the first one did.
+Near singular postures such as straight knees an attempt may wander without converging. With contacts, first attempts
+that converge take up to 200 iterations, and seldom 100.
 """
 LARGER, LEAST_LARGER = 100.0, 0.1
-"""Factor on the first barrier parameter of the second attempt, and the least value of that parameter."""
+"""Factor on the first barrier parameter of later attempts, and the least value of that parameter."""
+LIGHTER = 0.1
+"""Weight of the objective in the third attempt."""
 
 
 @dataclass(frozen=True)
@@ -45,18 +42,36 @@ class Attempt:
     ----------
     barrier : float
         First barrier parameter.
-    from_guess : float
-        That of a start from a guess, which decides the scale of the objective.
-    iterations : int or None
-        Limit of its iterations; None for all that are left.
+    factor : float
+        Multiple of the barrier parameter, as ``FACTOR``.
+    weight : float
+        Factor on the scale of the objective.
     known : dict of str to ndarray
         Multipliers from which it starts. Without any, the method estimates them.
     """
 
     barrier: float
-    from_guess: float
-    iterations: int | None
+    factor: float
+    weight: float
     known: dict[str, Array]
+
+
+def later_attempts(from_guess: float, factor: float) -> tuple[Attempt, Attempt]:
+    """Return the second and the third attempt of a solve, both with a larger barrier and without multipliers.
+
+    In the second one the barrier weighs as much beside the objective as in the first, and rows weigh less: a step of
+    five_link from a poor guess and turning trots of solo12 converge so. In the third one barrier and rows outweigh
+    the objective for longer: feet find their stairs.
+
+    Parameters
+    ----------
+    from_guess : float
+        First barrier parameter of a start from a guess.
+    factor : float
+        Of ``Attempt``.
+    """
+    barrier = max(LARGER * from_guess, LEAST_LARGER)
+    return Attempt(barrier, factor, barrier / from_guess, {}), Attempt(barrier, factor, LIGHTER, {})
 
 
 class Tried(NamedTuple):
@@ -67,53 +82,33 @@ class Tried(NamedTuple):
     found: list[NativeOutcome]
 
 
-def attempts_from(first: Attempt, patience: tuple[int, ...]) -> list[Attempt]:
-    """Return the attempts of a solve: ``first``, one with a larger barrier and without multipliers, and so on in turn.
-
-    Parameters
-    ----------
-    first : Attempt
-    patience : tuple of int
-        Iterations of the attempts before the last one, which has those of ``first``.
-    """
-    barrier = max(LARGER * first.from_guess, LEAST_LARGER)
-    both = (first, Attempt(barrier, barrier, first.iterations, {}))
-    return [replace(both[k % 2], iterations=limit) for k, limit in enumerate((*patience, first.iterations))]
-
-
 def solve_in_turn(
-    attempts: list[Attempt],
-    factors: tuple[float, ...],
+    attempts: tuple[Attempt, ...],
+    patience: tuple[int, ...],
     max_iterations: int,
     final: Collection[str],
-    solve: Callable[[Attempt, float, int], NativeOutcome],
+    solve: Callable[[Attempt, int], NativeOutcome],
 ) -> Tried:
     """Make attempts until one ends neither at the limit of its iterations nor with a failed line search.
 
     Parameters
     ----------
-    attempts : list of Attempt
-    factors : tuple of float
-        Multiples of the barrier parameter as in ``FACTORS``, each tried after the line search failed with the one
-        before.
+    attempts : tuple of Attempt
+    patience : tuple of int
+        Iterations of all attempts that are made but the last one, which has those that are left.
     max_iterations : int
         Limit of the iterations of all attempts.
     final : collection of str
         Endings of the compiled solver after which no attempt follows.
     solve : callable
-        ``solve(attempt, factor, iterations)`` makes one attempt.
+        ``solve(attempt, iterations)`` makes one attempt.
     """
     tried = Tried(Status.ITERATION_LIMIT, 0, [])
-    for attempt in attempts:
-        for factor in factors:
-            left = max_iterations - tried.iterations
-            found = solve(attempt, factor, left if attempt.iterations is None else min(left, attempt.iterations))
-            status = STATUSES.get(found.status, Status.SOLVER_ERROR)
-            tried = Tried(status, tried.iterations + found.iterations, [*tried.found, found])
-            if found.status in final or tried.iterations >= max_iterations:
-                return tried
-            if status is not Status.STALLED:
-                break
-        if status is not Status.ITERATION_LIMIT:
+    for attempt, limit in zip(attempts, (*patience, max_iterations), strict=False):
+        found = solve(attempt, min(limit, max_iterations - tried.iterations))
+        status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+        tried = Tried(status, tried.iterations + found.iterations, [*tried.found, found])
+        ended = status not in (Status.ITERATION_LIMIT, Status.STALLED)
+        if ended or found.status in final or tried.iterations >= max_iterations:
             break
     return tried

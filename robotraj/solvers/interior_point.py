@@ -22,11 +22,11 @@ from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.attempts import (
     AHEAD,
-    FACTORS,
+    FACTOR,
     PATIENCE_ASSEMBLED,
     PATIENCE_STAGES,
     Attempt,
-    attempts_from,
+    later_attempts,
     solve_in_turn,
 )
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
@@ -80,8 +80,7 @@ class InteriorPoint(Solver):
         The first barrier parameter. The default is 1e-4 for contacts of a floating root, and 1e-2 otherwise.
     barrier_factor : float, optional
         The barrier parameter falls when the error of its problem is below this multiple of it. The default is 3000
-        for contacts of a floating root from a guess and a first barrier of at most 1e-4, else 100. If the line search
-        fails, the solve starts again from the guess with a tenth of it.
+        for contacts of a floating root from a guess and a first barrier of at most 1e-4, else 100.
     adaptive_barrier : bool
         Choose the barrier parameter of every step from a step without a barrier, as long as that makes progress
         (Nocedal, Waechter, Waltz, SIAM J. Optim. 19, 2009). Otherwise the parameter falls monotonically.
@@ -218,25 +217,24 @@ class InteriorPoint(Solver):
         ready = time.perf_counter()
         start, stages = formulation.start(nlp.guess), isinstance(formulation, Reduction)
         from_guess = barrier = self.initial_barrier or first_barrier(formulation)
-        ahead = 1.0
+        factor = self.barrier_factor or FACTOR
+        later = later_attempts(from_guess, factor)
         warm = warm_start(multipliers, formulation)
         if warm:
             known_rows = self.adaptive_barrier and "lam" in warm
             barrier = min(barrier, warm_barrier(native, start, program, known_rows))
         elif barrier <= first_barrier(formulation) < BARRIER:
             warm = {"lam": np.zeros(program.form_rows.size)}
-            ahead = AHEAD if self.barrier_factor is None else 1.0
+            factor = self.barrier_factor or AHEAD * FACTOR
 
-        def attempt(chosen: Attempt, factor: float, iterations: int) -> NativeOutcome:
-            # The weight of the barrier stays: rows weigh less beside the objective from a larger one.
-            scale = self.objective_scale or of_program(native, start, program, chosen.from_guess, nlp)
+        def attempt(chosen: Attempt, iterations: int) -> NativeOutcome:
+            scale = self.objective_scale or chosen.weight * of_program(native, start, program, from_guess, nlp)
             left = self._left(ready)
             return native.solve(
                 start,
                 program.lower,
                 program.upper,
-                # An attempt from the larger barrier knows nothing.
-                self._options(chosen.barrier, ahead * factor if chosen.known else factor, iterations, formulation),
+                self._options(chosen.barrier, chosen.factor, iterations, formulation),
                 objective_scale=scale,
                 callback=report(progress, native, formulation),
                 time_limit=np.inf if left is None else left,
@@ -244,8 +242,8 @@ class InteriorPoint(Solver):
             )
 
         tried = solve_in_turn(
-            attempts_from(Attempt(barrier, from_guess, None, warm), PATIENCE_STAGES if stages else PATIENCE_ASSEMBLED),
-            FACTORS if self.barrier_factor is None else (self.barrier_factor,),
+            (Attempt(barrier, factor, 1.0, warm), *later),
+            PATIENCE_STAGES if stages else PATIENCE_ASSEMBLED,
             self.max_iterations,
             LOST_DIGITS if stages else (),
             attempt,

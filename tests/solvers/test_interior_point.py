@@ -270,12 +270,12 @@ def test_legs_start_from_a_small_barrier_with_zero_multipliers(monkeypatch: pyte
 @pytest.mark.parametrize(
     ("name", "patience", "expected"),
     [
-        ("arm", "PATIENCE_STAGES", [(0.01, 5), (1.0, 195)]),
-        ("step", "PATIENCE_ASSEMBLED", [(0.01, 5), (1.0, 6), (0.01, 189)]),
+        ("arm", "PATIENCE_STAGES", [(0.01, 1.0, 5), (1.0, 100.0, 195)]),
+        ("step", "PATIENCE_ASSEMBLED", [(0.01, 1.0, 5), (1.0, 100.0, 6), (1.0, 0.1, 189)]),
     ],
 )
-def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
-    monkeypatch: pytest.MonkeyPatch, name: str, patience: str, expected: list[tuple[float, int]]
+def test_a_long_solve_begins_again_with_a_larger_barrier_and_other_weights(
+    monkeypatch: pytest.MonkeyPatch, name: str, patience: str, expected: list[tuple[float, float, int]]
 ) -> None:
     asked = []
 
@@ -286,7 +286,7 @@ def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
             self.native = native
 
         def solve(self, start: Any, lower: Any, upper: Any, options: Any, **more: Any) -> Any:
-            asked.append((options.initial_barrier, options.max_iterations))
+            asked.append((options.initial_barrier, more["objective_scale"], options.max_iterations))
             return self.native.solve(start, lower, upper, options, **more)
 
     make = module.native_program
@@ -298,7 +298,7 @@ def test_a_long_solve_begins_again_from_the_guess_with_a_larger_barrier(
     before, known = getattr(module, patience), solver.solve(nlp)
     monkeypatch.setattr(module, patience, (5, 6)[: len(before)])
     found = solver.solve(nlp)
-    assert asked == [(0.01, min(200, before[0])), *expected]
+    assert asked == [(0.01, 1.0, min(200, before[0])), *expected]
     assert known.iterations > 5 and found.status is rt.solvers.Status.SOLVED
     assert nlp.objective(found.w) == pytest.approx(nlp.objective(known.w), rel=1e-6)
     few = rt.InteriorPoint(fallback=None, max_iterations=7).solve(nlp)

@@ -36,17 +36,11 @@ ROBOTRAJ_INLINE void each_pack(int n, const Body& body) {
   if (i < n) body(Part{i, n - i});
 }
 
-ROBOTRAJ_INLINE Pack magnitudes(Pack x) { return reinterpret_cast<Pack>(reinterpret_cast<Bits>(x) & (~0ull >> 1)); }
 /// With exchanged arguments these would ignore NaN in `x`.
 ROBOTRAJ_INLINE Pack larger(Pack x, Pack than) { return x > than ? x : than; }
 ROBOTRAJ_INLINE Pack smaller(Pack x, Pack than) { return x < than ? x : than; }
 ROBOTRAJ_INLINE auto bounded(Pack bound) { return magnitudes(bound) != Pack{} + kInfinity; }
 
-ROBOTRAJ_INLINE double greatest(Pack x) {
-  double result = x[0];
-  for (int i = 1; i < kStep; ++i) result = x[i] > result ? x[i] : result;
-  return result;
-}
 ROBOTRAJ_INLINE double least(Pack x) {
   double result = x[0];
   for (int i = 1; i < kStep; ++i) result = x[i] < result ? x[i] : result;

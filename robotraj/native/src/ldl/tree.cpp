@@ -134,8 +134,10 @@ std::vector<int> groups_of(const Columns& columns) {
   return home;
 }
 
-/// Numbers the groups, children right before their parents, and fills nodes but for their entries.
-void add_nodes(const Columns& columns, const std::vector<int>& chosen, Tree& tree) {
+/// Merges nodes where a larger front costs less than two, and numbers them, children right before their parents. Rows
+/// are eliminated in about the given order. Places are missing.
+Tree tree_of(const Columns& columns, const std::vector<int>& chosen) {
+  Tree tree;
   const int n = static_cast<int>(chosen.size());
   const std::vector<int> home = groups_of(columns);
   std::vector<int> eldest(n, -1), sibling(n, -1), last(n, -1), before(n, -1), stack, sequence;
@@ -182,6 +184,7 @@ void add_nodes(const Columns& columns, const std::vector<int>& chosen, Tree& tre
     tree.largest = std::max(tree.largest, static_cast<int>(rows));
     for (long left = rows; left > rows - node.columns; --left) tree.products += left * left;
   }
+  return tree;
 }
 
 /// Where the matrix's entries and the children's rows are in each node.
@@ -219,26 +222,23 @@ void add_places(const Pattern& pattern, Tree& tree) {
   }
 }
 
-/// Merges nodes where a larger front costs less than two. Rows are eliminated in about the given order.
-Tree make_tree(const Pattern& pattern, const std::vector<int>& order) {
-  Tree tree;
-  add_nodes(columns_of(neighbours_of(pattern), order), order, tree);
-  add_places(pattern, tree);
-  return tree;
-}
-
 }  // namespace
 
 Tree tree_of_fewest_products(const Pattern& pattern, const std::vector<int>& groups) {
-  const std::vector<int> order = minimum_degree(neighbours_of(pattern));
-  if (groups.empty()) return make_tree(pattern, order);
+  const Lists neighbours = neighbours_of(pattern);
+  const std::vector<int> order = minimum_degree(neighbours);
   Tree best;
+  const auto take = [&](const std::vector<int>& rows) {
+    Tree tree = tree_of(columns_of(neighbours, rows), rows);
+    if (best.nodes.empty() || tree.products < best.products) best = std::move(tree);
+  };
+  if (groups.empty()) take(order);
   for (auto numbers = groups.begin(); numbers != groups.end(); numbers += pattern.n) {
     std::vector<int> grouped = order;
     std::stable_sort(grouped.begin(), grouped.end(), [&](int a, int b) { return numbers[a] < numbers[b]; });
-    Tree tree = make_tree(pattern, grouped);
-    if (best.nodes.empty() || tree.products < best.products) best = std::move(tree);
+    take(grouped);
   }
+  add_places(pattern, best);
   return best;
 }
 

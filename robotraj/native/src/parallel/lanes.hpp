@@ -35,6 +35,12 @@ ROBOTRAJ_INLINE Pack picked(Pack first, Pack second) {
 }
 
 ROBOTRAJ_INLINE double magnitude(double x) { return x < 0.0 ? -x : x; }
+ROBOTRAJ_INLINE Pack magnitudes(Pack x) { return reinterpret_cast<Pack>(reinterpret_cast<Bits>(x) & (~0ull >> 1)); }
+ROBOTRAJ_INLINE double greatest(Pack x) {
+  double result = x[0];
+  for (int i = 1; i < kStep; ++i) result = x[i] > result ? x[i] : result;
+  return result;
+}
 
 }  // namespace
 }  // namespace robotraj::native

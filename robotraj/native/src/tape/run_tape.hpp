@@ -3,6 +3,7 @@
 
 #include "kernels/packed.hpp"
 #include "parallel/lanes.hpp"
+#include "parallel/sines.hpp"
 
 namespace robotraj::native {
 namespace {
@@ -13,10 +14,16 @@ struct Signs {
 };
 const Signs kSigns[] = {{0, 0}, {std::uint64_t{1} << 63, 0}, {0, ~std::uint64_t{0}}};
 
-/// Another operation than the first four, point by point. Apart from the loop, which would keep its packs in memory.
+/// Another operation than the first four. Apart from the loop, which would keep its packs in memory.
 __attribute__((noinline)) void run_other(const Instruction& instruction, Pack* memory) {
   const Pack x = memory[instruction.first], y = memory[instruction.second];
   Pack& out = memory[instruction.out];
+  if (instruction.step != Step::other) {
+    Pack sine, cosine;
+    sines(x, sine, cosine);
+    out = instruction.step == Step::sine ? sine : cosine;
+    return;
+  }
   for (std::size_t lane = 0; lane < kLanes; ++lane) out[lane] = compute(instruction.operation, x[lane], y[lane]);
 }
 

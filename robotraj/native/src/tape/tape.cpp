@@ -18,6 +18,8 @@ Step step_of(std::int16_t operation) {
     case casadi::OP_NEG: return Step::subtract;
     case casadi::OP_MUL: return Step::multiply;
     case casadi::OP_DIV: return Step::divide;
+    case casadi::OP_SIN: return Step::sine;
+    case casadi::OP_COS: return Step::cosine;
     default: return Step::other;
   }
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr int kRounds = 5;
 
 /// Largest accepted residual for a right-hand side of size b.
-double tolerance(double b) { return std::max(1e-8, (b < 1.0 ? 1e-7 : 1e-6) * b); }
+double tolerance(double b) { return std::max(1e-8, 1e-5 * b); }
 
 Side side_of(const Vectors& step) { return {step.x, step.rows, step.s, step.lower, step.upper}; }
 

@@ -21,9 +21,9 @@ enum class Solved { good, indefinite, dependent, inaccurate, invalid };
 ///     -Z_u ds + S_u dz_u                      = -side.upper
 ///
 /// the paper's equation 9 with slacks. Slacks and their multipliers are eliminated, and the rest is solved by stages.
-/// The solution is refined while its residual falls and is above 1e-8 and above a small part of the right-hand side b:
-/// 1e-6 of a large one, 1e-7 below 1. Newton's method converges as fast with steps that leave a small part of b (Dembo,
-/// Eisenstat and Steihaug, SIAM J. Numer. Anal. 19, 1982). Dynamics take no delta_c: they are of full rank.
+/// The solution is refined while its residual falls and is above 1e-8 and 1e-5 of the right-hand side: Newton's method
+/// converges as fast with steps that leave a small part of it (Dembo, Eisenstat and Steihaug, SIAM J. Numer. Anal. 19,
+/// 1982). Dynamics take no delta_c: they are of full rank.
 class Newton : private native::Along {
  public:
   explicit Newton(Problem& problem);
