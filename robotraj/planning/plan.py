@@ -224,9 +224,10 @@ def plan(
         from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
 
         warn_of_self_collision(problem)
-        from robotraj.planning.diagnosis.oscillation import warn_of_oscillation
+        if any(phase.constraints for phase in problem.phases):
+            from robotraj.planning.diagnosis.oscillation import warn_of_oscillation
 
-        warn_of_oscillation(problem)
+            warn_of_oscillation(problem)
     with watching(settings.solver, progress) as terminal, ExitStack() as stack:
         live = None
         if watch is not False:

@@ -25,25 +25,22 @@ from robotraj._util.values import dataclass
 from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import relaxed_motion
-from robotraj.planning.diagnosis.explain import are_certain, completed
+from robotraj.planning.diagnosis.explain import completed
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.planning.other_solver import conflicts_are_certain
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.records import added_times
-from robotraj.solution.settings import Restarts
+from robotraj.solution.settings import RESTARTED_FROM, Restarts
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
 
 RESTARTED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 """Statuses after which another guess is tried."""
-
-RESTARTED_FROM = ", from a "
-"""Separates the message of a solver from the description of the start that led to its solution."""
 
 VARIATION = "variation of the guess, which did not converge"
 """Description of a start from a variation of the guess."""

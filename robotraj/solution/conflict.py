@@ -5,6 +5,9 @@ from __future__ import annotations
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
+CERTAIN = 2e-2
+"""Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
+
 
 @dataclass(frozen=True)
 class Conflict(OneLine):
@@ -47,3 +50,8 @@ class Conflict(OneLine):
         where = "" if self.name == "duration" else f", t = {self.time:.3g} s"
         reason = f" ({self.reason})" if self.reason else ""
         return f"{self.name}{where}: {self.bound:.4g}{unit} must become {self.needed:.4g}{unit}{reason}"
+
+
+def are_certain(conflicts: tuple[Conflict, ...]) -> bool:
+    """Whether a conflict would remain on a finer mesh."""
+    return any(conflict.exact or conflict.relative > CERTAIN for conflict in conflicts)

@@ -26,15 +26,8 @@ from robotraj.transcription.extract import PhaseTrajectory
 
 UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.ITERATION_LIMIT, Status.DIVERGED)
 """Statuses for which the relaxed problem is solved."""
-CERTAIN = 2e-2
-"""Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
 SHORT_OF_TIME = ("velocity", "acceleration", "jerk", "effort", "torque rate", "control")
 """First words of the names of rows that a longer duration may satisfy."""
-
-
-def are_certain(conflicts: tuple[Conflict, ...]) -> bool:
-    """Whether a conflict would remain on a finer mesh."""
-    return any(conflict.exact or conflict.relative > CERTAIN for conflict in conflicts)
 
 
 def against_momentum(problem: Problem) -> tuple[Conflict, ...]:

@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from robotraj.planning.diagnosis.elastic import Solve
-from robotraj.planning.diagnosis.explain import against_momentum, are_certain, conflicts_of
+from robotraj.planning.diagnosis.explain import against_momentum, conflicts_of
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solvers.base import Iteration, Progress
 from robotraj.transcription.extract import PhaseTrajectory, extract
 

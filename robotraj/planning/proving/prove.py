@@ -14,7 +14,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
 from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.planning.proving.soft_solves import finer_where_bent, soft_solution
@@ -23,6 +22,7 @@ from robotraj.planning.setting_conditions import is_kinked
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import are_certain
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import MeshStep
 from robotraj.solution.settings import Restarts, Settings

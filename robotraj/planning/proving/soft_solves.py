@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from robotraj.planning.diagnosis.explain import are_certain
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import measured
 from robotraj.planning.proving.soft_friction import SOFTENING, averaging_times, softened
@@ -12,6 +11,7 @@ from robotraj.planning.proving.solves import Solves
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.conflict import are_certain
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status

@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from robotraj.planning.proving.measures import is_motion
-from robotraj.planning.restarts import RESTARTED_FROM
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import MeshStep, added_times
-from robotraj.solution.settings import Settings
+from robotraj.solution.settings import RESTARTED_FROM, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status

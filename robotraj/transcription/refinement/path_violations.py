@@ -9,7 +9,6 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from robotraj.dynamics.contacts.force_measure import FORCE_SAMPLES, GRAVITY, measure
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FORCE_PLACES = 0.5 * (1.0 + chebyshev.chebpts2(FORCE_SAMPLES))
+FORCE_PLACES = 0.5 * (1.0 + np.cos(np.linspace(-np.pi, 0.0, FORCE_SAMPLES)))
 """Places of an interval at which forces of held contacts are measured."""
 
 
