@@ -9,7 +9,7 @@ PROGRAM = """
 import sys
 import robotraj as rt
 
-block = rt.Phase(rt.load("block"), 2.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+block = rt.Phase(rt.load("block"), 3.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
 assert rt.plan(block, progress=False).proof.holds
 print(*sys.modules)
 """

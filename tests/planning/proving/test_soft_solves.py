@@ -27,7 +27,7 @@ def test_a_solve_ends_with_its_rows_met_where_the_objective_hardly_falls() -> No
 
 
 def test_an_iterate_at_the_limit_of_iterations_is_a_guess_where_its_rows_nearly_hold() -> None:
-    block = rt.Phase(rt.load("block"), 2.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+    block = rt.Phase(rt.load("block"), 3.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
     solved = rt.plan(block, mesh=rt.Mesh(4))
     assert is_guess(solved)
     ended = replace(solved, status=Status.ITERATION_LIMIT)
