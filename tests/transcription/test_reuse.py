@@ -132,7 +132,7 @@ def test_a_step_with_another_start_reuses_the_transcription() -> None:
 
 def test_several_phases_with_contacts_reuse_the_transcription() -> None:
     robot = rt.load("five_link", root="planar")
-    problem, mesh = rt.gait.jump(robot, height=0.05), rt.Mesh(5)
+    problem, mesh = rt.gait.jump(robot, height=0.05, push=0.3, land=0.3), rt.Mesh(5)
     home = pin.centerOfMass(robot.model, robot.model.createData(), rt.gait.stand(robot))[2]
     lower = problem.with_(end=rt.State(q=rt.gait.stand(robot, height=0.95 * home), v=0))
     first = rt.plan(problem, mesh, progress=False)

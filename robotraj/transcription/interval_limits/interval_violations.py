@@ -46,12 +46,10 @@ PLACES = np.linspace(0.0, 1.0, 49)
 
 They include its ends: Radau's schemes have no point at the start, and Gauss's none at either end.
 """
-INNER_PLACES = (np.arange(48) + 0.5) / 48
-"""Places for rows of controls, which may jump at the ends."""
 CLOSER = np.linspace(-1.0, 1.0, 33)
 """Places around a sharp bend, in steps of ``PLACES``."""
 ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
-"""Places for rates, which jump at the knots."""
+"""Places for rates, controls and accelerations, which may jump at the knots."""
 SHARE = 1e-2
 """Largest relative excess of a control over its limit that is not reported."""
 EXACT = 1e-9
@@ -149,7 +147,7 @@ def variable_violations(
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     allowed = np.array([row.size * (RATE_SHARE if _limits_rate(phase, row) else EXACT_SHARE) for row in rows])
-    return found + _violations(index, rows, reader, INNER_PLACES, allowed)
+    return found + _violations(index, rows, reader, ONE_SIDED, allowed)
 
 
 def _is_given(phase: Phase, row: PhaseRow) -> bool:
@@ -181,7 +179,7 @@ def input_violations(
     bounds = (row for row, _ in phase.rows.bounds_of(forces))
     rows = [row for row in (*phase.rows.of_inputs, *bounds) if row not in leaving]
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
-    return _violations(index, rows, reader, INNER_PLACES, np.zeros(len(rows)))
+    return _violations(index, rows, reader, ONE_SIDED, np.zeros(len(rows)))
 
 
 def _violations(

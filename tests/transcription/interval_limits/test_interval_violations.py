@@ -131,6 +131,14 @@ def test_path_rows_of_controls_may_exceed_their_limit_by_a_thousandth(excess: fl
     assert len(input_violations(block(constraints=[power]), 0, motion)) == 1
 
 
+def test_path_rows_of_controls_are_read_next_to_the_knots_where_they_jump() -> None:
+    """u = 1.01 - 2.01 tau exceeds 1 in the first two hundredths of an interval alone."""
+    limited = block(constraints=[rt.PathConstraint(lambda point: point.u["u"], upper=1.0, name="force")])
+    found = variable_violations(limited, 0, parabolas(FLAT, [[0, 0, 0], [1.01, 0.005, -1.0]]))
+    assert [(each.interval, each.row.name) for each in found] == [(1, "force")]
+    assert found[0].amount == pytest.approx(0.01, abs=3e-3)
+
+
 def test_equalities_that_read_controls_are_listed_with_rows_not_with_limits() -> None:
     """Between the points u - x = 0 holds to the order of the scheme only; limits of torques are another matter."""
     same = rt.PathConstraint(lambda point: point.u["u"] - point.x["x"], 0, 0, name="same")
