@@ -162,7 +162,8 @@ def measured(
     if coarser is not None:
         gained = abs(coarser.objective - true) / size
         finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)
-        unsettled = gained / (finer - 1.0)
+        # A mesh that is no finer says nothing of what finer ones gain.
+        unsettled = gained / (finer - 1.0) if finer > 1.0 else expected
     if on_paths:
         # The time that lines lose is estimated from this mesh alone, too.
         unsettled = max(unsettled, coarse)

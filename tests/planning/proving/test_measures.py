@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
+import pytest
 
 import robotraj as rt
 from robotraj.planning.proving.measures import measured
@@ -22,3 +24,14 @@ def test_only_phases_that_miss_a_goal_get_many_more_intervals() -> None:
     assert missing.count >= 8 and met.count == 4
     finer = measures.next_meshes(solution.phases, Equidistribute(), 3.0, 2.0)
     assert min(mesh.count for mesh in finer) >= 12
+
+
+@pytest.mark.parametrize("bending", [False, True])
+def test_a_mesh_that_is_no_finer_says_nothing_of_the_objective(bending: bool) -> None:
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    ends = {"start": rt.State([0.0, 0.0]), "end": rt.State([1.0, 0.0])}
+    solution = rt.plan(rt.Phase(block, 1.0, **ends, objective=rt.Effort()), rt.Mesh(4))
+    first = measured(solution, None, rt.solution.Goals(), bending)
+    again = measured(solution, first, rt.solution.Goals(), bending)
+    assert first.proof.unsettled == again.proof.unsettled == np.inf
+    assert measured(solution, first, rt.solution.Goals(), bending, expected=0.5).proof.unsettled == 0.5
