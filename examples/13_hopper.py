@@ -20,8 +20,8 @@ hop = rt.Phase(
     objective=rt.Effort({"hip": 1.0, "leg": 0.01}),
     name="hop",
 )
-# First the ground pushes from a distance. Tightened in small steps, the hops hardly depend on round-off.
-stages = rt.planning.tightening(hop, np.geomspace(30.0, 1e-3, 10).tolist())
+# First the ground pushes from a distance. Tightened from here in these steps, the hops do not depend on round-off.
+stages = rt.planning.tightening(hop, np.geomspace(20.0, 1e-3, 8).tolist())
 solution = rt.plan(hop, mesh=rt.Mesh(40, rt.schemes.RadauIIA(1)), continuation=stages)
 print(solution)
 
