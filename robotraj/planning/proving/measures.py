@@ -162,7 +162,7 @@ def measured(
     if coarser is not None:
         gained = abs(coarser.objective - true) / size
         finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)
-        # A mesh that is no finer says nothing of what finer ones gain.
+        # The gain on finer meshes is unknown where this one is no finer than the last.
         unsettled = gained / (finer - 1.0) if finer > 1.0 else expected
     if on_paths:
         # The time that lines lose is estimated from this mesh alone, too.
