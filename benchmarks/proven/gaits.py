@@ -167,9 +167,9 @@ def write(rows: dict[tuple[str, str], str]) -> None:
     TABLE.write_text("\n".join(["# Gait calls", "", head, "", HEAD, RULE, *ordered, "", end, ""]))
 
 
-def in_a_fresh_process(robot: str, gait: str) -> dict[str, object]:
-    """Plan and validate a call in a separate process."""
-    command = [sys.executable, __file__, "--one", "--robot", robot, "--gait", gait]
+def in_a_fresh_process(script: str, *arguments: str) -> dict[str, object]:
+    """Plan and validate one motion of a script of this folder in a separate process."""
+    command = [sys.executable, script, "--one", *arguments]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=WALL)
     except subprocess.TimeoutExpired:
@@ -199,7 +199,8 @@ def main() -> None:
         for gait in Walker(robot).calls():
             if given.gait not in (None, gait) or (given.resume and (robot, gait) in rows):
                 continue
-            rows[robot, gait] = line(robot, gait, in_a_fresh_process(robot, gait))
+            found = in_a_fresh_process(__file__, "--robot", robot, "--gait", gait)
+            rows[robot, gait] = line(robot, gait, found)
             write(rows)
             print(rows[robot, gait], flush=True)
 

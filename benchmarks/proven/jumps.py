@@ -8,13 +8,12 @@ Without arguments the table is written to ``JUMPS.md`` beside this file.
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import warnings
 from pathlib import Path
 
 import numpy as np
-from gaits import SECONDS, WALL, Walker
+from gaits import SECONDS, Walker, in_a_fresh_process
 from legs import judged
 
 import robotraj as rt
@@ -43,19 +42,6 @@ def one(number: int) -> dict[str, object]:
     return judged(problem, SECONDS)[2]
 
 
-def in_a_fresh_process(number: int) -> dict[str, object]:
-    """Plan a jump in a separate process."""
-    command = [sys.executable, __file__, "--one", str(number)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=WALL, check=False)
-    except subprocess.TimeoutExpired:
-        return {"proved": False, "remark": f"stopped after {WALL:g} s of wall time"}
-    if done.returncode:
-        return {"proved": False, "remark": (done.stderr.strip().splitlines() or ["no message"])[-1][:150]}
-    found: dict[str, object] = json.loads(done.stdout.splitlines()[-1])
-    return found
-
-
 def line(number: int, found: dict[str, object]) -> str:
     """Return a row of the table."""
     name, height, length = drawn()[number]
@@ -74,7 +60,7 @@ def main(arguments: list[str]) -> None:
     print(f"{HEAD}\n{RULE}")
     lines, proved, seconds = [HEAD, RULE], 0, []
     for number in numbers:
-        found = in_a_fresh_process(number)
+        found = in_a_fresh_process(__file__, str(number))
         proved += bool(found["proved"])
         seconds.append(float(str(found.get("seconds", np.inf))))
         lines.append(line(number, found))

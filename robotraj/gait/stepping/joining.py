@@ -105,8 +105,8 @@ def start(
     gait : Solution
         Solution of ``rt.gait.walk``, ``run``, ``trot`` or ``crawl`` on level ground.
     count : int
-        Number of periods; a period of a mirrored gait is one step. Robots on two point feet take two steps: one cannot
-        place the other foot where it stops the fall.
+        Number of periods; a period of a mirrored gait is one step. Give robots on two point feet two steps: after one,
+        the other foot seldom stands where it stops the fall.
     shift : float
         Duration on all feet at rest [s]; by default 1.4 sqrt(h / g), h the height of the centre of mass at rest.
     clearance, objective, upright

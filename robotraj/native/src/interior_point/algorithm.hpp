@@ -44,8 +44,8 @@ class Restoration;
 ///
 /// each by damped Newton steps. `InertiaCorrection` computes a step, `LineSearch` its length, `Barrier` lowers mu, and
 /// `Convergence` ends the iteration. Once the objective has settled, steps only restore the rows, and the iteration ends
-/// where these hold within the tolerance. With d the distance of an accepted slack from a bound, the bound's multiplier z is
-/// kept near mu / d, so that the Hessian of the system stays close to the one of the barrier problem:
+/// where these hold within the tolerance. With d the distance of an accepted slack from a bound, the bound's multiplier
+/// z is kept near mu / d, so that the Hessian of the system stays close to the one of the barrier problem:
 ///
 ///     z <- max(min(z, kappa_Sigma mu / d), mu / (kappa_Sigma d)).
 ///

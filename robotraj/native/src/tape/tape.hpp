@@ -12,7 +12,7 @@ namespace robotraj::native {
 /// Kinds of instructions. Sums, differences and products differ by data alone (`Signs`): no branch is mispredicted.
 enum class Step : std::int16_t { add, subtract, multiply, divide, sine, cosine, other };
 
-/// One operation of a tape on its memory; the others are done point by point.
+/// One operation of a tape on its memory; `Step::other` is done point by point.
 struct Instruction {
   std::int32_t out, first, second;
   Step step;

@@ -24,8 +24,8 @@ namespace robotraj::interior_point {
 /// Where all conditions of optimality hold within the tolerance and only rows are violated, delta_x = 30 eps_tol is added
 /// as well. Without it, steps along which the objective is flat are long, as those of joints that do not decide the
 /// least time. Each of them violates the rows again. With it, the step changes the variables little beyond what the rows
-/// need, and the gradient by no more than delta_x times the step. The first step is always Newton's: it
-/// solves a linear-quadratic program, and no flat direction follows from a gradient that vanishes at the start.
+/// need, and the gradient by no more than delta_x times the step. The first step is always Newton's: it solves a
+/// linear-quadratic program, and no flat direction follows from a gradient that vanishes at the start.
 ///
 /// `only_restore` adds 1e4 in its place, since the gradient has not vanished where an objective has merely settled.
 class InertiaCorrection {
