@@ -9,7 +9,7 @@ from robotraj.gait.flight import Flight
 from robotraj.gait.jumps import jump
 from robotraj.gait.mirroring.mirror import mirror
 from robotraj.gait.phase_sequence import sequence
-from robotraj.gait.posture import gait_objective
+from robotraj.gait.posture import gait_objective, posture_objective
 from robotraj.gait.standing import stand
 from robotraj.gait.stepping.footholds import steps
 from robotraj.gait.stepping.joining import start, stop
@@ -31,6 +31,7 @@ __all__ = [
     "jump",
     "limb_ends",
     "mirror",
+    "posture_objective",
     "run",
     "sequence",
     "sidestep",

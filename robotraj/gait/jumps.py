@@ -16,6 +16,7 @@ from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import sequence
+from robotraj.gait.posture import posture_objective
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.upright import Upright
@@ -63,8 +64,11 @@ def jump(
     push, land : float or (float, float), optional
         Durations of both stances [s], by default 2.5 sqrt(h / g) with the height h of the centre of mass. Free
         durations, (least, greatest), take many more iterations.
-    feet, contact, clearance, objective, upright, ground
+    feet, contact, clearance, upright, ground
         As for ``walk``; all feet stand. By default the root may sink lower than in a walk and rise without bound.
+    objective : Objective, optional
+        Objective of every phase; ``rt.gait.posture_objective`` by default. By effort alone, planar robots land on straight
+        legs, whose motors cannot brake the impact.
 
     Raises
     ------
@@ -89,7 +93,8 @@ def jump(
     long = CROUCH * pendulum_time(standing_robot, q)
     push, land = (long if given is None else given for given in (push, land))
     phases = [Support(names, push, "push off"), Support((), air, "flight"), Support(names, land, "landing")]
-    terms = GaitTerms(kind, clearance, objective, upright, ground)
+    cost = posture_objective(robot, q) if objective is None else objective
+    terms = GaitTerms(kind, clearance, cost, upright, ground)
     return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
 
 

@@ -1,4 +1,4 @@
-"""The default objective of gaits."""
+"""The default objectives of gaits."""
 
 from __future__ import annotations
 
@@ -59,12 +59,7 @@ class SquaredAccelerations:
 
 
 def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
-    """Return effort; in space also the distance of the joints from the posture, and their accelerations.
-
-    The integral of  sum tau^2 + (0.2 m g h)^2 [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  h the height
-    of the centre of mass. The second term keeps redundant legs from stretching, where the equations are singular. The
-    third term suppresses oscillations of humanoids between the collocation points. For planar robots the objective is
-    the first term alone.
+    """Return the default objective of gaits: effort for planar robots, in space ``posture_objective``.
 
     Parameters
     ----------
@@ -72,8 +67,22 @@ def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     standing : ndarray (nq,)
         The posture, as ``rt.gait.stand`` returns it.
     """
-    if robot.root == "planar":
-        return Effort()
+    return Effort() if robot.root == "planar" else posture_objective(robot, standing)
+
+
+def posture_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
+    """Return effort, the distance of the joints from a posture, and their accelerations.
+
+    The integral of  sum tau^2 + (0.2 m g h)^2 [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  h the height
+    of the centre of mass. The second term keeps legs from stretching, where the equations are singular. The third term
+    suppresses oscillations of humanoids between the collocation points.
+
+    Parameters
+    ----------
+    robot : Robot
+    standing : ndarray (nq,)
+        The posture, as ``rt.gait.stand`` returns it.
+    """
     height = abs(float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2]))
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     worth = (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2

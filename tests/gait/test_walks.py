@@ -127,6 +127,17 @@ def test_five_link_jumps_high_by_default() -> None:
     assert rt.plan(gait.jump(robot, height=0.3), progress=False).proof.holds
 
 
+def test_planar_robots_land_on_bent_knees() -> None:
+    """By effort alone the knees are at 0.002 rad, and round-off decides how many iterations that takes."""
+    robot = rt.load("five_link", root="planar")
+    jump = gait.jump(robot, height=0.075)
+    solution = rt.plan(jump, progress=False)
+    landing = solution.phases[2]
+    assert solution.proof.holds
+    assert min(landing.at(landing.t0).q[[4, 6]]) > 0.3
+    assert jump.phases[2].objective == gait.posture_objective(robot, gait.stand(robot))
+
+
 def test_upright_adds_rows_and_can_be_omitted(dog: rt.Robot) -> None:
     given = gait.trot(dog, step_length=0.1, duration=0.25)
     assert "root height" in str(given)
