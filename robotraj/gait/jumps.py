@@ -67,8 +67,8 @@ def jump(
     feet, contact, clearance, upright, ground
         As for ``walk``; all feet stand. By default the root may sink lower than in a walk and rise without bound.
     objective : Objective, optional
-        Objective of every phase; ``rt.gait.posture_objective`` by default. By effort alone, planar robots land on straight
-        legs, whose motors cannot brake the impact.
+        Objective of every phase; ``rt.gait.posture_objective`` by default. By effort alone, planar robots land on
+        straight legs, whose motors cannot brake the impact.
 
     Raises
     ------

@@ -51,6 +51,9 @@ SAFETY = 1.5
 
 With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again."""
 
+STAGNATION = 0.7
+"""Ratio of errors of two meshes at one place above which the error stagnates."""
+
 
 @dataclass(frozen=True, eq=False)
 class Measured:
@@ -61,13 +64,14 @@ class Measured:
     proof : Proof
     objective : float
         Value of the objective along the motion, its integrals by Gauss's rule.
-    intervals : int
-        Number of intervals of the phase with most of them.
+    meshes : tuple of Mesh
+    local : tuple of ndarray (K,)
+        For each phase, the relative error of every interval.
     before : Measured or None
         Measures on the mesh before.
     errors : tuple of ndarray (K,)
-        For each phase, the error of every interval. It is the larger of its relative error and that of the objective's
-        integral, scaled to the same goal.
+        For each phase, the larger of the relative error of every interval and that of the objective's integral, scaled
+        to the same goal.
     broken : tuple of ndarray (K,)
         For each phase, the relative violation of path rows on every interval.
     coarse : float
@@ -78,7 +82,8 @@ class Measured:
 
     proof: Proof
     objective: float
-    intervals: int
+    meshes: tuple[Mesh, ...]
+    local: tuple[Array, ...]
     before: Measured | None
     errors: tuple[Array, ...]
     broken: tuple[Array, ...]
@@ -109,6 +114,23 @@ class Measured:
         shortfall = max((violation.amount for violation in between if violation.name == "clearance"), default=0.0)
         excess += [float(rows.max()) for rows in self.broken]
         return replace(self, proof=replace(self.proof, excess=max(0.0, *excess), shortfall=shortfall))
+
+    @property
+    def intervals(self) -> int:
+        """Number of intervals of the phase with most of them."""
+        return max(mesh.count for mesh in self.meshes)
+
+    @property
+    def stagnant(self) -> int | None:
+        """Phase whose error exceeds its goal where it also did on the mesh before, and hardly fell there."""
+        goal, phase = self.proof.goals.error, int(np.argmax([errors.max() for errors in self.local]))
+        if self.before is None or self.local[phase].max() <= goal:
+            return None
+        worst = int(np.argmax(self.local[phase]))
+        begin, end = self.meshes[phase].knots[worst : worst + 2]
+        knots = self.before.meshes[phase].knots
+        there = self.before.local[phase][(knots[:-1] < end) & (knots[1:] > begin)].max()
+        return phase if there > goal and self.local[phase][worst] > STAGNATION * there else None
 
     @property
     def growth(self) -> float:
@@ -179,7 +201,8 @@ def measured(
     )
     quadrature = abs(solution.objective - true) / size
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
-    return Measured(proof, true, count, before, needs, broken, coarse, order).with_violations(solution)
+    meshes = tuple(part.mesh for part in parts)
+    return Measured(proof, true, meshes, errors, before, needs, broken, coarse, order).with_violations(solution)
 
 
 def _order(parts: Sequence[PhaseSolution]) -> float:

@@ -52,11 +52,10 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
 SECOND = 1.5
 """Growth of the number of intervals from a first mesh that could not be solved to the second one."""
-STAGNATION = 0.7
-"""Ratio of errors of two meshes above which phases that miss their goal get ``DOUBLED`` times as many intervals.
+DOUBLED = 2.0
+"""Growth of the number of intervals of phases that miss their goal where an error stagnates.
 
 After a second time the plan ends."""
-DOUBLED = 2.0
 
 
 def prove(
@@ -145,11 +144,13 @@ class _Refining:
                 break
             if number >= ENOUGH - 1 and not self.sticking and self.best is not None and is_motion(self.best):
                 break
-            stagnant = stagnant + 1 if self._stagnates() else 0
+            phase = None if self.measures is None else self.measures.stagnant
+            stagnant = 0 if phase is None else stagnant + 1
             least = 1.0 if not first else self._second if soft is None else SECOND
             finer = self._finer(meshes, least, DOUBLED if stagnant else 1.0)
             if stagnant == 1 or finer == meshes:
-                finer = on_lines(self.problem, finer)
+                lines = on_lines(self.problem, finer)
+                finer = tuple(lines[k] if k == phase or phase is None else each for k, each in enumerate(finer))
             if stagnant > 1 or finer == meshes:
                 break
             meshes = finer
@@ -205,11 +206,6 @@ class _Refining:
         self.unchecked = solution.phases, measures
         self.limits_between = measures.proof.error <= self.goals.error and measures.growth <= 1.0
         return self.limits_between
-
-    def _stagnates(self) -> bool:
-        """Whether the error exceeds its goal and hardly fell on the last mesh."""
-        errors = [step.error for step in self.steps[-2:]]
-        return len(errors) == 2 and errors[1] > self.goals.error and errors[1] > STAGNATION * errors[0]
 
     @property
     def _second(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -24,6 +26,24 @@ def test_only_phases_that_miss_a_goal_get_many_more_intervals() -> None:
     assert missing.count >= 8 and met.count == 4
     finer = measures.next_meshes(solution.phases, Equidistribute(), 3.0, 2.0)
     assert min(mesh.count for mesh in finer) >= 12
+
+
+def test_an_error_that_moves_to_another_place_does_not_stagnate() -> None:
+    """Before, the error was above its goal in the first half of the first phase alone."""
+    spring = rt.System(["x", "v"], [], lambda point: [point.x["v"], -40.0 * ca.sin(point.x["x"])])
+    start = rt.State({"x": 0.0, "v": 1.0})
+    moves = [rt.Phase(spring, 1.0, start=start) for _ in range(2)]
+    coarse, fine = (measured(rt.plan(rt.Problem(moves, []), rt.Mesh(n)), None, rt.solution.Goals()) for n in (2, 4))
+    before = replace(coarse, local=(np.array([3e-4, 1e-6]), np.array([1e-6, 1e-6])))
+
+    def stagnant(*errors: float) -> int | None:
+        proof = replace(fine.proof, error=max(errors))
+        return replace(fine, proof=proof, before=before, local=(np.array(errors), np.full(4, 1e-6))).stagnant
+
+    assert stagnant(1e-6, 2.9e-4, 1e-6, 1e-6) == 0
+    assert stagnant(1e-6, 1e-6, 2.9e-4, 1e-6) is None
+    assert stagnant(1e-6, 1.5e-4, 1e-6, 1e-6) is None
+    assert stagnant(1e-6, 0.9e-4, 1e-6, 1e-6) is None
 
 
 @pytest.mark.parametrize("bending", [False, True])
