@@ -15,18 +15,22 @@ constexpr double kMostMargin = 100.0;  // a smaller last parameter would take mo
 constexpr std::size_t kRemembered = 4;
 constexpr double kProgress = 0.9, kFixed = 0.8, kLargestBarrier = 1e5;
 constexpr double kAsLong = 0.9;  // share of the predictor's length that a corrected step keeps
-constexpr double kLonger = 0.3;  // by how much further than its length a step is centred
+constexpr double kLonger = 0.4;  // by how much further than its length a step is centred
 constexpr double kGain = 0.1;    // share of kLonger by which one of its lengths must grow,
 constexpr double kLoss = 0.99;   // and the least ratio of the other one
-
-constexpr double kSmall = 1e-4;
-constexpr Centring kOfAdaptive{0.9, 2, 10.0}, kOfMonotone{0.4, 1, 100.0};
+constexpr double kShort = 0.9;   // length below which a step is centred,
+constexpr int kTimes = 2;        // how often,
+constexpr double kMost = 10.0;   // and the largest products it aims at, relative to mu
+constexpr double kSmall = 1e-4;  // first parameter with which bounds shorten many steps
 
 }  // namespace
 
 void Barrier::start(double mu) {
   free_ = true;
   errors_.clear();
+  // Without stages a solution takes a tenth of a factorisation.
+  const bool cheap = run_.problem.layout().count() == 1 && run_.options.initial_barrier <= kSmall;
+  run_.centres = run_.options.adaptive_barrier || cheap;
   run_.set_barrier(mu);
 }
 
@@ -70,19 +74,17 @@ bool Barrier::update() {
 
 bool Barrier::choose() {
   if (!second_order_step()) return false;
-  center(kOfAdaptive);
+  center();
   return true;
 }
 
 bool Barrier::follow() {
   if (!run_.direction.find(*run_.current, run_.mu, run_.step.get())) return false;
-  if (run_.options.adaptive_barrier) center(kOfAdaptive);
-  // Without stages a solution takes a tenth of a factorisation. A small first barrier lets bounds shorten many steps.
-  else if (run_.problem.layout().count() == 1 && run_.options.initial_barrier <= kSmall) center(kOfMonotone);
+  if (run_.centres) center();
   return true;
 }
 
-void Barrier::center(const Centring& how) {
+void Barrier::center() {
   Run& run = run_;
   Iterate& at = *run.current;
   const VectorKernels& vectors = native::vector_kernels_of();
@@ -94,11 +96,10 @@ void Barrier::center(const Centring& how) {
                      vectors.longest_dual_step(bounds, at.at->lower, step.lower, at.at->upper, step.upper, tau)};
   };
   auto [primal, dual] = lengths();
-  for (int count = 0; count < how.times && std::min(primal, dual) < how.below; ++count) {
+  for (int count = 0; count < kTimes && std::min(primal, dual) < kShort; ++count) {
     if (!before_) before_ = std::make_unique<Room>(run.problem);
     before_->copy(run.step);
-    bool better =
-        run.direction.center(at, std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger), how.largest, step);
+    bool better = run.direction.center(at, std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger), kMost, step);
     const auto [of_primal, of_dual] = lengths();
     const bool gains = of_primal >= primal + kGain * kLonger || of_dual >= dual + kGain * kLonger;
     better = better && gains && of_primal >= kLoss * primal && of_dual >= kLoss * dual;

@@ -8,13 +8,6 @@
 
 namespace robotraj::interior_point {
 
-/// Which steps are centred: those of a length `below`, so many times, to products of at most `largest` mu.
-struct Centring {
-  double below;
-  int times;
-  double largest;
-};
-
 /// Monotone: as soon as E_mu <= kappa_eps mu,
 ///
 ///     mu <- max(eps_tol / (min(kappa_eps, 100) + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
@@ -24,7 +17,7 @@ struct Centring {
 /// it does again. The step of the chosen mu also corrects the complementarity by the products of the changes in the step
 /// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one.
 ///
-/// A step that the bounds shorten is centred for steps that are longer by 0.3, as long as it lengthens; with a monotone
+/// A step that the bounds shorten is centred for steps that are longer by 0.4, as long as it lengthens; with a monotone
 /// parameter in programs without stages alone, where the first one is at most 1e-4.
 ///
 /// Sources: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods, SIAM J. Optim.
@@ -51,7 +44,7 @@ class Barrier {
   bool decrease();
   double least() const;
   bool second_order_step();
-  void center(const Centring& how);
+  void center();
 
   Run& run_;
   std::unique_ptr<Room> before_;  // the step before it is centred
