@@ -256,7 +256,8 @@ def plan(
 
                 # Without the time to explain a failure it is returned as it is.
                 with suppress(LimitReached):
-                    solution = explained(solution, partial(solve_on_coarse_mesh, settings=settings, progress=show))
+                    relaxed = partial(solve_on_coarse_mesh, settings=settings, progress=show)
+                    solution = explained(solution, relaxed, partial(relaxed, finer=True))
         except KeyboardInterrupt:
             from robotraj.planning.continuation import last_solution
 

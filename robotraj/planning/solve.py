@@ -44,15 +44,15 @@ from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import continued_at
-from robotraj.transcription.schemes.lobatto import HermiteSimpson
+from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
-COARSE, COARSE_STEP = 15, 6
-"""Intervals of a phase of the relaxed problem, without and with contacts."""
+COARSE, COARSE_STEP, FINER = 15, 6, 12
+"""Intervals of a phase of the relaxed problem: without and with contacts, and by Lobatto IIIA with four points."""
 PATIENCE = 200
 """Largest number of iterations of the relaxed problem."""
 
@@ -218,13 +218,18 @@ def _infeasibility_check(
 
 
 def solve_on_coarse_mesh(
-    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
+    problem: Problem,
+    guess: InitialGuess | Solution | None,
+    settings: Settings,
+    progress: Progress | None = None,
+    finer: bool = False,
 ) -> Solution:
-    """Solve a relaxed problem once on few intervals."""
+    """Solve a relaxed problem once on few intervals, or on ``finer`` ones of a higher order."""
     contacts = any(phase.contacts for phase in problem.phases)
+    coarse = Mesh(COARSE_STEP if contacts else COARSE, HermiteSimpson())
     few = replace(
         settings,
-        mesh=Mesh(COARSE_STEP if contacts else COARSE, HermiteSimpson()),
+        mesh=Mesh(FINER, LobattoIIIA(4)) if finer else coarse,
         solver=InteriorPoint(max_iterations=PATIENCE, fallback=None),
         engine=Native(),
         interval_limits=ConstraintGeneration(rounds=0),

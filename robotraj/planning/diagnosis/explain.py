@@ -56,11 +56,12 @@ def completed(
     return conflicts if longer is None else (*conflicts, longer)
 
 
-def explained(solution: Solution, solve_coarse: Solve) -> Solution:
+def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> Solution:
     """Return a failed solution with its cause: an undefined expression, conflicts of limits, or its mesh.
 
     A mesh may have no motion where the problem has one. The solver then finds it infeasible, and a motion of the
-    relaxed problem meets every row on another mesh.
+    relaxed problem meets every row on another mesh. That of a coarse mesh may be none between its points, so that
+    limits are in conflict where a finer mesh has to relax them.
     """
     if solution.success or solution.conflicts:
         return solution
@@ -71,7 +72,10 @@ def explained(solution: Solution, solve_coarse: Solve) -> Solution:
         return solution
     conflicts, meets_rows = _searched(solution.problem, solve_coarse, solution)
     conflicts = conflicts or blocked_ends(solution.problem)
-    on_this_mesh = solution.status is Status.INFEASIBLE and meets_rows
+    on_this_mesh = solution.status is Status.INFEASIBLE and meets_rows and not conflicts
+    if on_this_mesh:
+        motion, conflicts = relaxed_motion(solution.problem, solve_finer)
+        on_this_mesh = motion is not None and not conflicts
     status = Status.NOT_ON_THIS_MESH if on_this_mesh else solution.status
     return replace(solution, conflicts=conflicts, status=status)
 
