@@ -59,7 +59,7 @@ class Equidistribute(Refinement):
     second : float
         Least growth from the first mesh to the second, so that the change of the objective is significant.
     finest : int
-        Largest number of intervals of a phase.
+        Largest number of intervals of a phase. A mesh of that many moves its knots to where errors are too large.
     path : float
         Relative violation of a path row between the collocation points beyond which an interval is divided.
     slope : float
@@ -106,7 +106,8 @@ class Equidistribute(Refinement):
             return mesh
         parts = _graded(mesh, parts, self.slope)
         count = min(self.finest, int(np.ceil(max(parts.sum(), LEAST_GROWTH * mesh.count) - 1e-9)))
-        if count <= mesh.count:
+        even = assessment.errors.max() <= tolerance or parts.max() <= LEAST_GROWTH * parts.mean()
+        if count < mesh.count or (count == mesh.count and even):
             return mesh
         return _with_density(mesh, parts, count)
 

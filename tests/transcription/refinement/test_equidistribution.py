@@ -65,6 +65,17 @@ def test_no_mesh_is_finer_than_the_finest_nor_cut_into_more_parts_than_most() ->
     assert rt.refinement.Equidistribute(finest=4).refine(rt.Mesh(4), large, TOLERANCE) == rt.Mesh(4)
 
 
+def test_the_finest_mesh_moves_its_knots_to_large_errors() -> None:
+    finest = rt.refinement.Equidistribute(finest=20)
+    errors = [0.1] * 20
+    assert finest.refine(rt.Mesh(20), seen(errors, growth=1.5), TOLERANCE) == rt.Mesh(20)
+    errors[10] = 4.0**3
+    moved = finest.refine(rt.Mesh(20), seen(errors), TOLERANCE)
+    assert moved.count == 20
+    assert np.diff(moved.knots).min() == pytest.approx(1 / 20 / 4 * 23 / 20)
+    assert np.diff(moved.knots).max() == pytest.approx(1 / 20 * 23 / 20)
+
+
 def test_lengths_beside_short_intervals_grow_by_the_slope_at_most() -> None:
     """One interval of ten needs 64 parts: its neighbours shrink to its length plus the slope times the distance."""
     slope = 0.2
