@@ -21,7 +21,7 @@ constexpr double kLoss = 0.99;   // and the least ratio of the other one
 constexpr double kShort = 0.9;   // length below which a step is centred,
 constexpr int kTimes = 2;        // how often,
 constexpr double kMost = 10.0;   // and the largest products it aims at, relative to mu
-constexpr double kSmall = 1e-4;  // first parameter with which bounds shorten many steps
+constexpr double kSmall = 1e-2;  // larger first parameters keep iterates away from bounds
 
 }  // namespace
 

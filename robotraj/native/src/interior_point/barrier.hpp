@@ -18,7 +18,7 @@ namespace robotraj::interior_point {
 /// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one.
 ///
 /// A step that the bounds shorten is centred for steps that are longer by 0.4, as long as it lengthens; with a monotone
-/// parameter in programs without stages alone, where the first one is at most 1e-4.
+/// parameter in programs without stages alone, where the first one is at most 1e-2.
 ///
 /// Sources: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods, SIAM J. Optim.
 /// 19 (2009), sections 3 and 4; Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim.
