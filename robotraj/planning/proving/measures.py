@@ -122,15 +122,20 @@ class Measured:
 
     @property
     def stagnant(self) -> int | None:
-        """Phase whose error exceeds its goal where it also did on the mesh before, and hardly fell there."""
+        """Phase whose largest error exceeds its goal and hardly fell, neither in the phase nor at its place.
+
+        Where a motion changes from mesh to mesh, its errors move: the largest one may fall fivefold and still exceed
+        the one that was at its place before.
+        """
         goal, phase = self.proof.goals.error, int(np.argmax([errors.max() for errors in self.local]))
         if self.before is None or self.local[phase].max() <= goal:
             return None
         worst = int(np.argmax(self.local[phase]))
         begin, end = self.meshes[phase].knots[worst : worst + 2]
         knots = self.before.meshes[phase].knots
-        there = self.before.local[phase][(knots[:-1] < end) & (knots[1:] > begin)].max()
-        return phase if there > goal and self.local[phase][worst] > STAGNATION * there else None
+        before, now = self.before.local[phase], self.local[phase][worst]
+        there = before[(knots[:-1] < end) & (knots[1:] > begin)].max()
+        return phase if there > goal and now > STAGNATION * before.max() else None
 
     @property
     def growth(self) -> float:

@@ -44,6 +44,9 @@ def test_an_error_that_moves_to_another_place_does_not_stagnate() -> None:
     assert stagnant(1e-6, 1e-6, 2.9e-4, 1e-6) is None
     assert stagnant(1e-6, 1.5e-4, 1e-6, 1e-6) is None
     assert stagnant(1e-6, 0.9e-4, 1e-6, 1e-6) is None
+    # The motion changed: its error fell tenfold, but exceeds the one that was at its place.
+    before = replace(coarse, local=(np.array([3e-3, 2e-4]), np.array([1e-6, 1e-6])))
+    assert stagnant(1e-6, 1e-6, 2.9e-4, 1e-6) is None
 
 
 @pytest.mark.parametrize("bending", [False, True])
