@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 WARM_BARRIER, WARM_SHARE = 1e-4, 1e-2
 """Smallest first barrier parameter of a solve that starts from multipliers, and its ratio to the largest violation."""
-LEAST_BARRIER, NEARBY_SHARE = 1e-8, 1e-3
+LEAST_BARRIER, NEARBY_SHARE = 1e-8, 1e-4
 """The same two where only few rows or bounds differ: a larger barrier would first leave the known solution."""
 
 

@@ -39,16 +39,19 @@ ROBOTRAJ_TEST(a_parameter_falls_without_a_solution_only_where_it_falls_monotonic
   CHECK(!barrier.fall());
 }
 
-ROBOTRAJ_TEST(steps_that_are_centred_leave_more_of_the_way_to_a_bound) {
+ROBOTRAJ_TEST(steps_of_a_small_first_parameter_that_falls_monotonically_leave_more_of_the_way_to_a_bound) {
   Started its;
   interior_point::Barrier& barrier = its.algorithm.barrier;
   barrier.start(1e-3);
   CHECK(its.run.tau() == 1.0 - 1e-3);
-  its.options.adaptive_barrier = true;
-  barrier.start(1e-3);
+  its.options.initial_barrier = 1e-4;
+  barrier.start(1e-4);
   CHECK(its.run.tau() == 0.9);
   barrier.start(1e-6);
   CHECK(std::abs(its.run.tau() - 0.999) < 1e-15);
+  its.options.adaptive_barrier = true;
+  barrier.start(1e-4);
+  CHECK(its.run.tau() == 1.0 - 1e-4);
 }
 
 ROBOTRAJ_TEST(the_adaptive_rule_is_the_cube_of_what_the_predictor_leaves) {

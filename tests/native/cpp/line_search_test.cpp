@@ -75,4 +75,27 @@ ROBOTRAJ_TEST(a_corner_of_no_consequence_shortens_five_steps_and_no_more) {
   CHECK(moved[5] > 0.1);
 }
 
+ROBOTRAJ_TEST(a_full_step_of_a_chosen_parameter_is_taken_although_the_filter_refuses_it) {
+  const auto beside_the_sphere = [](double x, double y, double z, double beside) {
+    return std::vector<double>{x, y, z, std::sqrt(40.0 - x * x - y * y - z * z) + beside};
+  };
+  const auto moved = [&](bool free, double beside) {
+    // A corner of almost no violation and a better objective than the start's.
+    Started its(beside_the_sphere(1.2, 4.6, 3.9, 1e-11));
+    interior_point::LineSearch& search = its.algorithm.search;
+    search.start();
+    search.give_up();
+    interior_point::start_cold(its.run, beside_the_sphere(1.5, 3.5, 4.5, beside).data());
+    search.free = free;
+    CHECK(its.run.direction.find(*its.run.current, its.run.mu, its.run.step.get()));
+    const bool taken = search.search();
+    const interior_point::Vectors &from = its.run.current->at.get(), &to = its.run.trial->at.get();
+    return taken ? (to.x[0] - from.x[0]) / its.run.step->x[0] : 0.0;
+  };
+  CHECK(std::abs(moved(true, 1e-2) - 1.0) < 1e-12);
+  CHECK(moved(false, 1e-2) < 0.95);
+  // The full step would violate the sphere more than ten times as much.
+  CHECK(moved(true, 1e-4) < 0.95);
+}
+
 }  // namespace robotraj::tests

@@ -69,7 +69,8 @@ bool Algorithm::settled() {
 }
 
 bool Algorithm::step() {
-  if (!barrier.is_free()) return barrier.follow();
+  search.free = barrier.is_free();
+  if (!search.free) return barrier.follow();
   search.reset();
   return barrier.choose();
 }

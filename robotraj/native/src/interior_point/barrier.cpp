@@ -15,12 +15,11 @@ constexpr double kMostMargin = 100.0;  // a smaller last parameter would take mo
 constexpr std::size_t kRemembered = 4;
 constexpr double kProgress = 0.9, kFixed = 0.8, kLargestBarrier = 1e5;
 constexpr double kAsLong = 0.9;  // share of the predictor's length that a corrected step keeps
-constexpr double kLonger = 0.4;  // by how much further than its length a step is centred
-constexpr double kGain = 0.1;    // share of kLonger by which one of its lengths must grow,
+constexpr double kGain = 0.1;    // share of `longer` by which one of a centred step's lengths must grow,
 constexpr double kLoss = 0.99;   // and the least ratio of the other one
-constexpr double kShort = 0.9;   // length below which a step is centred,
-constexpr int kTimes = 2;        // how often,
-constexpr double kMost = 10.0;   // and the largest products it aims at, relative to mu
+constexpr double kShort = 0.9;   // length below which a step is centred
+constexpr double kMost = 10.0;   // largest products it aims at, relative to mu
+constexpr Centring kOfAdaptive{4, 0.3}, kOfMonotone{2, 0.4};
 constexpr double kSmall = 1e-2;  // larger first parameters keep iterates away from bounds
 
 }  // namespace
@@ -30,7 +29,7 @@ void Barrier::start(double mu) {
   errors_.clear();
   // Without stages a solution takes a tenth of a factorisation.
   const bool cheap = run_.problem.layout().count() == 1 && run_.options.initial_barrier <= kSmall;
-  run_.centres = run_.options.adaptive_barrier || cheap;
+  run_.leaves_more = !run_.options.adaptive_barrier && cheap;
   run_.set_barrier(mu);
 }
 
@@ -74,17 +73,18 @@ bool Barrier::update() {
 
 bool Barrier::choose() {
   if (!second_order_step()) return false;
-  center();
+  center(kOfAdaptive);
   return true;
 }
 
 bool Barrier::follow() {
   if (!run_.direction.find(*run_.current, run_.mu, run_.step.get())) return false;
-  if (run_.centres) center();
+  if (run_.options.adaptive_barrier) center(kOfAdaptive);
+  else if (run_.leaves_more) center(kOfMonotone);
   return true;
 }
 
-void Barrier::center() {
+void Barrier::center(const Centring& how) {
   Run& run = run_;
   Iterate& at = *run.current;
   const VectorKernels& vectors = native::vector_kernels_of();
@@ -96,12 +96,13 @@ void Barrier::center() {
                      vectors.longest_dual_step(bounds, at.at->lower, step.lower, at.at->upper, step.upper, tau)};
   };
   auto [primal, dual] = lengths();
-  for (int count = 0; count < kTimes && std::min(primal, dual) < kShort; ++count) {
+  for (int count = 0; count < how.times && std::min(primal, dual) < kShort; ++count) {
     if (!before_) before_ = std::make_unique<Room>(run.problem);
     before_->copy(run.step);
-    bool better = run.direction.center(at, std::min(1.0, primal + kLonger), std::min(1.0, dual + kLonger), kMost, step);
+    bool better =
+        run.direction.center(at, std::min(1.0, primal + how.longer), std::min(1.0, dual + how.longer), kMost, step);
     const auto [of_primal, of_dual] = lengths();
-    const bool gains = of_primal >= primal + kGain * kLonger || of_dual >= dual + kGain * kLonger;
+    const bool gains = of_primal >= primal + kGain * how.longer || of_dual >= dual + kGain * how.longer;
     better = better && gains && of_primal >= kLoss * primal && of_dual >= kLoss * dual;
     if (!better) return run.step.copy(*before_);
     primal = of_primal;

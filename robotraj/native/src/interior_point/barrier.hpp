@@ -8,6 +8,12 @@
 
 namespace robotraj::interior_point {
 
+/// How often a step is centred, and for steps of how much more length.
+struct Centring {
+  int times;
+  double longer;
+};
+
 /// Monotone: as soon as E_mu <= kappa_eps mu,
 ///
 ///     mu <- max(eps_tol / (min(kappa_eps, 100) + 1), min(kappa_mu mu, mu^theta_mu)),   (the paper, equations 6 and 7)
@@ -17,8 +23,9 @@ namespace robotraj::interior_point {
 /// it does again. The step of the chosen mu also corrects the complementarity by the products of the changes in the step
 /// of mu = 0, unless the bounds then shorten it to less than 0.9 of that step, or mu is the least one.
 ///
-/// A step that the bounds shorten is centred for steps that are longer by 0.4, as long as it lengthens; with a monotone
-/// parameter in programs without stages alone, where the first one is at most 1e-2.
+/// A step that the bounds shorten is centred up to four times for steps that are longer by 0.3, as long as it lengthens.
+/// With a monotone parameter it is centred up to twice, for steps that are longer by 0.4, in programs without stages
+/// alone, where the first parameter is at most 1e-2.
 ///
 /// Sources: Nocedal, Waechter, Waltz, Adaptive barrier update strategies for nonlinear interior methods, SIAM J. Optim.
 /// 19 (2009), sections 3 and 4; Mehrotra, On the implementation of a primal-dual interior point method, SIAM J. Optim.
@@ -44,7 +51,7 @@ class Barrier {
   bool decrease();
   double least() const;
   bool second_order_step();
-  void center();
+  void center(const Centring& how);
 
   Run& run_;
   std::unique_ptr<Room> before_;  // the step before it is centred

@@ -12,6 +12,7 @@ namespace {
 constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-8, kEtaPhi = 1e-8, kDelta = 1.0, kPowerPhi = 2.3, kPowerTheta = 1.1,
                  kGammaAlpha = 0.05, kThetaMax = 1e4, kThetaMin = 1e-4;
 constexpr double kReduction = 0.5;
+constexpr double kFarther = 10.0;  // growth of the largest violation along a step that is taken without a test
 constexpr int kCorrections = 4;
 constexpr double kCorrectionGain = 0.99;  // kappa_soc
 constexpr double kObjectiveGrowth = 5.0;  // powers of ten
@@ -114,6 +115,11 @@ bool LineSearch::acceptable(double alpha) {
   return improved && !rejected_by_filter_;
 }
 
+bool LineSearch::keeps_near() const {
+  return std::isfinite(run_.trial->barrier(run_.mu)) &&
+         run_.trial->largest_violation() <= kFarther * run_.current->largest_violation();
+}
+
 bool LineSearch::accepts(double violation, double barrier) const {
   return std::isfinite(violation) && std::isfinite(barrier) && improves(violation, barrier, true) &&
          filter_.accepts(violation, barrier);
@@ -171,7 +177,7 @@ bool LineSearch::backtrack(bool skip_first, int& shortenings) {
   for (; shortenings == 0 || alpha > least; alpha *= kReduction, ++shortenings) {
     const double test = watching_ ? tested : alpha;
     move(alpha, step);
-    bool accepted = acceptable(test);
+    bool accepted = acceptable(test) || (free && shortenings == 0 && keeps_near());
     if (!accepted && watching_) return false;
     if (!accepted && shortenings == 0 && run_.trial->violation() >= run_.current->violation() &&
         std::isfinite(run_.trial->violation()))

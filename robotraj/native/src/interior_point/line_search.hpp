@@ -20,11 +20,17 @@ namespace robotraj::interior_point {
 /// point was rejected by the filter alone, the filter is cleared, up to five times for a barrier parameter: corners of
 /// much lower violation than matters would keep all steps short. Where alpha falls below alpha_min, up to ten steps
 /// follow that lower the error of the primal-dual equations; then the restoration phase is needed.
+///
+/// Where `free`, a full step is taken unless it raises the largest violation more than tenfold: `Barrier` then watches
+/// the error of the optimality conditions, which may rise for up to three iterations. Next to a solution on another mesh
+/// the tests kept steps short: rows are violated for a step or two while their multipliers settle.
 /// Source: the paper, sections 2.3, 2.4 and 3.2; Chamberlain, Powell, Lemarechal, Pedersen, The watchdog technique,
 /// Math. Programming Study 16 (1982).
 class LineSearch {
  public:
   explicit LineSearch(Run& run) : run_(run), correction_(run.problem) {}
+
+  bool free = false;  ///< whether the step's parameter was chosen for it
 
   /// For a new solve.
   void start();
@@ -49,6 +55,7 @@ class LineSearch {
   double longest(const Vectors& step) const;
   double longest_dual(const Vectors& step) const;
   bool acceptable(double alpha);
+  bool keeps_near() const;
   bool improves(double violation, double barrier, bool far_allowed) const;
   bool is_f_type(double alpha) const;
   bool armijo(double alpha, double barrier) const;

@@ -19,9 +19,9 @@ struct Run {
         step(solved),
         direction(solved, given) {}
 
-  /// Fraction of the way to a bound that a step may go: tau = max(tau_min, 1 - mu), the paper's equation 8. Steps that
-  /// are centred go less far: a slack next to its bound would shorten the steps after it.
-  double tau() const { return centres ? std::max(0.9, 1.0 - 1e3 * mu) : std::max(0.99, 1.0 - mu); }
+  /// Fraction of the way to a bound that a step may go: tau = max(tau_min, 1 - mu), the paper's equation 8. With
+  /// `leaves_more` it goes less far: a slack next to its bound would shorten the steps after it.
+  double tau() const { return leaves_more ? std::max(0.9, 1.0 - 1e3 * mu) : std::max(0.99, 1.0 - mu); }
   void set_barrier(double value) {
     mu = value;
     problem.set_barrier(mu);
@@ -34,7 +34,7 @@ struct Run {
   Room step;
   InertiaCorrection direction;
   double mu = 0.0;
-  bool centres = false;  ///< steps that the bounds shorten, by `Barrier`
+  bool leaves_more = false;  ///< of the way to a bound; set by `Barrier`
 };
 
 }  // namespace robotraj::interior_point
