@@ -19,7 +19,7 @@ from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
@@ -70,13 +70,13 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> So
         return replace(solution, message=f"{undefined} ({solution.message})", status=Status.INVALID_NUMBER)
     if solution.status not in UNEXPLAINED:
         return solution
-    conflicts, meets_rows = _searched(solution.problem, solve_coarse, solution)
+    conflicts, coarse = _searched(solution.problem, solve_coarse, solution)
     conflicts = conflicts or blocked_ends(solution.problem)
-    on_this_mesh = solution.status is Status.INFEASIBLE and meets_rows and not conflicts
+    on_this_mesh = solution.status is Status.INFEASIBLE and coarse is not None and not conflicts
     if on_this_mesh:
-        motion, conflicts = relaxed_motion(solution.problem, solve_finer)
-        on_this_mesh = motion is not None and not conflicts
-    status = Status.NOT_ON_THIS_MESH if on_this_mesh else solution.status
+        _, finer = relaxed_motion(solution.problem, solve_finer, coarse)
+        conflicts = finer if are_certain(finer) else ()
+    status = Status.NOT_ON_THIS_MESH if on_this_mesh and not conflicts else solution.status
     return replace(solution, conflicts=conflicts, status=status)
 
 
@@ -101,15 +101,15 @@ def _searched(
     start: InitialGuess | Solution | None,
     agreed: bool = False,
     near: Sequence[PhaseTrajectory] = (),
-) -> tuple[tuple[Conflict, ...], bool]:
-    """Return the first conflicts, and whether a motion of the relaxed problem meets every row."""
+) -> tuple[tuple[Conflict, ...], Solution | None]:
+    """Return the first conflicts, and a motion of the relaxed problem that meets every row; None without one."""
     if isinstance(start, Solution):
         near = [part.trajectory for part in start.phases]
     found = against_momentum(problem) or unreached_ends(problem, agreed, near) or unheld_ends(problem)
     if found:
-        return found, False
+        return found, None
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)
     # The relaxed problem has no rows on distances.
     kept_clear = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
     meets_rows = motion is not None and motion.success and not conflicts and not kept_clear
-    return completed(problem, conflicts, motion, solve_coarse), meets_rows
+    return completed(problem, conflicts, motion, solve_coarse), motion if meets_rows else None
