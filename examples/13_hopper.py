@@ -21,7 +21,7 @@ hop = rt.Phase(
     name="hop",
 )
 # First the ground pushes from a distance. Tightened from here in these steps, the hops do not depend on round-off.
-stages = rt.planning.tightening(hop, np.geomspace(20.0, 1e-3, 8).tolist())
+stages = rt.planning.tightening(hop, np.geomspace(20.0, 1e-3, 10).tolist())
 solution = rt.plan(hop, mesh=rt.Mesh(40, rt.schemes.RadauIIA(1)), continuation=stages)
 print(solution)
 

@@ -128,7 +128,7 @@ def test_restarts_are_part_of_the_plan() -> None:
 def test_a_failure_that_is_not_explained_in_time_is_returned(monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit was reached between the failure and its explanation, and rt.plan raised LimitReached."""
 
-    def late(solution: rt.Solution, solve_coarse: object) -> rt.Solution:
+    def late(solution: rt.Solution, *solves: object) -> rt.Solution:
         raise LimitReached("The time limit of 60 s was reached.")
 
     monkeypatch.setattr("robotraj.planning.diagnosis.explain.explained", late)
