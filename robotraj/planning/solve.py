@@ -147,7 +147,7 @@ def _solve_once(
 
             from robotraj.planning.restarts import restarted
 
-            solve_coarse = partial(solve_on_coarse_mesh, settings=settings, progress=progress)
+            solve_coarse = partial(solve_relaxed, settings=settings, progress=progress)
             solution = restarted(solution, nlp, guess, solve_again, settings.restarts, solve_coarse)
             if solution.success:
                 return solution
@@ -214,10 +214,10 @@ def _infeasibility_check(
         return None
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
-    return InfeasibilityCheck(problem, partial(solve_on_coarse_mesh, settings=settings, progress=progress), progress)
+    return InfeasibilityCheck(problem, partial(solve_relaxed, settings=settings, progress=progress), progress)
 
 
-def solve_on_coarse_mesh(
+def solve_relaxed(
     problem: Problem,
     guess: InitialGuess | Solution | None,
     settings: Settings,

@@ -1,7 +1,8 @@
 """Why a plan failed: the conflicts of its limits.
 
 The cheapest check comes first: slopes that are too steep and jumps that are too long for the friction, ends without a
-configuration, torques too small to hold an end, then the relaxed problem on a coarse mesh.
+configuration, torques too small to hold an end, then the relaxed problem on a coarse mesh. Where that has a
+motion but the plan has none, a finer mesh decides.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ SAFETY = 1.5
 With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again."""
 
 STAGNATION = 0.7
-"""Ratio of errors of two meshes at one place above which the error stagnates."""
+"""Ratio of a phase's largest errors on two meshes above which its error stagnates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class Measured:
 
     @property
     def stagnant(self) -> int | None:
-        """Phase whose largest error exceeds its goal and hardly fell, neither in the phase nor at its place.
+        """Phase whose largest error exceeds its goal, as the one at its place did before, and hardly fell.
 
         Where a motion changes from mesh to mesh, its errors move: the largest one may fall fivefold and still exceed
         the one that was at its place before.
