@@ -7,6 +7,8 @@ from robotraj._util.values import dataclass
 
 CERTAIN = 2e-2
 """Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
+ROOM, ROOM_OF_DURATION = 1.5e-2, 5e-3
+"""What a bound that barely suffices on a coarse mesh gives way further, relative to the larger of both bounds."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class Conflict(OneLine):
     time : float
         Time of the largest violation of the row along the relaxed motion [s].
     bound, needed : float
-        The given bound, and one with which a motion was found, in ``unit``.
+        The given bound, and one that suffices, in ``unit``.
     unit : str
     relative : float
         The relaxation relative to the scale of the row.
@@ -55,3 +57,9 @@ class Conflict(OneLine):
 def are_certain(conflicts: tuple[Conflict, ...]) -> bool:
     """Whether a conflict would remain on a finer mesh."""
     return any(conflict.exact or conflict.relative > CERTAIN for conflict in conflicts)
+
+
+def with_room(bound: float, needed: float, room: float = ROOM) -> float:
+    """Return a bound beyond one that barely suffices on a coarse mesh, so that it suffices on finer meshes too."""
+    size = room * max(abs(bound), abs(needed))
+    return needed + size if needed >= bound else needed - size

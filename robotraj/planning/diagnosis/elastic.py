@@ -36,7 +36,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.problem import Problem
 from robotraj.problem.rows import RowTable
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import ROOM_OF_DURATION, Conflict, with_room
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
@@ -187,7 +187,8 @@ def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Con
     relative = needed / longest - 1.0
     if relative < SMALL:
         return None
-    return Conflict(phase.name, "duration", needed, longest, needed, "s", relative, True, "alone suffices")
+    enough = with_room(longest, needed, ROOM_OF_DURATION)
+    return Conflict(phase.name, "duration", enough, longest, enough, "s", relative, True, "alone suffices")
 
 
 def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_RelaxedRow]]]:
@@ -260,7 +261,7 @@ def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> 
     upper = bool(high[worst] >= low[worst])
     bound = entry.row.upper if upper else entry.row.lower
     amount = slack * entry.scale
-    needed = bound + amount if upper else bound - amount
+    needed = with_room(bound, bound + amount if upper else bound - amount)
     return Conflict(
         phase.name,
         entry.row.label,

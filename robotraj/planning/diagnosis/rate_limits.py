@@ -17,7 +17,7 @@ from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion
 from robotraj.problem.constraints.base import BoundConstraint, Constraint
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import Conflict, with_room
 from robotraj.solution.solution import Solution
 from robotraj.transcription.interval_limits.row_values import Rates
 
@@ -111,7 +111,7 @@ def _used(problem: Problem, motion: Solution, factor: float) -> Iterator[Conflic
                 interval, place = np.unravel_index(int(np.argmax(shares)), shares.shape)
                 bound = row.lower if values[interval, place] < 0.0 else row.upper
                 first, last = rates.breaks[interval : interval + 2]
-                needed = bound * min(float(shares[interval, place]), factor)
+                needed = with_room(bound, bound * min(float(shares[interval, place]), factor))
                 time = float(first + (last - first) * PLACES[place])
                 yield Conflict(
                     phase.name, row.label, time, bound, needed, row.unit, float(shares.max()) - 1.0, physical=True

@@ -66,10 +66,23 @@ def test_a_duration_too_short_for_the_motors_is_reported() -> None:
     motion, found = relaxed_motion(problem, coarse)
     assert [conflict.name for conflict in found] == ["control bound, u"]
     # With force u on 1 kg a motion over 1 m takes 2 / sqrt(u).
-    assert abs(found[0].needed) == pytest.approx((2.0 / 1.9) ** 2, rel=0.02)
+    least = (2.0 / 1.9) ** 2
+    assert least < abs(found[0].needed) < 1.03 * least
     assert motion is not None
     longer = sufficient_duration(problem, coarse, motion)
-    assert longer is not None and longer.needed == pytest.approx(2.0, rel=0.02)
+    assert longer is not None and 2.0 < longer.needed < 1.02 * 2.0
+
+
+@pytest.mark.parametrize(("name", "end", "duration"), [("pendulum", [2.0], 0.6), ("cartpole", [0.5, np.pi], 0.8)])
+def test_the_stated_bounds_suffice(name: str, end: list[float], duration: float) -> None:
+    """The default call plans and proves the motion with either of the bounds that must be relaxed."""
+    robot = rt.load(name)
+    rest = rt.State(q=np.zeros(robot.nq), v=0), rt.State(q=end, v=0)
+    phase = rt.Phase(robot, duration, *rest, rt.Effort())
+    torque, longer = rt.plan(phase, check=False).conflicts
+    assert torque.name.startswith("effort limit") and longer.name == "duration"
+    rt.plan(phase.with_(limits=robot.limits.with_(effort=abs(torque.needed))))
+    rt.plan(phase.with_(duration=longer.needed))
 
 
 @pytest.mark.parametrize("duration", [1.0, (0.2, 1.0)])
@@ -82,4 +95,4 @@ def test_a_budget_too_small_is_named_with_the_least_one(duration: float | tuple[
     phase = rt.Phase(system, duration, *ends, rt.Lagrange(effort), constraints=[budget])
     conflict = rt.plan(phase, rt.Mesh(20), check=False).conflicts[0]
     assert conflict.name == "budget" and conflict.bound == 6.0
-    assert conflict.needed == pytest.approx(12.0, rel=1e-2)
+    assert 12.0 < conflict.needed < 12.36
