@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.checks import TimeSpan, check_options, number
-from robotraj.gait.dependent_feet import warn_of_dependent_feet
+from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
@@ -20,7 +20,7 @@ from robotraj.gait.supports import GaitTerms, Support
 from robotraj.gait.swing_clearance import partners_of, swing_clearance
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
-from robotraj.problem.constraints.bounds import Between, between
+from robotraj.problem.constraints.bounds import Between, Interval, between
 from robotraj.problem.links.base import Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -83,19 +83,19 @@ def sequence(
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
     contacts = {foot: foot_contact(terms.contact, foot) for foot in every}
     posture = standing(BalancedStance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
-    warn_of_dependent_feet(robot, supports, posture)
     objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
         rows, parameters = swing_clearance(robot, support, swinging, terms, ground, repeat, passes)
-        states = {}
+        states: dict[str, Interval] = {}
         if terms.upright is not None:
-            states = terms.upright.states(robot)
+            states |= terms.upright.states(robot)
             rows += terms.upright.constraints(robot, posture, ground)
         if repeat is not None and "q.root_qw" in repeat.displacement:
             # A quaternion and its negative represent one attitude; this bound selects one of the two.
-            states = {**states, "q.root_qw": between(0.0, None)}
+            states["q.root_qw"] = between(0.0, None)
+        states |= held_attitude(robot, support, posture)
         kind = Phase if support.feet else Flight
         phases.append(
             kind(

@@ -11,14 +11,29 @@ import robotraj as rt
 LIMITS = {"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7}
 
 
+@pytest.fixture
+def solo8() -> rt.Robot:
+    return rt.load("solo8", root="floating", limits=LIMITS)
+
+
 @pytest.mark.parametrize("what", ["crawl", "start_stop"])
-def test_legs_in_parallel_planes_cannot_hold_feet_on_both_sides(what: str) -> None:
-    solo8 = rt.load("solo8", root="floating")
-    with pytest.warns(UserWarning, match=r"cannot move independently.* root='planar'"):
-        if what == "crawl":
-            rt.gait.crawl(solo8, step_length=0.03, duration=0.5)
-        else:
-            rt.gait.start_stop(solo8, step_length=0.05, count=2)
+def test_legs_in_parallel_planes_hold_the_root_level_on_both_sides(solo8: rt.Robot, what: str) -> None:
+    """The distance of left and right footholds is stationary at a level root: without a row for it no plan is found."""
+    if what == "crawl":
+        problem = rt.gait.crawl(solo8, step_length=0.03, duration=0.5)
+    else:
+        problem = rt.gait.start_stop(solo8, step_length=0.05, count=2)
+    for phase in problem.phases:
+        across = len({contact.frame[:2] for contact in phase.contacts}) > 2
+        assert (phase.states.get("q.root_qx") == 0.0) == across
+    solution = rt.plan(problem)
+    assert solution.proof is not None and solution.proof.holds
+
+
+@pytest.mark.parametrize("what", ["turn", "sidestep"])
+def test_legs_in_parallel_planes_step_forwards_and_backwards_only(solo8: rt.Robot, what: str) -> None:
+    with pytest.raises(rt.InputError, match="after step 1: its legs move in parallel planes"):
+        rt.gait.turn(solo8, angle=0.1) if what == "turn" else rt.gait.sidestep(solo8, distance=-0.02)
 
 
 def test_feet_that_move_independently_are_not_warned_of() -> None:
@@ -42,14 +57,12 @@ def test_a_quadruped_steps_in_a_plane() -> None:
     assert solution.at(solution.duration).q[0] - solution.at(0.0).q[0] == pytest.approx(0.05, abs=1e-6)
 
 
-def test_feet_across_the_planes_of_the_legs_leave_a_force_open_and_the_plan_is_proved() -> None:
+def test_feet_across_the_planes_of_the_legs_leave_a_force_open_and_the_plan_is_proved(solo8: rt.Robot) -> None:
     """A bound on pairs of fore and hind feet: what a tiny singular value divides is no error and no force."""
-    solo8 = rt.load("solo8", root="floating", limits=LIMITS)
     pairs = (("FL_FOOT", "FR_FOOT"), ("HL_FOOT", "HR_FOOT"))
     supports = [rt.gait.Support(feet, 0.22, name) for feet, name in zip(pairs, ("fore", "hind"), strict=True)]
     terms = rt.gait.GaitTerms(rt.PointContact("FL_FOOT", friction=0.6), clearance=0.0, upright=rt.gait.Upright())
-    with pytest.warns(UserWarning, match="cannot move independently"):
-        bound = rt.gait.sequence(solo8, supports, terms, rt.Periodic(displacement={"q.root_x": 0.08}))
+    bound = rt.gait.sequence(solo8, supports, terms, rt.Periodic(displacement={"q.root_x": 0.08}))
     solution = rt.plan(bound)
     assert solution.proof is not None and solution.proof.holds
     report = rt.validate(solution)

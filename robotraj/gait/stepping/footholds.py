@@ -16,6 +16,7 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.gait.checks import check_options, number, positive
+from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
@@ -119,6 +120,9 @@ def steps(
         for foot, place in step.items():
             reached |= _anchors(contacts[foot].name, place, places[0])
         places.append(reached)
+    if held_attitude(robot, Support(names, shift, "stand"), first):
+        for k, after in enumerate(places[1:]):
+            _keep_planes(robot, places[0], after, k)
     last, turn = _standing_on(robot, stance, first, places[0], places[-1])
     bounds = Upright(tilt=min(TILT + abs(turn), 3.1)) if upright is None else upright
     supports = [Support(names, shift, "stand")]
@@ -137,7 +141,7 @@ def steps(
     phases = [
         replace(
             phase,
-            states=bounds.states(robot),
+            states={**bounds.states(robot), **phase.states},
             constraints=bounds.constraints(robot, first, Flat(levels[0]), _span(levels, k)),
         )
         for phase, k in zip(problem.phases, begun, strict=True)
@@ -210,6 +214,18 @@ def _standing_on(
             "in the best configuration found. Move the last footholds closer together."
         )
     return last, angle
+
+
+def _keep_planes(robot: Robot, before: Mapping[str, float], after: Mapping[str, float], k: int) -> None:
+    """Check that legs which move in parallel planes reach their footholds after step k with a level root."""
+    shifts = {name: after[name] - at for name, at in before.items() if name.endswith(".y")}
+    off = float(np.ptp(list(shifts.values())))
+    if off > FOOT_TOLERANCE:
+        raise InputError(
+            f"{robot.name!r} cannot stand on the footholds after step {k + 1}: its legs move in parallel planes, whose "
+            f"distances these footholds change by {off:.2g} m. It can step forwards and backwards only. For turns and "
+            "steps to the side, the legs need joints that swing them out of their planes."
+        )
 
 
 def _check(robot: Robot, footholds: Sequence[Step], names: Sequence[str]) -> None:
