@@ -40,10 +40,11 @@ ENOUGH = 4
 """Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
 PATIENCE_STICKING = 300
 """``PATIENCE`` where joints stick and slide."""
-CHANGE_STICKING = 1e-4
-"""Relative change of the objective within eight iterations below which a solve ends where joints stick and slide.
+CHANGE_FLAT = 1e-4
+"""Relative change of the objective within eight iterations below which a solve ends where objectives are flat.
 
-Reversals that move from point to point gain 1e-4 in a hundred iterations, and the next mesh moves them again.
+Reversals with dry friction, and times at which powers change their sign, move from point to point. They gain 1e-4 in a
+hundred iterations, and the next mesh moves them again.
 """
 MET = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
@@ -83,7 +84,10 @@ class _Refining:
         self.solves = Solves(progress)
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
-        self.solver = settings.solver.until_settled(CHANGE_STICKING) if self.sticking else settings.solver
+        self.kinked = any(is_kinked(phase) for phase in problem.phases)
+        """Whether the objective has kinks, such as those of mechanical work."""
+        flat = self.sticking or self.kinked
+        self.solver = settings.solver.until_settled(CHANGE_FLAT) if flat else settings.solver
         self.measures: Measured | None = None
         """Measures of the best solution so far."""
         self.unchecked: tuple[object, Measured] | None = None
@@ -110,7 +114,7 @@ class _Refining:
         for number in range(MOST_MESHES):
             first = number == 0 and self.neighbour is None
             try:
-                self.limits_between = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self.sticking)
+                self.limits_between = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self._patient)
                 known = soft or self.best or self.neighbour
                 last = self._on(meshes, self.best or guess, first, nearby=known is not None)
             except KeyboardInterrupt:
@@ -142,7 +146,7 @@ class _Refining:
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break
-            if number >= ENOUGH - 1 and not self.sticking and self.best is not None and is_motion(self.best):
+            if number >= ENOUGH - 1 and not self._patient and self.best is not None and is_motion(self.best):
                 break
             phase = None if self.measures is None else self.measures.stagnant
             stagnant = 0 if phase is None else stagnant + 1
@@ -160,6 +164,11 @@ class _Refining:
         elif self.best is not None and not best_limited:
             self._limit_best_between()
         return self.solves.concluded(self.best or last, self.steps)
+
+    @property
+    def _patient(self) -> bool:
+        """Whether more meshes than ``ENOUGH`` pay where only the objective of a proved motion has not settled."""
+        return self.sticking and not self.kinked
 
     def _strayed(self, failed: Solution) -> bool:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
@@ -235,7 +244,7 @@ class _Refining:
         settings = replace(self.settings, mesh=meshes, solver=self._warm if nearby else self.solver)
         if self.measures is not None and self.measures.before is not None and self.measures.proof.motion_holds:
             # The motion is proved, and only its objective has not settled.
-            patience = PATIENCE_STICKING if self.sticking else PATIENCE
+            patience = PATIENCE_STICKING if self._patient else PATIENCE
             settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
@@ -255,9 +264,7 @@ class _Refining:
             return self.solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
         # as the signs of powers do.
-        return self.solver.from_nearby(
-            altered=any(phase.rows.rates or is_kinked(phase) for phase in self.problem.phases)
-        )
+        return self.solver.from_nearby(altered=self.kinked or any(phase.rows.rates for phase in self.problem.phases))
 
     def _measured(self, solution: Solution, before: Measured | None) -> Solution:
         """Measure a solution between its points, and compare it with the solutions ``before``."""

@@ -212,3 +212,35 @@ def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytes
     solution = rt.plan(rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort()), check=False)
     assert starts[:4] == [False, True, True, False]
     assert solution.proof is not None and solution.proof.motion_holds
+
+
+@pytest.mark.parametrize(
+    ("objective", "early"),
+    [
+        (rt.objectives.MechanicalWork(), True),
+        (rt.objectives.MechanicalWork(smoothing=1.0), False),
+        (rt.Effort(), False),
+    ],
+)
+def test_solves_with_kinked_objectives_end_where_these_hardly_change(
+    objective: rt.objectives.Objective, early: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, changes = solves.solve, []
+
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> rt.Solution:
+        assert isinstance(settings.solver, rt.InteriorPoint)
+        changes.append(settings.solver.objective_change is not None)
+        return real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(solves, "solve", solve)
+    solution = rt.plan(reach(objective, 1.0), check=False)
+    assert solution.success
+    assert changes == [early] * len(changes) and len(changes) > 1
+
+
+def test_a_reach_by_mechanical_work_is_proved() -> None:
+    arm = rt.load("panda", locked={"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0})
+    start = rt.State(q=[0.41, -0.49, -1.38, -1.99, 0.94, 1.86, 0.32], v=0)
+    end = rt.State(q=[0.78, -0.42, -0.68, -1.48, 0.14, 2.44, -0.43], v=0)
+    solution = rt.plan(rt.Phase(arm, 1.2, start, end, rt.objectives.MechanicalWork()), check=False, time_limit=25)
+    assert solution.proof is not None and solution.proof.holds
