@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact
@@ -230,6 +230,11 @@ class _Cycle:
         near = np.array(home)
         near[0] += shift[0]
         if held:
+            if len(self.feet) == 2 and all(len(contact.outline()) == 1 for contact in self.stance.contacts):
+                warn(
+                    f"count=1 moves one of two point feet, and {self.robot.name!r} seldom keeps its balance: the other "
+                    "foot stays where the gait has it. The plan may not be found; count=2 places both feet."
+                )
             feet |= {name: at + shift[0] for name, at in feet.items() if name.endswith(".x")}
             com = np.array(pin.centerOfMass(self.robot.model, self.stance.data, home)) + shift
             if self.robot.root == "planar":

@@ -52,7 +52,9 @@ def test_a_biped_stops_from_its_walk(walk: rt.Solution) -> None:
 
 
 def test_a_single_period_leaves_its_standing_foot_where_the_walk_has_it(walk: rt.Solution) -> None:
-    start = rt.plan(rt.gait.start(walk, count=1), MESH)
+    with pytest.warns(UserWarning, match="count=1 moves one of two point feet, and 'five_link' seldom"):
+        problem = rt.gait.start(walk, count=1)
+    start = rt.plan(problem, MESH)
     np.testing.assert_allclose(start.at(0.0).v, 0.0, atol=1e-8)
     np.testing.assert_allclose(start.at(start.duration).q, walk.at(0.0).q, atol=1e-6)
     standing = feet_at(walk, 0.0)["right_foot"]
