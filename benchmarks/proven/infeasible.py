@@ -44,7 +44,7 @@ def one(name: str) -> dict[str, object]:
     cause = cause or " ".join(str(each.message) for each in warned if each.category is UserWarning)
     named = all(any(word in cause for word in words.split("|")) for words in problem.names)
     if problem.needed is not None:
-        values = [abs(float(each)) for each in re.findall(r"(?:must become|at least) (-?[\d.]*\d)", cause)]
+        values = [abs(float(each)) for each in re.findall(r"(?:to become|must become|at least) (-?[\d.]*\d)", cause)]
         named = named and any(problem.needed[0] <= each <= problem.needed[1] for each in values)
     return {"right": named, "seconds": seconds, "cause": cause}
 

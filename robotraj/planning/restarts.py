@@ -24,11 +24,10 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.guess.default import other_guess
 from robotraj.guess.straight_line import StraightLine
-from robotraj.planning.diagnosis.elastic import relaxed_motion
-from robotraj.planning.diagnosis.explain import completed
+from robotraj.planning.diagnosis.elastic import motion_near, relaxed_motion
+from robotraj.planning.diagnosis.explain import completed, excluded
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
-from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.planning.other_solver import conflicts_are_certain
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -62,10 +61,10 @@ def restarted(
 ) -> Solution:
     """Solve a problem that failed again, or find why it has no solution.
 
-    Nothing is tried where an end has no configuration (``planning.diagnosis.unreached_ends``) or cannot be held by the
-    motors (``planning.diagnosis.unheld_ends``). Otherwise the relaxed problem (``planning.diagnosis.elastic``) is
-    solved from one start after the other. A motion of it that meets every row is the next guess. If all of them need
-    relaxed rows, those of the least sum are the conflicts.
+    Nothing is tried where an end has no configuration (``planning.diagnosis.unreached_ends``). Otherwise the relaxed
+    problem (``planning.diagnosis.elastic``) is solved from one start after the other. A motion of it that meets every
+    row is the next guess. If all of them need relaxed rows, those of the least sum are the conflicts, or the torques
+    that hold an end where motors cannot (``planning.diagnosis.unheld_ends``).
 
     Parameters
     ----------
@@ -89,16 +88,13 @@ def restarted(
     problem = failed.problem
     if failed.status not in RESTARTED or undefined_expression(failed):
         return failed
-    unreached = unreached_ends(problem)
-    if unreached:
+    unreached = excluded(problem)
+    if are_certain(unreached):
         return replace(failed, status=Status.INFEASIBLE, conflicts=unreached)
-    unheld = unheld_ends(problem)
-    if unheld:
-        return replace(failed, status=Status.INFEASIBLE, conflicts=unheld)
     least: tuple[Conflict, ...] = ()
     relaxed: Solution | None = None
     for start in _starts(failed, nlp, guess, restarts):
-        motion, conflicts = relaxed_motion(start.problem, solve_coarse, start.guess)
+        motion, conflicts = start.relaxed(problem, solve_coarse)
         if motion is None:
             continue
         failed = _counted(failed, motion)
@@ -129,10 +125,8 @@ def restarted(
             if found.success:
                 message = f"{found.message}{RESTARTED_FROM}{VARIATION}"
                 return replace(found, message=message, times=failed.times, iterations=failed.iterations)
-    conflicts = completed(problem, least, relaxed, solve_coarse)
-    if not conflicts:
-        return failed
-    return replace(failed, conflicts=conflicts, status=Status.INFEASIBLE if are_certain(conflicts) else failed.status)
+    unheld = unheld_ends(problem) if least or relaxed is None else ()
+    return replace(failed, conflicts=unheld or completed(problem, least, relaxed, solve_coarse))
 
 
 def _total(conflicts: Sequence[Conflict]) -> float:
@@ -172,6 +166,21 @@ class _Start:
     free: tuple[bool, ...] = ()
     certain: bool = False
     varied: bool = False
+
+    def relaxed(self, problem: Problem, solve: Solve) -> tuple[Solution | None, tuple[Conflict, ...]]:
+        """Return the motion of the relaxed problem from this start, and the rows that it relaxes.
+
+        Rows that conflict at the fixed durations need not conflict in the problem. Its durations are then freed.
+        """
+        if not self.durations:
+            return relaxed_motion(problem, solve, self.guess)
+        ample, meets_rows = motion_near(self.problem, solve, self.guess)
+        if ample is None or meets_rows or ample.status is Status.INTERRUPTED:
+            return ample, ()
+        freed, conflicts = relaxed_motion(problem, solve, ample)
+        if freed is None:
+            return None, ()
+        return _counted(freed, ample), conflicts
 
     def described(self, nlp: Nlp, found: Solution) -> str:
         """Describe the start from which a solution was found."""

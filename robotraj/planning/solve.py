@@ -214,7 +214,8 @@ def _infeasibility_check(
         return None
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
-    return InfeasibilityCheck(problem, partial(solve_relaxed, settings=settings, progress=progress), progress)
+    coarse = partial(solve_relaxed, settings=settings, progress=progress)
+    return InfeasibilityCheck(problem, coarse, partial(coarse, finer=True), progress)
 
 
 def solve_relaxed(

@@ -1,11 +1,15 @@
-"""A limit that must be relaxed for a motion to exist."""
+"""A limit that excludes every motion, or beyond which a motion was found."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
-CERTAIN = 2e-2
+CLEAR = 2e-2
 """Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
 ROOM, ROOM_OF_DURATION = 1.5e-2, 5e-3
 """What a bound that barely suffices on a coarse mesh gives way further, relative to the larger of both bounds."""
@@ -13,7 +17,7 @@ ROOM, ROOM_OF_DURATION = 1.5e-2, 5e-3
 
 @dataclass(frozen=True)
 class Conflict(OneLine):
-    """A row that must be relaxed, with a bound that suffices.
+    """A row that excludes motions, with a bound that suffices.
 
     Attributes
     ----------
@@ -22,7 +26,7 @@ class Conflict(OneLine):
     name : str
         Name of the row, such as ``"effort limit, elbow"``.
     time : float
-        Time of the largest violation of the row along the relaxed motion [s].
+        Time of the largest violation of the row along the relaxed motion [s]; NaN where it may be any.
     bound, needed : float
         The given bound, and one that suffices, in ``unit``.
     unit : str
@@ -32,8 +36,8 @@ class Conflict(OneLine):
         Whether it is a limit of a joint or of the duration, which does not depend on the guess.
     reason : str
         Purpose of the needed bound, or the rows with which it conflicts; empty if unknown.
-    exact : bool
-        Whether the conflict follows from the ends of the motion alone, on any mesh.
+    certain : bool
+        Whether no motion exists within the given bound. Otherwise no motion was found within it.
     """
 
     phase: str
@@ -45,18 +49,24 @@ class Conflict(OneLine):
     relative: float
     physical: bool = False
     reason: str = ""
-    exact: bool = False
+    certain: bool = False
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        where = "" if self.name == "duration" else f", t = {self.time:.3g} s"
+        where = "" if self.name == "duration" or np.isnan(self.time) else f", t = {self.time:.3g} s"
         reason = f" ({self.reason})" if self.reason else ""
-        return f"{self.name}{where}: {self.bound:.4g}{unit} must become {self.needed:.4g}{unit}{reason}"
+        verb = "must become" if self.certain else "may have to become"
+        return f"{self.name}{where}: {self.bound:.4g}{unit} {verb} {self.needed:.4g}{unit}{reason}"
 
 
-def are_certain(conflicts: tuple[Conflict, ...]) -> bool:
-    """Whether a conflict would remain on a finer mesh."""
-    return any(conflict.exact or conflict.relative > CERTAIN for conflict in conflicts)
+def are_certain(conflicts: Sequence[Conflict]) -> bool:
+    """Whether they exclude every motion."""
+    return any(conflict.certain for conflict in conflicts)
+
+
+def are_clear(conflicts: Sequence[Conflict]) -> bool:
+    """Whether a conflict would remain on a finer mesh. From another guess a motion may exist nevertheless."""
+    return any(conflict.certain or conflict.relative > CLEAR for conflict in conflicts)
 
 
 def with_room(bound: float, needed: float, room: float = ROOM) -> float:

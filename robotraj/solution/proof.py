@@ -77,6 +77,16 @@ class Proof(OneLine):
         settled = max(self.quadrature, self.unsettled) <= self.goals.objective
         return self.motion_holds and settled
 
+    @property
+    def missed(self) -> str:
+        """The measure of the motion that is furthest beyond its goal, with that goal."""
+        error, excess = self.error / self.goals.error, self.excess / self.goals.excess
+        if max(error, excess) <= 1.0 and self.shortfall > 0.0:
+            return f"a distance falls short by {self.shortfall:.1e} m"
+        if error >= excess:
+            return f"the error of the motion is {self.error:.1e} (allowed {self.goals.error:.0e})"
+        return f"the excess over limits is {self.excess:.1e} (allowed {self.goals.excess:.0e})"
+
     def __str__(self) -> str:
         measures: tuple[tuple[str, float, float], ...] = (
             ("error of the motion", self.error, self.goals.error),

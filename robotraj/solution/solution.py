@@ -77,7 +77,7 @@ class Solution(OneLine):
         For every link of the problem, the impulses of its impact by name, ``"impulse.left_foot.z"`` [N s, N m s]; empty
         for links without one.
     conflicts : tuple of Conflict
-        Where no motion was found: bounds that must be relaxed, worst first, with values that suffice.
+        Where no motion was found: bounds that exclude motions, worst first, with values that suffice.
     settings : Settings or None
         Settings of the plan with their reasons; ``rt.plan(problem, settings=solution.settings)`` repeats it.
     proof : Proof or None
@@ -261,9 +261,18 @@ class Solution(OneLine):
 
     @property
     def cause(self) -> str:
-        """Why no solution was found: the first limit to relax, else the worst violated row, else the message."""
+        """Why no solution was found: the first limit to relax, else the worst violated row, else the message.
+
+        The cause of a motion that is not proved is the worst violation between its points, else its error.
+        """
         if self.conflicts:
             return self.in_phase(self.conflicts[0])
+        if self.status is Status.NOT_PROVED and self.proof is not None:
+            between = [*self.interval_violations, *self.control_interval_violations]
+            worst = max(between, key=lambda violation: violation.relative, default=None)
+            if worst is not None and worst.relative > self.proof.goals.excess:
+                return f"{self.status.value}, between the points {self.in_phase(worst)}"
+            return f"{self.status.value}, {self.proof.missed}"
         if self.status is Status.INVALID_NUMBER or not self.violation_list:
             return self.message
         return f"{self.status.value}, {self.in_phase(self.violation_list[0])}"

@@ -9,7 +9,7 @@ import numpy as np
 
 from robotraj._util.printing import wrapped
 from robotraj.dynamics.path_body import ACCELERATION
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import ContinuationRecord, MeshStep
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 CONVERGED = (Status.SOLVED, Status.TOLERANCE_NOT_REACHED, Status.NOT_PROVED)
 """Statuses of motions that satisfy every row. Only for these the text lists violations between the knots."""
 CHANGE_LIMITS = "Change one of these limits or the motion that conflicts with it."
+CHANGE_LIMITS_OR_GUESS = "Change one of these limits, or start from another guess."
 CHANGE_PATH = (
     "The path is given, and its timing does not wait for obstacles. Change the path, give the phase a longer "
     "duration=, or plan from start to end with rt.CollisionFree and without the path."
@@ -61,7 +62,7 @@ class Summarised(Planned, Protocol):
 
     @property
     def conflicts(self) -> Sequence[Conflict]:
-        """Bounds that must be relaxed."""
+        """Bounds that exclude motions."""
 
     def violations(self, top: int = 3) -> Sequence[Violation]:
         """List the worst violations."""
@@ -109,7 +110,7 @@ def summary(solution: Summarised) -> str:
             "bound torques with interval_limits=rt.interval_limits.BernsteinBounds(controls=True)"
         )
     if not solution.success:
-        lines += [f"must be relaxed: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
+        lines += [f"in conflict: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
         lines += [f"solver: {solution.message}"]
         lines += [f"  {solution.in_phase(violation)}" for violation in solution.violations(5)]
         lines += [f"try: {_remedy(solution)}"]
@@ -119,7 +120,7 @@ def summary(solution: Summarised) -> str:
 
 def _remedy(solution: Summarised) -> str:
     if solution.conflicts:
-        return CHANGE_LIMITS
+        return CHANGE_LIMITS if are_certain(solution.conflicts) else CHANGE_LIMITS_OR_GUESS
     if _is_kept_by_its_path(solution):
         return CHANGE_PATH
     if any(_has_jumps_of_jerk(part.phase) for part in solution.phases):

@@ -13,6 +13,7 @@ class Status(Enum):
     TOLERANCE_NOT_REACHED = "tolerance not reached"
     NOT_PROVED = "not proved"
     INFEASIBLE = "infeasible"
+    NOT_FOUND = "no motion found"
     NOT_ON_THIS_MESH = "no motion found on this mesh"
     ITERATION_LIMIT = "iteration limit"
     TIME_LIMIT = "time limit"
@@ -38,10 +39,12 @@ _REMEDIES = {
     Status.NOT_PROVED: "The last mesh meets its rows, but not the goals between its points; see solution.proof. "
     "Start from a finer mesh with tolerance=, or allow more time. Where joints oscillate in least time, add "
     "1e-3 * rt.objectives.SpeedVariation() to the objective.",
-    Status.INFEASIBLE: "The solver found no point near the last iterate that meets all rows; see violations(). Allow "
-    "more time, relax the rows named there, or start from another guess.",
-    Status.NOT_ON_THIS_MESH: "A motion on another mesh meets all rows, so the limits do not conflict. Start "
-    "from another guess or use more intervals, a scheme whose control has more values, or no mesh.",
+    Status.INFEASIBLE: "Limits exclude every motion; see conflicts and violations(). Change one of the limits, or what "
+    "conflicts with it.",
+    Status.NOT_FOUND: "No guess led to a motion that meets all rows, which does not exclude one. Allow more time, "
+    "relax the rows named in violations(), or start from another guess.",
+    Status.NOT_ON_THIS_MESH: "A motion on another mesh meets all rows at its points, so limits need not conflict. "
+    "Start from another guess or use more intervals, a scheme whose control has more values, or no mesh.",
     Status.ITERATION_LIMIT: "Raise the solver's max_iterations, or continue from here with guess=solution.",
     Status.TIME_LIMIT: "Raise time_limit, or continue from here with guess=solution.",
     Status.MEMORY_LIMIT: "Raise memory_limit, or plan on fewer intervals.",

@@ -59,7 +59,7 @@ def test_an_infeasible_problem_has_a_second_opinion_where_other_guesses_may_help
 def test_an_arm_with_a_fixed_duration_needs_none() -> None:
     other = Counted()
     solution = planned(arm(0.8), other)
-    assert solution.status is Status.INFEASIBLE and solution.conflicts
+    assert solution.status is Status.NOT_FOUND and solution.conflicts
     assert not other.solves and solution.message == "interior point: infeasible"
 
 

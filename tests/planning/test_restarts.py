@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.planning.restarts import restarted
 from robotraj.planning.settings import resolve
-from robotraj.planning.solve import solve
+from robotraj.planning.solve import solve, solve_relaxed
 from robotraj.problem.problem import Problem
 from robotraj.solvers.status import Status
+from robotraj.transcription.transcribe import transcribe
 
 FORCE = {"u": rt.between(-1, 1)}
 
@@ -137,6 +139,28 @@ def test_motions_that_a_fixed_duration_makes_impossible_are_passed_over() -> Non
     phase = rt.Phase(robot, (0.01, 5.0), *ends, rt.Duration(), constraints=[never], limits=limits)
     solution = rt.plan(phase, rt.Mesh(5), guess=rt.guess.StraightLine(0.02), check=False)
     assert not solution.success and "never" in str(solution.violations(1)[0])
+
+
+def test_a_longer_motion_that_conflicts_is_shortened() -> None:
+    """Fuel lasts for 3 s. Three times the guessed 2 s need more, which does not exclude shorter motions."""
+    system = rt.System(["x", "v", "fuel"], ["u"], lambda p: [p.x["v"], p.u["u"], -1.0])
+    ends = rt.State([0, 0, 3]), rt.State({"x": 1, "v": 0})
+    fuel = {"fuel": rt.between(0, 3)}
+    phase = rt.Phase(system, (0.1, 40.0), *ends, rt.Duration(), controls=FORCE, states=fuel)
+    problem = Problem([phase])
+    settings = resolve(problem, {"mesh": rt.Mesh(10), "restarts": rt.planning.Restarts(0)})
+    nlp = transcribe(problem, settings.mesh, rt.guess.StraightLine(duration=2.0), settings.engine)
+    stopped = solve(problem, None, replace(settings, solver=rt.InteriorPoint(max_iterations=1, fallback=None)))
+    failed = replace(stopped, status=Status.INFEASIBLE)
+    found = restarted(
+        failed,
+        nlp,
+        None,
+        lambda posed, start: solve(posed, start, settings),
+        rt.planning.Restarts(1),
+        lambda posed, start: solve_relaxed(posed, start, settings),
+    )
+    assert found.success and found.duration == pytest.approx(2.0, rel=1e-2)
 
 
 def test_rows_between_the_points_are_weighed_by_solutions_of_the_problem_alone() -> None:

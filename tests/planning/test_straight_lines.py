@@ -173,14 +173,24 @@ def test_the_default_call_proves_it(build: Callable[[], rt.Phase], optimum: floa
 
 @pytest.mark.parametrize(("duration", "mass"), [(700.0, 8168.612), (1000.0, 8234.899)])
 def test_a_moon_landing_is_proved_from_durations_in_which_it_is_possible(duration: float, mass: float) -> None:
-    """Two optima, 3 and 2 percent lighter than the best; the first one needs the largest number of intervals.
-
-    From the default duration, in which the thrust cannot stop the lander, round-off decides what is found.
-    """
+    """Two optima, 3 and 2 percent lighter than the best; the first one needs the largest number of intervals."""
     solution = rt.plan(moon_landing(), guess=rt.guess.StraightLine(duration=duration))
     assert solution.proof is not None and solution.proof.motion_holds
     assert solution.objective == pytest.approx(-mass, rel=1e-3)
     assert rt.validate(solution).passed
+
+
+@pytest.mark.parametrize("change", [0.0, 1e-10, -1e-10])
+def test_a_moon_landing_is_never_called_infeasible(change: float) -> None:
+    """In three times the default duration a lander cannot hover on its least thrust; shorter landings are possible.
+
+    Round-off decides which of its optima is found from there.
+    """
+    phase = moon_landing()
+    start = rt.State([1737.4e3 + 15e3, 0, 0, 1690.0 * (1.0 + change), 15e3])
+    solution = rt.plan(phase.with_(start=start), check=False)
+    assert solution.status in (Status.SOLVED, Status.NOT_PROVED) and not solution.conflicts
+    assert -8381.0 < solution.objective < -6000.0
 
 
 def test_the_reactor_converges_from_the_straight_line() -> None:

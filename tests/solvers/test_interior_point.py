@@ -110,7 +110,7 @@ def test_the_other_solver_is_not_asked_whether_a_plan_is_impossible() -> None:
     weak = phase.with_(limits=phase.robot.limits.with_(effort=5.0))
     other = Recorded()
     solution = rt.plan(weak, rt.Mesh(5), solver=rt.InteriorPoint(fallback=other), check=False, progress=False)
-    assert solution.status is rt.solvers.Status.INFEASIBLE and not other.seconds
+    assert solution.status is rt.solvers.Status.NOT_FOUND and not other.seconds
     assert solution.violations()
 
 

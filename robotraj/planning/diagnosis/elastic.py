@@ -136,22 +136,20 @@ def relaxed_motion(
         Largest relative slack first. They are empty if the motion satisfies every row without a slack.
     """
     try:
-        relaxed, entries = _relaxed(problem, {})
-        found = solve(relaxed, guess)
+        found, entries, slacks = _least_relaxed(problem, solve, guess, {})
     except RobotrajError:
         return None, ()
-    if not found.success:
+    if not found.success and not _meets_rows(found, slacks):
         return (found if found.status is Status.INTERRUPTED else None), ()
-    slacks = _slacks(found, entries)
     if sum(value > SMALL for value in slacks.values()) > 1:
         weights = {
             entry.name: SMALL * entry.weight / (slacks[entry.name] + SMALL)
             for of_phase in entries
             for entry in of_phase
         }
-        again = solve(_relaxed(problem, weights)[0], found)
-        if again.success:
-            found, slacks = again, _slacks(again, entries)
+        again, _, fewer = _least_relaxed(problem, solve, found, weights)
+        if again.success or _meets_rows(again, fewer):
+            found, slacks = again, fewer
     listed = [
         _conflict(found, i, entry, slacks[entry.name])
         for i, of_phase in enumerate(entries)
@@ -159,6 +157,15 @@ def relaxed_motion(
         if slacks[entry.name] > SMALL
     ]
     return found, tuple(sorted(listed, key=lambda conflict: -conflict.relative))
+
+
+def motion_near(problem: Problem, solve: Solve, guess: InitialGuess | Solution | None) -> tuple[Solution | None, bool]:
+    """Return the relaxed problem's motion of the least sum or its last iterate, and whether it meets every row."""
+    try:
+        found, _, slacks = _least_relaxed(problem, solve, guess, {})
+    except RobotrajError:
+        return None, False
+    return found, _meets_rows(found, slacks)
 
 
 def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Conflict | None:
@@ -189,6 +196,21 @@ def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Con
         return None
     enough = with_room(longest, needed, ROOM_OF_DURATION)
     return Conflict(phase.name, "duration", enough, longest, enough, "s", relative, True, "alone suffices")
+
+
+def _least_relaxed(
+    problem: Problem, solve: Solve, guess: InitialGuess | Solution | None, weights: Mapping[str, float]
+) -> tuple[Solution, list[list[_RelaxedRow]], dict[str, float]]:
+    """Solve the relaxed problem for the least weighted sum; return its solution, its relaxed rows and their slacks."""
+    relaxed, entries = _relaxed(problem, weights)
+    found = solve(relaxed, guess)
+    return found, entries, _slacks(found, entries)
+
+
+def _meets_rows(found: Solution, slacks: Mapping[str, float]) -> bool:
+    """Whether a solve has come to a motion without slacks, even if it ended at its iteration limit."""
+    ended = found.success or (found.status is Status.ITERATION_LIMIT and not found.violation_list)
+    return ended and all(value <= SMALL for value in slacks.values())
 
 
 def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_RelaxedRow]]]:

@@ -1,8 +1,8 @@
 """Why a plan failed: the conflicts of its limits.
 
-The cheapest check comes first: slopes that are too steep and jumps that are too long for the friction, ends without a
-configuration, torques too small to hold an end, then the relaxed problem on a coarse mesh. Where that has a
-motion but the plan has none, a finer mesh decides.
+The cheapest check comes first: slopes that are too steep and jumps that are too long for the friction, zones that a
+state must cross, ends without a configuration, then the relaxed problem on a coarse mesh with the torques that hold the
+ends. Where that has a motion but the plan has none, a finer mesh decides.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ from dataclasses import replace
 
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
-from robotraj.planning.diagnosis.momentum.jumps import slipping_jumps
-from robotraj.planning.diagnosis.momentum.slipping import slipping_contacts
+from robotraj.planning.diagnosis.exclusions.convexity import excluded_on_finer_mesh
+from robotraj.planning.diagnosis.exclusions.crossed_zones import crossed_zones
+from robotraj.planning.diagnosis.exclusions.jumps import slipping_jumps
+from robotraj.planning.diagnosis.exclusions.slipping import slipping_contacts
 from robotraj.planning.diagnosis.rate_limits import wider_rates
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
-from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict, are_certain
+from robotraj.solution.conflict import Conflict, are_certain, are_clear
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
@@ -34,6 +35,11 @@ SHORT_OF_TIME = ("velocity", "acceleration", "jerk", "effort", "torque rate", "c
 def against_momentum(problem: Problem) -> tuple[Conflict, ...]:
     """Return the friction that gravity and momentum alone exclude, without a solve."""
     return slipping_contacts(problem) or slipping_jumps(problem)
+
+
+def excluded(problem: Problem, near: Sequence[PhaseTrajectory] = ()) -> tuple[Conflict, ...]:
+    """Return what momentum, continuity and the ends exclude, without a solve; see ``unreached_ends`` for ``near``."""
+    return against_momentum(problem) or crossed_zones(problem) or unreached_ends(problem, near)
 
 
 def completed(
@@ -63,54 +69,71 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> So
     A mesh may have no motion where the problem has one. The solver then finds it infeasible, and a motion of the
     relaxed problem meets every row on another mesh. That of a coarse mesh may be none between its points, so that
     limits are in conflict where a finer mesh has to relax them.
+
+    The status is ``Status.INFEASIBLE`` only where conflicts exclude every motion. A local minimum of the relaxed
+    problem does not: its rows are named as what may have to give, with ``Status.NOT_FOUND``.
     """
-    if solution.success or solution.conflicts:
+    if solution.success:
         return solution
     undefined = undefined_expression(solution)
     if undefined:
         return replace(solution, message=f"{undefined} ({solution.message})", status=Status.INVALID_NUMBER)
+    if solution.status is Status.NOT_PROVED:
+        conflicts = crossed_zones(solution.problem)
+        return replace(solution, conflicts=conflicts, status=Status.INFEASIBLE if conflicts else solution.status)
     if solution.status not in UNEXPLAINED:
         return solution
+    return _judged(solution if solution.conflicts else _with_cause(solution, solve_coarse, solve_finer), solve_finer)
+
+
+def _with_cause(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> Solution:
+    """Return a failed solution with conflicts of limits, or with a status that blames its mesh."""
     conflicts, coarse = _searched(solution.problem, solve_coarse, solution)
-    conflicts = conflicts or blocked_ends(solution.problem)
+    conflicts = conflicts or blocked_ends(solution.problem) or unheld_ends(solution.problem)
     on_this_mesh = solution.status is Status.INFEASIBLE and coarse is not None and not conflicts
     if on_this_mesh:
         _, finer = relaxed_motion(solution.problem, solve_finer, coarse)
-        conflicts = finer if are_certain(finer) else ()
+        conflicts = finer if are_clear(finer) else ()
     status = Status.NOT_ON_THIS_MESH if on_this_mesh and not conflicts else solution.status
     return replace(solution, conflicts=conflicts, status=status)
 
 
+def _judged(solution: Solution, solve_finer: Solve) -> Solution:
+    """Return a failed solution whose status says whether a motion is excluded, or was not found."""
+    conflicts = solution.conflicts
+    unsure = are_clear(conflicts) and not are_certain(conflicts)
+    if unsure and excluded_on_finer_mesh(solution.problem, solve_finer, solution):
+        conflicts = tuple(replace(conflict, certain=True) for conflict in conflicts)
+    if are_certain(conflicts):
+        return replace(solution, conflicts=conflicts, status=Status.INFEASIBLE)
+    return replace(solution, status=Status.NOT_FOUND) if solution.status is Status.INFEASIBLE else solution
+
+
 def conflicts_of(
-    problem: Problem,
-    solve_coarse: Solve,
-    start: InitialGuess | Solution | None = None,
-    agreed: bool = False,
-    near: Sequence[PhaseTrajectory] = (),
+    problem: Problem, solve_coarse: Solve, solve_finer: Solve, near: Sequence[PhaseTrajectory] = ()
 ) -> tuple[Conflict, ...]:
-    """Return the first conflicts that are found: of slopes, at the ends, of torques that hold them, of relaxed rows.
+    """Return conflicts that two searches agree on: at the ends, of torques that hold them, or of relaxed rows.
 
-    With ``agreed``, two searches must find the same conflicts at the ends; otherwise one search suffices.
-    The first search starts from the ends of ``near``, the iterate of a solver.
+    The first search of the ends starts from those of ``near``, the iterate of a solver.
     """
-    return _searched(problem, solve_coarse, start, agreed, near)[0]
+    found = excluded(problem, near)
+    if are_certain(found):
+        return found
+    motion, conflicts = relaxed_motion(problem, solve_coarse)
+    if not are_clear(conflicts):
+        return ()
+    finer = unheld_ends(problem) or relaxed_motion(problem, solve_finer, motion)[1]
+    return finer if are_clear(finer) else ()
 
 
-def _searched(
-    problem: Problem,
-    solve_coarse: Solve,
-    start: InitialGuess | Solution | None,
-    agreed: bool = False,
-    near: Sequence[PhaseTrajectory] = (),
-) -> tuple[tuple[Conflict, ...], Solution | None]:
+def _searched(problem: Problem, solve_coarse: Solve, start: Solution) -> tuple[tuple[Conflict, ...], Solution | None]:
     """Return the first conflicts, and a motion of the relaxed problem that meets every row; None without one."""
-    if isinstance(start, Solution):
-        near = [part.trajectory for part in start.phases]
-    found = against_momentum(problem) or unreached_ends(problem, agreed, near) or unheld_ends(problem)
-    if found:
+    found = excluded(problem, [part.trajectory for part in start.phases])
+    if are_certain(found):
         return found, None
     motion, conflicts = relaxed_motion(problem, solve_coarse, start)
-    # The relaxed problem has no rows on distances.
-    kept_clear = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
-    meets_rows = motion is not None and motion.success and not conflicts and not kept_clear
-    return completed(problem, conflicts, motion, solve_coarse), motion if meets_rows else None
+    if motion is not None and not conflicts:
+        # The relaxed problem has no rows on distances.
+        kept_clear = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
+        return (), motion if motion.success and not kept_clear else None
+    return found or unheld_ends(problem) or completed(problem, conflicts, motion, solve_coarse), None

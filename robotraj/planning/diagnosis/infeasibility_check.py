@@ -3,8 +3,8 @@
 Motions with contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. A
 callback of the solver therefore looks at its first iteration for conflicts with momentum and gravity. It looks once for
 a conflict of limits: after many iterations, or where iterations begin again. It stops the solve where a conflict
-excludes every motion. Two searches must agree that no configurations exist at the ends; the first of them starts from
-the iterate.
+excludes every motion, or where two searches agree that no motion is near. The first search of configurations at the
+ends starts from the iterate.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from robotraj.planning.diagnosis.elastic import Solve
 from robotraj.planning.diagnosis.explain import against_momentum, conflicts_of
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import Conflict, are_certain
+from robotraj.solution.conflict import Conflict, are_clear
 from robotraj.solvers.base import Iteration, Progress
 from robotraj.transcription.extract import PhaseTrajectory, extract
 
@@ -27,7 +27,7 @@ Of solves that converge, those of walks and trots are below 1e-2 after 50 iterat
 
 
 class Excluded(KeyboardInterrupt):
-    """Raised where limits exclude every motion. The solver returns its iterate, as after Ctrl-C."""
+    """Raised where limits conflict. The solver returns its iterate, as after Ctrl-C."""
 
 
 class InfeasibilityCheck:
@@ -38,18 +38,20 @@ class InfeasibilityCheck:
     problem : Problem
     solve_coarse : callable
         ``solve_coarse(problem, guess)`` solves the relaxed problem on a coarse mesh.
+    solve_finer : callable
+        The same on a finer mesh.
     show : callable or None
         A further callback.
 
     Attributes
     ----------
     conflicts : tuple of Conflict
-        Conflicts that exclude every motion; empty until they are found.
+        Conflicts that ended the solve; empty until they are found.
     """
 
-    def __init__(self, problem: Problem, solve_coarse: Solve, show: Progress | None) -> None:
+    def __init__(self, problem: Problem, solve_coarse: Solve, solve_finer: Solve, show: Progress | None) -> None:
         self._find: Callable[[Sequence[PhaseTrajectory]], tuple[Conflict, ...]] | None = lambda near: conflicts_of(
-            problem, solve_coarse, agreed=True, near=near
+            problem, solve_coarse, solve_finer, near
         )
         self._problem, self._show, self._last = problem, show, -1
         self.conflicts: tuple[Conflict, ...] = ()
@@ -60,7 +62,7 @@ class InfeasibilityCheck:
         Raises
         ------
         Excluded
-            Limits exclude every motion.
+            Limits conflict.
         """
         if self._show is not None:
             self._show(iteration)
@@ -76,6 +78,6 @@ class InfeasibilityCheck:
         self._exclude(find(() if origin is None else extract(origin.nlp, origin.w)))
 
     def _exclude(self, found: tuple[Conflict, ...]) -> None:
-        if are_certain(found):
+        if are_clear(found):
             self.conflicts = found
-            raise Excluded("Limits exclude every motion.")
+            raise Excluded("Limits conflict.")

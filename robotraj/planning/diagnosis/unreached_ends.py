@@ -62,22 +62,19 @@ NAMED = 3
 """Largest number of rows that are named as the other side of a conflict."""
 
 
-def unreached_ends(
-    problem: Problem, agreed: bool = False, near: Sequence[PhaseTrajectory] = ()
-) -> tuple[Conflict, ...]:
+def unreached_ends(problem: Problem, near: Sequence[PhaseTrajectory] = ()) -> tuple[Conflict, ...]:
     """Return the rows to relax for configurations at the ends of all phases to exist, largest slack first.
 
     Parameters
     ----------
     problem : Problem
-    agreed : bool
-        Whether two starts must end at the same least sum, since one local minimum does not exclude a motion.
     near : sequence of PhaseTrajectory
         A motion of the phases that a solver has come to; its ends are the first start.
 
     Returns
     -------
     tuple of Conflict
+        They are certain where two starts end at the same least sum, since one local minimum does not exclude a motion.
         Empty where such configurations were found, and where a path gives them. Also empty where the ends are fixed
         and no other row depends on them.
     """
@@ -91,11 +88,11 @@ def unreached_ends(
     unknown = ca.vertcat(*(symbol for each in ends for symbol in each.unknowns))
     rows = [row for row in (*rows, *links) if reads_only(row.value, unknown)]
     rows = [row for row in rows if ca.depends_on(row.value, unknown)]
-    return _least_slacks(problem, rows, unknown, agreed, near) if rows else ()
+    return _least_slacks(problem, rows, unknown, near) if rows else ()
 
 
 def _least_slacks(
-    problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, agreed: bool, near_motion: Sequence[PhaseTrajectory]
+    problem: Problem, rows: Sequence[EndRow], unknown: ca.SX, near_motion: Sequence[PhaseTrajectory]
 ) -> tuple[Conflict, ...]:
     """Minimise the slacks from one start after the other, and describe the least sum."""
     sides = [
@@ -156,8 +153,7 @@ def _least_slacks(
             break
     if best is None or not np.isfinite(best[0]):
         return ()
-    if agreed and not agree():
-        return ()
+    certain = agree()
     _, place, left, multipliers = best
     if np.sum(left > REACHED) > 1:
         # Reweighted, the sum counts slacks instead of adding them up.
@@ -165,7 +161,7 @@ def _least_slacks(
         if np.sum(again[2] > REACHED) < np.sum(left > REACHED):
             _, place, left, multipliers = again
     times = np.array(ca.Function("times", [unknown], [ca.vertcat(*(row.time for row in rows))])(place)).ravel()
-    return _conflicts(rows, sides, left, multipliers, times)
+    return _conflicts(rows, sides, left, multipliers, times, certain)
 
 
 def _conflicts(
@@ -174,6 +170,7 @@ def _conflicts(
     left: Array,
     multipliers: Array,
     times: Array,
+    certain: bool,
 ) -> tuple[Conflict, ...]:
     """Describe rows with slacks, and the rows that they conflict with."""
     giving = [k for k in np.argsort(-left) if left[k] > REACHED]
@@ -202,7 +199,7 @@ def _conflicts(
                 float(left[k]),
                 row.physical,
                 reason,
-                True,
+                certain,
             )
         )
     return tuple(found)

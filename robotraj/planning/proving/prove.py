@@ -22,7 +22,7 @@ from robotraj.planning.setting_conditions import is_kinked
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import are_certain
+from robotraj.solution.conflict import are_clear
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import MeshStep
 from robotraj.solution.settings import Restarts, Settings
@@ -142,7 +142,7 @@ class _Refining:
                 self.best = self.measures = None
                 self.afresh, meshes = True, tuple(evenly_finer(mesh, SECOND) for mesh in coarsest)
                 continue
-            elif not first or last.status in LIMITS_OF_THE_USER or are_certain(last.conflicts):
+            elif not first or last.status in LIMITS_OF_THE_USER or are_clear(last.conflicts):
                 break
             if not first and last.proof is not None and last.proof.holds:
                 break

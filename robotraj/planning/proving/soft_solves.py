@@ -11,7 +11,7 @@ from robotraj.planning.proving.solves import Solves
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import are_certain
+from robotraj.solution.conflict import are_clear
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
@@ -50,7 +50,7 @@ def soft_solution(
             break
         if is_guess(softer):
             found, meshes = softer, finer_where_bent(softer, settings)
-        elif are_certain(softer.conflicts):
+        elif are_clear(softer.conflicts):
             break
     if isinstance(solves.progress, PlanLimits):
         solves.progress.begin()

@@ -20,4 +20,4 @@ def test_limits_conflict_where_only_a_coarse_mesh_has_a_motion() -> None:
     on_this_mesh = explained(failed, coarse, coarse)
     assert on_this_mesh.status is Status.NOT_ON_THIS_MESH and not on_this_mesh.conflicts
     in_conflict = explained(failed, coarse, partial(coarse, finer=True))
-    assert in_conflict.status is Status.INFEASIBLE and in_conflict.conflicts
+    assert in_conflict.status is Status.NOT_FOUND and in_conflict.conflicts

@@ -16,7 +16,7 @@ from robotraj.planning.diagnosis.infeasibility_check import (
     InfeasibilityCheck,
 )
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solvers.base import Iteration
 
 FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
@@ -28,6 +28,10 @@ def rising(height: float) -> rt.Problem:
     stand = np.array(rt.gait.stand(robot, FEET))
     ends = rt.State(q=stand, v=0), rt.State(q={"root_z": float(stand[2]) + height}, v=0)
     return rt.Problem([rt.Phase(robot, 0.5, *ends, contacts=[rt.PointContact(foot) for foot in FEET])])
+
+
+def unsolved(problem: rt.Problem, guess: object) -> rt.Solution:
+    pytest.fail("a relaxed problem was solved")
 
 
 def test_feet_that_cannot_stay_are_named_before_other_solvers_are_tried() -> None:
@@ -47,7 +51,7 @@ def test_conflicts_are_looked_for_once_where_iterations_begin_again(monkeypatch:
         return ()
 
     monkeypatch.setattr("robotraj.planning.diagnosis.infeasibility_check.conflicts_of", found)
-    check = InfeasibilityCheck(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    check = InfeasibilityCheck(rising(0.02), unsolved, unsolved, None)
     for number in (0, 1, 2):
         check(Iteration(number, 0.0, 1.0))
     assert not looked
@@ -63,7 +67,7 @@ def test_conflicts_are_looked_for_earlier_far_from_any_motion(
     looked = []
     module = "robotraj.planning.diagnosis.infeasibility_check.conflicts_of"
     monkeypatch.setattr(module, lambda *_, **__: looked.append(1) or ())
-    check = InfeasibilityCheck(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    check = InfeasibilityCheck(rising(0.02), unsolved, unsolved, None)
     check(Iteration(number - 1, 0.0, violation))
     assert not looked
     check(Iteration(number, 0.0, violation))
@@ -73,7 +77,7 @@ def test_conflicts_are_looked_for_earlier_far_from_any_motion(
 def test_a_certain_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     certain = Conflict("phase", "effort limit, elbow", 0.0, 1.0, 2.0, "N m", 1.0)
     monkeypatch.setattr("robotraj.planning.diagnosis.infeasibility_check.conflicts_of", lambda *_, **__: (certain,))
-    check = InfeasibilityCheck(rising(0.02), lambda problem, guess: pytest.fail(), None)
+    check = InfeasibilityCheck(rising(0.02), unsolved, unsolved, None)
     with pytest.raises(Excluded):
         check(Iteration(ITERATIONS, 0.0, 1.0))
     assert check.conflicts == (certain,)
@@ -89,12 +93,12 @@ def test_the_iterate_of_the_solver_is_the_first_start(monkeypatch: pytest.Monkey
         yield
 
     monkeypatch.setattr("robotraj.planning.diagnosis.unreached_ends._starts", another)
-    assert not unreached_ends(problem, agreed=True, near=motion)
+    assert not unreached_ends(problem, near=motion)
 
 
 def test_searches_that_do_not_agree_exclude_no_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     # Interrupted searches end at sums far apart: stairs of talos_legs, whose plan is proved, were refused for one.
     problem = rising(0.3)
-    assert unreached_ends(problem, agreed=True)
+    assert are_certain(unreached_ends(problem))
     monkeypatch.setattr("robotraj.planning.diagnosis.unreached_ends.ITERATIONS", 2)
-    assert unreached_ends(problem) and not unreached_ends(problem, agreed=True)
+    assert unreached_ends(problem) and not are_certain(unreached_ends(problem))

@@ -45,7 +45,7 @@ def test_the_nearest_place_of_an_arm_lies_on_the_line_to_the_target() -> None:
         "frame position y",
         "frame position z",
     }
-    assert found[0].exact and abs(found[0].bound - found[0].needed) == pytest.approx(length, rel=1e-2)
+    assert found[0].certain and abs(found[0].bound - found[0].needed) == pytest.approx(length, rel=1e-2)
 
 
 def test_a_clearance_conflicts_with_the_place_below_it(ur5: rt.Robot) -> None:

@@ -264,7 +264,7 @@ def test_the_proof_is_shown_and_a_click_on_a_violated_row_moves_to_its_time(brow
     assert page.locator("header dd").last.inner_text() == str(first)
     page.keyboard.press("p")
     assert page.locator("#panel-proof .figure.bad").all_inner_texts() == ["1"]
-    assert page.locator("#panel-proof p.bad").first.inner_text() == f"Must be relaxed: {first}"
+    assert page.locator("#panel-proof p.bad").first.inner_text() == f"In conflict: {first}"
     assert page.locator("#panel-proof pre").inner_text().startswith("Validation of 'reach'")
     page.locator("#panel-proof li button").first.click()
     assert page.evaluate("() => robotraj.time()") == pytest.approx(0.4)

@@ -17,7 +17,7 @@ class ProofPanel {
     this.host.append(element("h2", "Violated rows"));
     if (!violations.length) this.host.append(element("p", "None."));
     else this.host.append(this.violations(violations));
-    for (const conflict of conflicts) this.host.append(element("p", `Must be relaxed: ${conflict}`, "bad"));
+    for (const conflict of conflicts) this.host.append(element("p", `In conflict: ${conflict}`, "bad"));
     if (message) this.host.append(element("p", `Solver: ${message}`));
     if (report) this.host.append(element("h2", "Validation"), Object.assign(element("pre", report), { tabIndex: 0 }));
   }

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.momentum.slipping import slipping_contacts
+from robotraj.planning.diagnosis.exclusions.slipping import slipping_contacts
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_the_needed_friction_is_the_steepest_slope(
     solo: rt.Robot, slopes: tuple[float, float], friction: float, needed: float
 ) -> None:
     (conflict,) = slipping_contacts(trot(solo, slopes, friction))
-    assert conflict.needed == pytest.approx(needed) and conflict.bound == friction and conflict.exact
+    assert conflict.needed == pytest.approx(needed) and conflict.bound == friction and conflict.certain
 
 
 def test_gentle_slopes_and_other_grounds_are_not_named(solo: rt.Robot) -> None:

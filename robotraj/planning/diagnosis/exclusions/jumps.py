@@ -26,7 +26,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.planning.diagnosis.momentum.slipping import PRESERVING
+from robotraj.planning.diagnosis.exclusions.slipping import PRESERVING
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.momentum.jumps import longest_leg, slipping_jumps
+from robotraj.planning.diagnosis.exclusions.jumps import longest_leg, slipping_jumps
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_the_needed_friction_of_a_level_jump_is_that_of_the_derivation(solo: rt.
     times = {"push": 0.3, "land": 0.3, "height": 9.81 * 0.2**2 / 8.0}
     (conflict,) = slipping_jumps(leap(solo, 1.0, 0.01, **times))
     without_legs = 1.0 / (0.5 * 9.81 * (2 * 0.3**2 + 0.2**2 + 2 * 0.3 * 0.2))
-    assert conflict.exact and 0.5 * without_legs < conflict.needed < without_legs
+    assert conflict.certain and 0.5 * without_legs < conflict.needed < without_legs
 
 
 def test_jumps_whose_end_or_flight_is_free_are_not_judged(solo: rt.Robot) -> None:
