@@ -46,6 +46,7 @@ GAITS = (
 ROBOTS = (
     "five_link",
     "solo12",
+    "solo8",
     "go1",
     "a1",
     "hyq",
@@ -102,7 +103,9 @@ class Walker:
         length, high = self.part(0.15, 0.3), 0.06 * h
         rise, width, way = self.part(0.05, 0.1), self.part(0.05, 0.12), self.part(0.08, 0.15)
         angle, leap = float(self.rng.uniform(0.2, 0.5)), self.part(0.05, 0.12)
-        biped, space = len(self.names) == 2, robot.root == "floating"
+        biped = len(self.names) == 2
+        # The legs of solo8 move in parallel planes, so that it neither turns nor steps sideways.
+        space = robot.root == "floating" and self.name != "solo8"
         tread = max(0.45 * h, self.sole + 0.12)
         over = {"start": self.front + 0.1 * h + 0.08, "step_length": tread, "clearance": high}
 
