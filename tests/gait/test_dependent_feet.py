@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 
+import pinocchio as pin
 import pytest
 
 import robotraj as rt
@@ -28,6 +29,22 @@ def test_legs_in_parallel_planes_hold_the_root_level_on_both_sides(solo8: rt.Rob
         assert (phase.states.get("q.root_qx") == 0.0) == across
     solution = rt.plan(problem)
     assert solution.proof is not None and solution.proof.holds
+
+
+def test_pairs_of_feet_step_differently_far(solo8: rt.Robot) -> None:
+    """The last configuration, whose legs differ, is level too."""
+    q = rt.gait.stand(solo8)
+    data = solo8.model.createData()
+    pin.framesForwardKinematics(solo8.model, data, q)
+    lengths = {"FL_FOOT": 0.03, "HR_FOOT": 0.03, "FR_FOOT": 0.05, "HL_FOOT": 0.05}
+    home = {foot: data.oMf[solo8.frame(foot)].translation for foot in lengths}
+    places = {foot: (home[foot][0] + length, home[foot][1]) for foot, length in lengths.items()}
+    pairs = [{f: places[f] for f in pair} for pair in (("FL_FOOT", "HR_FOOT"), ("FR_FOOT", "HL_FOOT"))]
+    solution = rt.plan(rt.gait.steps(solo8, pairs))
+    assert solution.proof is not None and solution.proof.holds
+    pin.framesForwardKinematics(solo8.model, data, solution.at(solution.duration).q)
+    for foot, place in places.items():
+        assert data.oMf[solo8.frame(foot)].translation == pytest.approx([*place, 0.0], abs=1e-5)
 
 
 @pytest.mark.parametrize("what", ["turn", "sidestep"])

@@ -41,6 +41,9 @@ SWING, SUPPORT, SHIFT = 1.8, 0.4, 1.4
 TILT = 0.6
 """Default bound of ``Upright``, to which a turn is added [rad]."""
 
+LEVELLING = 3
+"""Number of Newton steps from a small roll to none."""
+
 Step = Mapping[str, Sequence[float]]
 """Footholds of the feet that swing together: (x, y) or (x, y, yaw) by frame [m, rad]; in a plane, (x,)."""
 
@@ -120,10 +123,13 @@ def steps(
         for foot, place in step.items():
             reached |= _anchors(contacts[foot].name, place, places[0])
         places.append(reached)
-    if held_attitude(robot, Support(names, shift, "stand"), first):
+    held = held_attitude(robot, Support(names, shift, "stand"), first)
+    if held:
         for k, after in enumerate(places[1:]):
             _keep_planes(robot, places[0], after, k)
     last, turn = _standing_on(robot, stance, first, places[0], places[-1])
+    if held:
+        last = _levelled(robot, stance, last, places[-1])
     bounds = Upright(tilt=min(TILT + abs(turn), 3.1)) if upright is None else upright
     supports = [Support(names, shift, "stand")]
     swings: list[tuple[int, int]] = []
@@ -226,6 +232,21 @@ def _keep_planes(robot: Robot, before: Mapping[str, float], after: Mapping[str, 
             f"distances these footholds change by {off:.2g} m. It can step forwards and backwards only. For turns and "
             "steps to the side, the legs need joints that swing them out of their planes."
         )
+
+
+def _levelled(robot: Robot, stance: BalancedStance, q: Array, feet: Mapping[str, float]) -> Array:
+    """Return a configuration near q on the same footholds, with a roll of zero.
+
+    The feet's positions hardly change with the roll, so that inverse kinematics leave a little of it.
+    """
+    level = np.array(q)
+    for _ in range(LEVELLING):
+        level[QUATERNION.start] = 0.0
+        level = pin.normalize(robot.model, level)
+        rows, slope = stance.places(level, feet)
+        slope[:, 3:6] = 0.0
+        level = np.asarray(pin.integrate(robot.model, level, -np.linalg.lstsq(slope, rows, rcond=1e-8)[0]))
+    return level
 
 
 def _check(robot: Robot, footholds: Sequence[Step], names: Sequence[str]) -> None:
