@@ -116,6 +116,11 @@ class Measured:
         return replace(self, proof=replace(self.proof, excess=max(0.0, *excess), shortfall=shortfall))
 
     @property
+    def only_unsettled(self) -> bool:
+        """Whether the motion is proved on a second mesh or a later one, and only its objective may not have settled."""
+        return self.before is not None and self.proof.motion_holds
+
+    @property
     def intervals(self) -> int:
         """Number of intervals of the phase with most of them."""
         return max(mesh.count for mesh in self.meshes)

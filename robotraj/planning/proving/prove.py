@@ -53,6 +53,8 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
 SECOND = 1.5
 """Growth of the number of intervals from a first mesh that could not be solved to the second one."""
+LEAP = 1.6
+"""Growth of the number of intervals above which a solve may lead away from the optimum of the mesh before."""
 DOUBLED = 2.0
 """Growth of the number of intervals of phases that miss their goal where an error stagnates.
 
@@ -85,9 +87,8 @@ class _Refining:
         self.sticking = needs_softening(problem)
         """Whether joints stick and slide to save effort."""
         self.kinked = any(is_kinked(phase) for phase in problem.phases)
-        """Whether the objective has kinks, such as those of mechanical work."""
-        flat = self.sticking or self.kinked
-        self.solver = settings.solver.until_settled(CHANGE_FLAT) if flat else settings.solver
+        self.flat = self.sticking or self.kinked
+        self.solver = settings.solver.until_settled(CHANGE_FLAT) if self.flat else settings.solver
         self.measures: Measured | None = None
         """Measures of the best solution so far."""
         self.unchecked: tuple[object, Measured] | None = None
@@ -142,6 +143,9 @@ class _Refining:
                 self.best = self.measures = None
                 self.afresh, meshes = True, tuple(evenly_finer(mesh, SECOND) for mesh in coarsest)
                 continue
+            elif smaller := self._smaller_step(last, meshes):
+                meshes = smaller
+                continue
             elif not first or last.status in LIMITS_OF_THE_USER or are_clear(last.conflicts):
                 break
             if not first and last.proof is not None and last.proof.holds:
@@ -169,6 +173,18 @@ class _Refining:
     def _patient(self) -> bool:
         """Whether more meshes than ``ENOUGH`` pay where only the objective of a proved motion has not settled."""
         return self.sticking and not self.kinked
+
+    def _smaller_step(self, failed: Solution, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
+        """Return meshes between the last ones and much finer ones on which limited iterations did not suffice.
+
+        None are returned for flat objectives, which take many iterations on any mesh.
+        """
+        limited = failed.status is Status.ITERATION_LIMIT and self.measures is not None and self.measures.only_unsettled
+        if not limited or self.best is None or self.flat:
+            return ()
+        before = [part.mesh for part in self.best.phases]
+        leapt = any(mesh.count > LEAP * coarse.count for mesh, coarse in zip(meshes, before, strict=True))
+        return tuple(evenly_finer(mesh, SECOND) for mesh in before) if leapt else ()
 
     def _strayed(self, failed: Solution) -> bool:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
@@ -242,8 +258,7 @@ class _Refining:
         ignored where the objective needs a finer mesh, unless ``limits_between``.
         """
         settings = replace(self.settings, mesh=meshes, solver=self._warm if nearby else self.solver)
-        if self.measures is not None and self.measures.before is not None and self.measures.proof.motion_holds:
-            # The motion is proved, and only its objective has not settled.
+        if self.measures is not None and self.measures.only_unsettled:
             patience = PATIENCE_STICKING if self._patient else PATIENCE
             settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
         if first:
