@@ -46,6 +46,8 @@ VARIATION = "variation of the guess, which did not converge"
 
 UNRELAXED = 2
 """Largest number of variations from which the problem itself is solved, although its relaxed form has conflicts."""
+PATIENCE = 300
+"""Largest number of iterations of such a solve, which has no second opinion: most end without a motion."""
 
 Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
@@ -56,6 +58,7 @@ def restarted(
     nlp: Nlp,
     guess: InitialGuess | Solution | None,
     solve: Solve,
+    solve_briefly: Solve,
     restarts: Restarts,
     solve_coarse: Solve,
 ) -> Solution:
@@ -76,6 +79,8 @@ def restarted(
         Guess of the user. It is varied, but for a solution; the default guess is varied where none is given.
     solve : callable
         ``solve(problem, guess)`` solves on the same mesh.
+    solve_briefly : callable
+        The same in at most ``PATIENCE`` iterations of one solver.
     restarts : Restarts
     solve_coarse : callable
         ``solve_coarse(problem, guess)`` solves the relaxed problem on a coarse mesh.
@@ -118,7 +123,7 @@ def restarted(
     if not all(conflict.physical for conflict in least) and not isinstance(guess, Solution):
         # Constraints of the user, such as obstacles, may be passed on another side.
         for branch, seed in enumerate(restarts.seeds[:UNRELAXED], 1):
-            found = solve(problem, other_guess(problem, branch, (seed,), given=guess))
+            found = solve_briefly(problem, other_guess(problem, branch, (seed,), given=guess))
             failed = _counted(failed, found)
             if found.status is Status.INTERRUPTED:
                 return replace(failed, status=Status.INTERRUPTED)

@@ -53,8 +53,11 @@ if TYPE_CHECKING:
 
 COARSE, COARSE_STEP, FINER = 15, 6, 12
 """Intervals of a phase of the relaxed problem: without and with contacts, and by Lobatto IIIA with four points."""
-PATIENCE = 200
-"""Largest number of iterations of the relaxed problem."""
+PATIENCE, PATIENCE_STEP = 700, 200
+"""Largest number of iterations of the relaxed problem, without and with contacts, where an iteration takes longer.
+
+Many motions may need the same relaxation, such as those under a limit of the tool's speed. Solves then take hundreds.
+"""
 
 
 def solve(
@@ -139,16 +142,20 @@ def _solve_once(
         return solution
     try:
         if settings.restarts.count and not solution.success:
-
-            def solve_again(posed: Problem, start: InitialGuess | Solution | None) -> Solution:
-                # Rows are added to solutions of the problem itself; other solutions are guesses.
-                needs_rounds = hold if posed is problem else _no_rounds
-                return solve(posed, start, replace(settings, restarts=Restarts(0)), progress, needs_rounds, lower)
-
+            from robotraj.planning.restarts import PATIENCE as PATIENCE_OF_VARIATIONS
             from robotraj.planning.restarts import restarted
 
+            def solve_again(
+                posed: Problem, start: InitialGuess | Solution | None, solver: Solver = settings.solver
+            ) -> Solution:
+                # Rows are added to solutions of the problem itself; other solutions are guesses.
+                needs_rounds = hold if posed is problem else _no_rounds
+                own = replace(settings, solver=solver, restarts=Restarts(0))
+                return solve(posed, start, own, progress, needs_rounds, lower)
+
+            briefly = partial(solve_again, solver=settings.solver.at_most(PATIENCE_OF_VARIATIONS))
             solve_coarse = partial(solve_relaxed, settings=settings, progress=progress)
-            solution = restarted(solution, nlp, guess, solve_again, settings.restarts, solve_coarse)
+            solution = restarted(solution, nlp, guess, solve_again, briefly, settings.restarts, solve_coarse)
             if solution.success:
                 return solution
         found = _state_violations(solution, interval_limits.tolerance)
@@ -231,7 +238,7 @@ def solve_relaxed(
     few = replace(
         settings,
         mesh=Mesh(FINER, LobattoIIIA(4)) if finer else coarse,
-        solver=InteriorPoint(max_iterations=PATIENCE, fallback=None),
+        solver=InteriorPoint(max_iterations=PATIENCE_STEP if contacts else PATIENCE, fallback=None),
         engine=Native(),
         interval_limits=ConstraintGeneration(rounds=0),
         restarts=Restarts(0),

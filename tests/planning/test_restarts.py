@@ -157,6 +157,7 @@ def test_a_longer_motion_that_conflicts_is_shortened() -> None:
         nlp,
         None,
         lambda posed, start: solve(posed, start, settings),
+        lambda posed, start: pytest.fail("no variation is needed"),
         rt.planning.Restarts(1),
         lambda posed, start: solve_relaxed(posed, start, settings),
     )
