@@ -104,7 +104,7 @@ class _Refining:
         """Solve on one mesh after the other."""
         mesh = self.settings.mesh
         meshes = coarsest = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
-        soft = None
+        lines, soft = on_lines(self.problem, coarsest), None
         if self.sticking and not isinstance(guess, Solution):
             soft = soft_solution(self.problem, guess, meshes, self.settings, self.solves)
         if soft is not None:
@@ -125,7 +125,7 @@ class _Refining:
             if last.status is Status.INTERRUPTED:
                 return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
             # Free controls may exploit the program of a coarse mesh.
-            endless = last.iterations >= ENDLESS
+            endless = last.iterations >= ENDLESS and lines != coarsest
             if last.success:
                 self.best = last = self._measured(last, self.measures)
                 best_limited = self.limits_between
@@ -138,10 +138,10 @@ class _Refining:
             ):
                 meshes = calmer
                 continue
-            elif self._strayed(last):
+            elif self._strayed(last, endless):
                 # What a coarse mesh took for a motion is none, and leads to none.
-                self.best = self.measures = None
-                self.afresh, meshes = True, tuple(evenly_finer(mesh, SECOND) for mesh in coarsest)
+                self.best, self.measures, self.afresh = None, None, True
+                meshes = tuple(evenly_finer(mesh, SECOND) for mesh in (lines if endless else coarsest))
                 continue
             elif smaller := self._smaller_step(last, meshes):
                 meshes = smaller
@@ -186,9 +186,9 @@ class _Refining:
         leapt = any(mesh.count > LEAP * coarse.count for mesh, coarse in zip(meshes, before, strict=True))
         return tuple(evenly_finer(mesh, SECOND) for mesh in before) if leapt else ()
 
-    def _strayed(self, failed: Solution) -> bool:
+    def _strayed(self, failed: Solution, endless: bool) -> bool:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
-        ended = self.afresh or failed.status in LIMITS_OF_THE_USER
+        ended = self.afresh or failed.status in (SPENT if endless else LIMITS_OF_THE_USER)
         return not ended and self.best is not None and not is_motion(self.best)
 
     def _meets_obstacle_on_path(self, solution: Solution) -> bool:

@@ -73,6 +73,25 @@ def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypa
     assert solution.objective == pytest.approx(catenary(), rel=2e-4)
 
 
+def test_lines_that_end_without_a_solution_start_again_from_the_guess(monkeypatch):
+    """The second mesh is exploited, and its solution may lead away on lines too, depending on round-off."""
+    real, starts = solves.solve, []
+
+    def endless_on_lines(problem, guess, *others):
+        found = real(problem, guess, *others)
+        if found.phases[0].mesh.given != (LINES,):
+            return found
+        starts.append(guess)
+        if len(starts) > 1:
+            return found
+        return replace(found, status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
+
+    monkeypatch.setattr(solves, "solve", endless_on_lines)
+    solution = rt.plan(hanging_chain(), progress=False)
+    assert starts[0] is not None and starts[1] is None
+    assert solution.success and solution.objective == pytest.approx(catenary(), rel=2e-4)
+
+
 def test_an_exact_motion_shooting_and_contacts_keep_their_schemes():
     arm, system = rt.Phase(rt.load("ur5"), 1.0), hanging_chain()
     meshes = (rt.Mesh(4, rt.schemes.RadauIIA(3)), rt.Mesh(5, rt.schemes.RadauIIA(3)))
