@@ -53,10 +53,11 @@ if TYPE_CHECKING:
 
 COARSE, COARSE_STEP, FINER = 15, 6, 12
 """Intervals of a phase of the relaxed problem: without and with contacts, and by Lobatto IIIA with four points."""
-PATIENCE, PATIENCE_STEP = 700, 200
-"""Largest number of iterations of the relaxed problem, without and with contacts, where an iteration takes longer.
+PATIENCE, BRIEFLY = 700, 200
+"""Largest number of iterations of the relaxed problem, and of one with contacts or limits of rates.
 
 Many motions may need the same relaxation, such as those under a limit of the tool's speed. Solves then take hundreds.
+With contacts an iteration takes longer. Limits of rates are not relaxed, so that there may be no solution.
 """
 
 
@@ -234,11 +235,12 @@ def solve_relaxed(
 ) -> Solution:
     """Solve a relaxed problem once on few intervals, or on ``finer`` ones of a higher order."""
     contacts = any(phase.contacts for phase in problem.phases)
+    rates = any(phase.rows.rates for phase in problem.phases)
     coarse = Mesh(COARSE_STEP if contacts else COARSE, HermiteSimpson())
     few = replace(
         settings,
         mesh=Mesh(FINER, LobattoIIIA(4)) if finer else coarse,
-        solver=InteriorPoint(max_iterations=PATIENCE_STEP if contacts else PATIENCE, fallback=None),
+        solver=InteriorPoint(max_iterations=BRIEFLY if contacts or rates else PATIENCE, fallback=None),
         engine=Native(),
         interval_limits=ConstraintGeneration(rounds=0),
         restarts=Restarts(0),

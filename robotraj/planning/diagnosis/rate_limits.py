@@ -13,7 +13,7 @@ import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
-from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion
+from robotraj.planning.diagnosis.elastic import Solve, motion_near
 from robotraj.problem.constraints.base import BoundConstraint, Constraint
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.problem import Problem
@@ -69,8 +69,8 @@ def wider_rates(
         return None, None
 
     def motion_with(factor: float) -> Solution | None:
-        motion, conflicts = relaxed_motion(_widened(problem, factor), solve, guess)
-        return motion if motion is not None and motion.success and not conflicts else None
+        motion, meets_rows = motion_near(_widened(problem, factor), solve, guess)
+        return motion if meets_rows else None
 
     enough, motion = 1.0, None
     while motion is None and enough < WIDEST:
