@@ -64,7 +64,7 @@ def restarted(
 ) -> Solution:
     """Solve a problem that failed again, or find why it has no solution.
 
-    Nothing is tried where an end has no configuration (``planning.diagnosis.unreached_ends``). Otherwise the relaxed
+    Nothing is tried where no motion exists (``planning.diagnosis.explain.excluded``). Otherwise the relaxed
     problem (``planning.diagnosis.elastic``) is solved from one start after the other. A motion of it that meets every
     row is the next guess. If all of them need relaxed rows, those of the least sum are the conflicts, or the torques
     that hold an end where motors cannot (``planning.diagnosis.unheld_ends``).
@@ -93,9 +93,9 @@ def restarted(
     problem = failed.problem
     if failed.status not in RESTARTED or undefined_expression(failed):
         return failed
-    unreached = excluded(problem)
-    if are_certain(unreached):
-        return replace(failed, status=Status.INFEASIBLE, conflicts=unreached)
+    exclusions = excluded(problem)
+    if are_certain(exclusions):
+        return replace(failed, status=Status.INFEASIBLE, conflicts=exclusions)
     least: tuple[Conflict, ...] = ()
     relaxed: Solution | None = None
     for start in _starts(failed, nlp, guess, restarts):

@@ -99,7 +99,7 @@ def _with_cause(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> 
 
 
 def _judged(solution: Solution, solve_finer: Solve) -> Solution:
-    """Return a failed solution whose status says whether a motion is excluded, or was not found."""
+    """Return a failed solution with ``INFEASIBLE`` where every motion is excluded, else ``NOT_FOUND`` in its place."""
     conflicts = solution.conflicts
     unsure = are_clear(conflicts) and not are_certain(conflicts)
     if unsure and excluded_on_finer_mesh(solution.problem, solve_finer, solution):
