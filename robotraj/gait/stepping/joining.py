@@ -2,86 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
-
-import numpy as np
-import pinocchio as pin
-from numpy.typing import NDArray
-
-from robotraj._util.errors import InputError, warn
-from robotraj._util.lazy_values import cached_property
-from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import Contact
-from robotraj.dynamics.terrain.base import Ground
-from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import GroundFunction
-from robotraj.gait.checks import positive
-from robotraj.gait.feet import foot_contact
 from robotraj.gait.phase_sequence import sequence
-from robotraj.gait.standing import FOOT_TOLERANCE, stand
-from robotraj.gait.stepping.footholds import SHIFT
-from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.swing_clearance import partners_of
+from robotraj.gait.stepping.joined_gait import PlannedGait, joined_gait
+from robotraj.gait.supports import Support
 from robotraj.gait.upright import Upright
-from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import pendulum_time
-from robotraj.problem.links.periodic import Mirror, Periodic
-from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.objectives.base import Objective
-from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
-from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
-
-
-class PlannedPhase(Protocol):
-    """The planned motion of a phase."""
-
-    @property
-    def phase(self) -> Phase:
-        """The phase that was planned."""
-
-    @property
-    def t0(self) -> float:
-        """Time at which it begins [s]."""
-
-    @property
-    def duration(self) -> float:
-        """Its duration [s]."""
-
-
-class PlannedState(Protocol):
-    """A planned state of the robot."""
-
-    @property
-    def q(self) -> Array:
-        """Configuration (nq,)."""
-
-    @property
-    def v(self) -> Array:
-        """Velocity (nv,)."""
-
-
-class PlannedGait(Protocol):
-    """A plan of a repeating gait, such as a solution of ``rt.gait.walk``."""
-
-    @property
-    def problem(self) -> Problem:
-        """Its phases and links."""
-
-    @property
-    def phases(self) -> Sequence[PlannedPhase]:
-        """The motion of each phase."""
-
-    @property
-    def duration(self) -> float:
-        """Duration of one period [s]."""
-
-    def at(self, t: float) -> PlannedState:
-        """Evaluate at a time [s]."""
 
 
 def start(
@@ -97,16 +24,16 @@ def start(
 
     The robot starts in the configuration of ``rt.gait.stand``, placed above the standing feet of the first period. It
     ends in the first state of the gait, or in the state before the impact if the gait begins with one. In a single
-    period the standing feet do not move, so the robot starts with these feet on their footholds of the gait. The
-    sequence of standing feet and the durations are those of the gait.
+    period the standing feet do not move, so the robot starts with these feet on their footholds of the gait. Of two
+    point feet the other one then starts where the fall into the gait begins (``gait.stepping.capture``), else beside
+    them. The sequence of standing feet and the durations are those of the gait.
 
     Parameters
     ----------
     gait : Solution
         Solution of ``rt.gait.walk``, ``run``, ``trot`` or ``crawl`` on level ground.
     count : int
-        Number of periods; a period of a mirrored gait is one step. Give robots on two point feet two steps: after one,
-        the other foot seldom stands where it stops the fall.
+        Number of periods; a period of a mirrored gait is one step. Give runs on two point feet two steps.
     shift : float
         Duration on all feet at rest [s]; by default 1.4 sqrt(h / g), h the height of the centre of mass at rest.
     clearance, objective, upright
@@ -118,7 +45,7 @@ def start(
         The motion does not repeat, its ground is not level, or a count or duration is not positive. Or the robot
         cannot stand on the footholds of a single period.
     """
-    cycle = _cycle(gait, count, "start")
+    cycle = joined_gait(gait, count, "start")
     supports = [Support(cycle.feet, cycle.rest(shift, "start"), "stand")]
     for k in range(count):
         supports += cycle.period(k - count)
@@ -139,10 +66,10 @@ def stop(
     """Return a motion from a planned gait to rest: ``count`` of its periods, the last one shorter.
 
     The robot starts in the first state of the gait. It ends at rest in the configuration of ``rt.gait.stand``, placed
-    above the standing feet of the last period. In a single period these feet stay on their footholds of the gait.
-    Parameters and errors are those of ``start``.
+    above the standing feet of the last period. In a single period these feet stay on their footholds of the gait, and
+    of two point feet the other one lands where it stops the fall. Parameters and errors are those of ``start``.
     """
-    cycle = _cycle(gait, count, "stop")
+    cycle = joined_gait(gait, count, "stop")
     supports = [support for k in range(count) for support in cycle.period(k)]
     supports.append(Support(cycle.feet, cycle.rest(shift, "stop"), "stop"))
     first = gait.at(0.0)
@@ -150,148 +77,3 @@ def stop(
     begin = State(q=first.q, v=first.v)
     home = State(q=cycle.resting(count - 1, last=True, held=count == 1), v=0.0)
     return sequence(cycle.robot, supports, cycle.terms(clearance, objective, upright), None, begin, home)
-
-
-@dataclass(frozen=True, eq=False)
-class _Cycle:
-    """A planned gait with its repetition."""
-
-    gait: PlannedGait
-    repeat: Mirror | Periodic
-
-    @property
-    def robot(self) -> Robot:
-        robot = self.gait.phases[0].phase.robot
-        assert robot is not None, "a phase with contacts moves a robot"
-        return robot
-
-    @property
-    def partners(self) -> Mapping[str, str]:
-        """Frames that change places from one period to the next."""
-        return partners_of(self.repeat)
-
-    @property
-    def contact(self) -> Contact:
-        """The contact of a foot, to copy to the others."""
-        return next(contact for part in self.gait.phases for contact in part.phase.contacts)
-
-    @property
-    def feet(self) -> tuple[str, ...]:
-        """Frames of all feet."""
-        held = [contact.frame for part in self.gait.phases for contact in part.phase.bound_contacts]
-        return tuple(dict.fromkeys(name for foot in held for name in (foot, self.partners.get(foot, foot))))
-
-    @property
-    def length(self) -> float:
-        """Displacement along x in a period [m]."""
-        return float(self.gait.at(self.gait.duration).q[0] - self.gait.at(0.0).q[0])
-
-    def period(self, number: int) -> list[Support]:
-        """Return the phases of a period, counted from the planned one."""
-        swapped = self.partners if number % 2 else {}
-        written = []
-        for part in self.gait.phases:
-            feet = tuple(swapped.get(c.frame, c.frame) for c in part.phase.bound_contacts)
-            written.append(Support(feet, part.duration, f"{part.phase.name}, period {number}"))
-        return written
-
-    @property
-    def entry(self) -> tuple[Array, Array]:
-        """Configuration (nq,) and velocity (nv,) at the end of the previous period: the image of the last state."""
-        robot, phase = self.robot, self.gait.phases[-1].phase
-        first, last = self.gait.at(0.0), self.gait.at(self.gait.duration)
-        names = [state.name for state in phase.body.states][: robot.nq + robot.nv]
-        values = dict(zip(names, [*last.q, *last.v], strict=True))
-        seen = self.repeat.of(phase, names, type(self.repeat).__name__)
-        speeds = [sign * values[name] for name, sign in seen.sources[robot.nq :]]
-        return np.array(first.q), np.array(speeds)
-
-    @cached_property
-    def stance(self) -> BalancedStance:
-        """Inverse kinematics of all feet."""
-        return BalancedStance(self.robot, tuple(foot_contact(self.contact, n).bound_to(self.robot) for n in self.feet))
-
-    def rest(self, shift: float | None, what: str) -> float:
-        """Return the duration on all feet at rest [s]."""
-        home = stand(self.robot, self.feet, self.contact)
-        return positive(shift, SHIFT * pendulum_time(self.stance, home), f"rt.gait.{what}(shift)")
-
-    def resting(self, period: int, last: bool, held: bool) -> dict[str, float]:
-        """Return the standing configuration before or after a period, by name, without the root's y.
-
-        It is placed above the standing feet of the period's first or ``last`` step. If ``held``, these feet are on
-        their footholds.
-        """
-        home = stand(self.robot, self.feet, self.contact)
-        feet, bearing = self.stance.locate(home), self._bearing(period, last)
-        shift = np.zeros(3)
-        for i, axis in enumerate("xy"):
-            shift[i] = np.mean([at - feet[name] for name, at in bearing.items() if name.endswith(f".{axis}")] or [0.0])
-        near = np.array(home)
-        near[0] += shift[0]
-        if held:
-            if len(self.feet) == 2 and all(len(contact.outline()) == 1 for contact in self.stance.contacts):
-                warn(
-                    f"count=1 moves one of two point feet, and {self.robot.name!r} seldom keeps its balance: the other "
-                    "foot stays where the gait has it. The plan may not be found; count=2 places both feet."
-                )
-            feet |= {name: at + shift[0] for name, at in feet.items() if name.endswith(".x")}
-            com = np.array(pin.centerOfMass(self.robot.model, self.stance.data, home)) + shift
-            if self.robot.root == "planar":
-                com[1] = np.nan
-            near = self.stance.reach(near, feet | bearing, com, {}, near)
-            if np.max(np.abs(self.stance.places(near, feet | bearing)[0]), initial=0.0) > FOOT_TOLERANCE:
-                raise InputError(
-                    f"{self.robot.name!r} cannot stand on the footholds {', '.join(sorted(bearing))} of the gait with "
-                    "the other feet beside them; give count= of at least 2."
-                )
-        return {n: float(v) for n, v in zip(self.robot.position_names, near, strict=True) if n != "root_y"}
-
-    def _bearing(self, number: int, last: bool) -> dict[str, float]:
-        """Return the anchors of the feet that stand in all of a period, or else in its first or last step."""
-        standing = [(part.t0, {c.frame for c in part.phase.bound_contacts}) for part in self.gait.phases]
-        steps = [(t0, feet) for t0, feet in standing if 0 < len(feet) < len(self.feet)] or standing
-        time, bearing = steps[-1 if last else 0]
-        always = set.intersection(*(feet for _, feet in steps))
-        first, end = self.gait.at(0.0).q, self.gait.at(self.gait.duration).q
-        names = {contact.name: contact.frame for contact in self.stance.contacts}
-        labels = {frame: name for name, frame in names.items()}
-        side = 1 if self.robot.root == "floating" else 0
-        mirrored = isinstance(self.repeat, Mirror)
-        found = {}
-        for name, at in self.stance.locate(self.gait.at(time).q).items():
-            foot, _, axis = name.rpartition(".")
-            if names[foot] not in (always or bearing):
-                continue
-            if mirrored and number % 2:
-                foot = labels[self.partners.get(names[foot], names[foot])]
-                at = {"x": at, "y": first[side] + end[side] - at, "yaw": -at}[axis]
-            elif axis == "y" and not mirrored:
-                at += number * (end[side] - first[side])
-            found[f"{foot}.{axis}"] = float(at + (number * self.length if axis == "x" else 0.0))
-        return found
-
-    def terms(self, clearance: float | None, objective: Objective | None, upright: Upright | None) -> GaitTerms:
-        """Return the options of all phases."""
-        own = self.gait.phases[0].phase.objective if objective is None else objective
-        return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact))
-
-
-def _cycle(gait: PlannedGait, count: object, what: str) -> _Cycle:
-    if not isinstance(count, int) or count < 1:
-        raise InputError(f"rt.gait.{what}(count) is {count!r}; give at least 1 period.")
-    problem = getattr(gait, "problem", None)
-    if not isinstance(problem, Problem):
-        raise InputError(f"rt.gait.{what} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")
-    links = [link.repeat if isinstance(link, Touchdown) else link for link in problem.links]
-    repeats = [link for link in links if isinstance(link, Mirror | Periodic)]
-    if not repeats or problem.phases[0].robot is None:
-        raise InputError(f"The motion given to rt.gait.{what} does not repeat; plan one of rt.gait.walk, run or trot.")
-    cycle = _Cycle(gait, repeats[0])
-    if not isinstance(_ground(cycle.contact), Flat):
-        raise InputError(f"The gait given to rt.gait.{what} is not on level ground; plan it on rt.terrain.Flat().")
-    return cycle
-
-
-def _ground(contact: Contact) -> Ground | GroundFunction:
-    return getattr(contact, "ground", Flat())

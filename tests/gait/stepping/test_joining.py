@@ -52,14 +52,26 @@ def test_a_biped_stops_from_its_walk(walk: rt.Solution) -> None:
 
 
 def test_a_single_period_leaves_its_standing_foot_where_the_walk_has_it(walk: rt.Solution) -> None:
-    with pytest.warns(UserWarning, match="count=1 moves one of two point feet, and 'five_link' seldom"):
-        problem = rt.gait.start(walk, count=1)
-    start = rt.plan(problem, MESH)
+    start = rt.plan(rt.gait.start(walk, count=1), MESH)
     np.testing.assert_allclose(start.at(0.0).v, 0.0, atol=1e-8)
     np.testing.assert_allclose(start.at(start.duration).q, walk.at(0.0).q, atol=1e-6)
     standing = feet_at(walk, 0.0)["right_foot"]
     for t in (0.0, start.phases[0].duration, start.duration):
         assert feet_at(start, t)["right_foot"] == pytest.approx(standing, abs=1e-6)
+
+
+def test_a_single_period_ends_with_point_feet_on_both_sides_of_the_capture_point(walk: rt.Solution) -> None:
+    robot = walk.phases[0].phase.robot
+    assert robot is not None
+    landing = walk.at(walk.duration)
+    data = robot.model.createData()
+    pin.centerOfMass(robot.model, data, landing.q, landing.v)
+    standing = feet_at(walk, 0.0)["left_foot"]
+    ahead = data.com[0][0] + data.vcom[0][0] * np.sqrt(data.com[0][2] / 9.81) - standing
+    stop = rt.plan(rt.gait.stop(walk, count=1), MESH)
+    feet = feet_at(stop, stop.duration)
+    assert feet["left_foot"] == pytest.approx(standing, abs=1e-6)
+    assert feet["right_foot"] - standing == pytest.approx(1.25 * ahead, rel=1e-5)
 
 
 def test_durations_at_rest_grow_with_the_root_of_the_height(walk: rt.Solution, solo: rt.Robot) -> None:
