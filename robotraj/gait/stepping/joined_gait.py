@@ -162,7 +162,8 @@ class JoinedGait:
         near = np.array(home)
         near[0] += shift[0]
         if held:
-            spots = {n: at + (shift[0] if n.endswith(".x") else 0.0) for n, at in feet.items()} | bearing
+            shifts = dict(zip("xy", shift, strict=False))
+            spots = {n: at + shifts.get(n[-1], 0.0) for n, at in feet.items()} | bearing
             if len(self.feet) == 2 and all(len(contact.outline()) == 1 for contact in self.stance.contacts):
                 spots |= self._caught(period, last, bearing)
             com = np.array(pin.centerOfMass(self.robot.model, self.stance.data, home))
