@@ -71,6 +71,8 @@ class Row(OneLine):
         ``Where.RATE`` it bounds the variable's time derivative. ``Phase.rows`` lists the rows of a phase.
     measure : Measure or None
         The quantity that reports state in place of the value, if the value is a function of it.
+    selects_root : bool
+        Whether the row only excludes spurious roots of other rows of its constraint.
     """
 
     name: str
@@ -80,6 +82,7 @@ class Row(OneLine):
     joint: str | None = None
     variable: str | None = None
     measure: Measure | None = None
+    selects_root: bool = False
 
     @property
     def label(self) -> str:

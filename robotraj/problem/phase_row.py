@@ -52,7 +52,7 @@ class PhaseRow(Row):
     @classmethod
     def of(cls, row: Row, where: Where, constraint: int, entry: int, number: int) -> PhaseRow:
         """Return the row of a constraint that holds ``where``, with its kind and its numbers in the table."""
-        own = (row.name, row.unit, row.lower, row.upper, row.joint, row.variable, row.measure)
+        own = (row.name, row.unit, row.lower, row.upper, row.joint, row.variable, row.measure, row.selects_root)
         if where is Where.RATE:
             kind = Kind.RATE
         elif row.variable is not None:

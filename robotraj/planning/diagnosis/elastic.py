@@ -14,18 +14,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import groupby
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.errors import RobotrajError
-from robotraj._util.values import dataclass
-from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.row import Row
-from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
+from robotraj.planning.diagnosis.relaxation.relaxed_friction import RelaxedFriction, with_free_friction
+from robotraj.planning.diagnosis.relaxation.relaxed_rows import (
+    RelaxedConstraint,
+    RelaxedRow,
+    bounds_of_robot,
+    relaxed_rows,
+)
+from robotraj.problem.constraints.base import Constraint, Where
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.initial_guess import InitialGuess
@@ -33,14 +35,11 @@ from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Mayer
 from robotraj.problem.phase import Phase
-from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.problem import Problem
-from robotraj.problem.rows import RowTable
 from robotraj.solution.conflict import ROOM_OF_DURATION, Conflict, with_room
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
-Array = NDArray[np.float64]
 Solve = Callable[[Problem, "InitialGuess | Solution | None"], Solution]
 """(problem, guess) -> Solution, on a mesh and with a solver of the caller's choice."""
 
@@ -48,71 +47,11 @@ SMALL = 1e-3
 """Slacks, relative to the row's scale, that count as zero."""
 LONGEST = 30.0
 """Longest duration that is tried, relative to the longest allowed one."""
-AT_AN_END = 5.0
-"""Weight of slacks of rows at one end: limits are relaxed before the goals of the motion."""
-
-
 KEPT = (Where.RATE,)
 """Kinds of rows that are not relaxed."""
 
-
-@dataclass(frozen=True)
-class _RelaxedRow:
-    """One row to relax: its table, its slack (a parameter's name) and, for an integral, its duration [s]."""
-
-    table: RowTable
-    row: PhaseRow
-    name: str
-    duration: float = 1.0
-
-    @property
-    def rate(self) -> float:
-        """Change of the row's expression by a slack of 1: its scale, for an integral divided by the duration."""
-        return self.scale / self.duration
-
-    @property
-    def scale(self) -> float:
-        """Unit of the slack: the larger finite bound, else 1, in the row's unit."""
-        return self.row.greatest_bound or 1.0
-
-    @property
-    def weight(self) -> float:
-        """Weight of the slack in the sum."""
-        return AT_AN_END if self.row.where in (Where.START, Where.END) else 1.0
-
-
-@dataclass(frozen=True)
-class _RelaxedConstraint(Constraint):
-    """A constraint relaxed by slacks, which are parameters of the phase: c + w s >= l and c - w s <= u."""
-
-    entries: tuple[_RelaxedRow, ...]
-
-    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Return one row for every finite side."""
-        sides = [
-            (i, sign, Row(entry.row.name, entry.row.unit, lower, upper, entry.row.joint))
-            for i, entry in enumerate(self.entries)
-            for sign, lower, upper in ((1.0, entry.row.lower, np.inf), (-1.0, -np.inf, entry.row.upper))
-            if np.isfinite(lower) or np.isfinite(upper)
-        ]
-        table, rows = self.entries[0].table, [entry.row for entry in self.entries]
-
-        def expression(point: Point) -> list[ca.SX]:
-            values = table.values(rows, point)
-            slacks = [entry.rate * point.p[entry.name] for entry in self.entries]
-            return [values[i] + sign * slacks[i] for i, sign, _ in sides]
-
-        bound = self._bound
-        return BoundConstraint(bound.name, tuple(row for *_, row in sides), expression, bound.where)
-
-    @property
-    def _bound(self) -> BoundConstraint:
-        return self.entries[0].table.constraints[self.entries[0].row.constraint]
-
-    def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Add the variables that the rows of the constraint read."""
-        source = self._bound.source
-        return dynamics if source is None else source.augment(dynamics)
+Relaxed = RelaxedRow | RelaxedFriction
+"""What has a slack."""
 
 
 def relaxed_motion(
@@ -141,17 +80,23 @@ def relaxed_motion(
         return None, ()
     if not found.success and not _meets_rows(found, slacks):
         return (found if found.status is Status.INTERRUPTED else None), ()
+    own = False
+    if any(slacks[entry.name] > SMALL for entry in _of_robots(problem, entries)) and _asks_for_more(problem, entries):
+        # A robot's own limits are facts. What the user demands beside them gives way first.
+        asked = _least_relaxed(problem, solve, guess, {}, own=True)
+        if asked[0].success:
+            own, (found, entries, slacks) = True, asked
     if sum(value > SMALL for value in slacks.values()) > 1:
         weights = {
             entry.name: SMALL * entry.weight / (slacks[entry.name] + SMALL)
             for of_phase in entries
             for entry in of_phase
         }
-        again, _, fewer = _least_relaxed(problem, solve, found, weights)
+        again, _, fewer = _least_relaxed(problem, solve, found, weights, own)
         if again.success or _meets_rows(again, fewer):
             found, slacks = again, fewer
     listed = [
-        _conflict(found, i, entry, slacks[entry.name])
+        entry.conflict(found.phases[i], slacks[entry.name])
         for i, of_phase in enumerate(entries)
         for entry in of_phase
         if slacks[entry.name] > SMALL
@@ -199,12 +144,35 @@ def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Con
 
 
 def _least_relaxed(
-    problem: Problem, solve: Solve, guess: InitialGuess | Solution | None, weights: Mapping[str, float]
-) -> tuple[Solution, list[list[_RelaxedRow]], dict[str, float]]:
+    problem: Problem,
+    solve: Solve,
+    guess: InitialGuess | Solution | None,
+    weights: Mapping[str, float],
+    own: bool = False,
+) -> tuple[Solution, list[list[Relaxed]], dict[str, float]]:
     """Solve the relaxed problem for the least weighted sum; return its solution, its relaxed rows and their slacks."""
-    relaxed, entries = _relaxed(problem, weights)
+    relaxed, entries = _relaxed(problem, weights, own)
     found = solve(relaxed, guess)
-    return found, entries, _slacks(found, entries)
+    slacks = {e.name: part.parameters[e.name] for part, of in zip(found.phases, entries, strict=True) for e in of}
+    return found, entries, slacks
+
+
+def _of_robots(problem: Problem, entries: Sequence[Sequence[Relaxed]]) -> list[RelaxedRow]:
+    """Return the relaxed rows that are limits of robots as their descriptions give them."""
+    found = []
+    for phase, of_phase in zip(problem.phases, entries, strict=True):
+        known = bounds_of_robot(phase)
+        rows = [entry for entry in of_phase if isinstance(entry, RelaxedRow)]
+        found += [entry for entry in rows if known.get(entry.row.label) == (entry.row.lower, entry.row.upper)]
+    return found
+
+
+def _asks_for_more(problem: Problem, entries: Sequence[Sequence[Relaxed]]) -> bool:
+    """Whether motions without contacts have further limits along their way than those of their robots."""
+    along = (Where.THROUGHOUT, Where.INTEGRAL)
+    rows = [e.name for of in entries for e in of if isinstance(e, RelaxedRow) and e.row.where in along]
+    own = {entry.name for entry in _of_robots(problem, entries)}
+    return bool(own) and not own.issuperset(rows) and not any(phase.contacts for phase in problem.phases)
 
 
 def _meets_rows(found: Solution, slacks: Mapping[str, float]) -> bool:
@@ -213,9 +181,10 @@ def _meets_rows(found: Solution, slacks: Mapping[str, float]) -> bool:
     return ended and all(value <= SMALL for value in slacks.values())
 
 
-def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, list[list[_RelaxedRow]]]:
-    """Return the relaxed problem, and the relaxed rows of each phase."""
-    phases, relaxed_rows = [], []
+def _relaxed(problem: Problem, weights: Mapping[str, float], own: bool) -> tuple[Problem, list[list[Relaxed]]]:
+    """Return the relaxed problem, and the relaxed rows of each phase; robots' ``own`` limits may stay exact."""
+    phases: list[Phase] = []
+    relaxed_of: list[list[Relaxed]] = []
     for i, phase in enumerate(problem.phases):
         # Contacts of the phase impose their limits themselves; rows of the objective are removed with it.
         given = [bound for bound in phase.rows.constraints if bound.source is not None]
@@ -226,14 +195,20 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
         # A path is the motion that is planned, not a limit of it.
         kept = [n for n, bound in enumerate(given) if bound.where in KEPT or isinstance(bound.source, FollowPath)]
         longest = next((bound for bound in phase.duration_bounds[::-1] if 0.0 < bound < np.inf), 1.0)
-        entries = [
-            _RelaxedRow(table, row, f"slack.{i}.{row.number}", longest if row.where is Where.INTEGRAL else 1.0)
-            for row in table
-            if row.constraint not in kept
-        ]
-        of_each = groupby(entries, lambda entry: entry.row.constraint)
-        wrapped: list[Constraint] = [_RelaxedConstraint(tuple(group)) for _, group in of_each]
-        wrapped += [source for n in kept if (source := given[n].source) is not None]
+        slacks = list(relaxed_rows(table, [row for row in table if row.constraint not in kept], f"slack.{i}", longest))
+        if own:
+            exact = {entry.name for entry in _of_robots(Problem([phase]), [slacks])}
+            slacks = [entry for entry in slacks if entry.name not in exact]
+        contacts, friction = with_free_friction(phase, f"slack.{i}.friction")
+        wrapped: list[Constraint] = [*friction.values()]
+        for n, bound in enumerate(given):
+            rows = tuple(row for row in table if row.constraint == n)
+            of_bound = tuple(entry for entry in slacks if entry.row.constraint == n)
+            if n not in kept:
+                wrapped.append(RelaxedConstraint(bound, table, rows, of_bound))
+            elif bound.source is not None:
+                wrapped.append(bound.source)
+        entries: list[Relaxed] = [*slacks, *friction.values()]
         names = [entry.name for entry in entries]
         sizes = [weights.get(entry.name, entry.weight) for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=sizes))
@@ -243,58 +218,16 @@ def _relaxed(problem: Problem, weights: Mapping[str, float]) -> tuple[Problem, l
                 states={},
                 controls={},
                 algebraic={},
+                contacts=contacts,
                 constraints=wrapped,
                 objective=cost,
                 parameters={**phase.parameters, **{name: between(0.0, None) for name in names}},
             )
         )
-        relaxed_rows.append(entries)
-    return Problem(phases, problem.links), relaxed_rows
+        relaxed_of.append(entries)
+    return Problem(phases, problem.links), relaxed_of
 
 
 def _total(start: Point, end: Point, names: Sequence[str], weights: Sequence[float]) -> ca.SX:
     """Return the sum of the weighted slacks."""
     return ca.sum1(ca.vertcat(0, *(weight * end.p[name] for name, weight in zip(names, weights, strict=True))))
-
-
-def _slacks(found: Solution, relaxed: Sequence[Sequence[_RelaxedRow]]) -> dict[str, float]:
-    return {
-        entry.name: part.parameters[entry.name]
-        for part, entries in zip(found.phases, relaxed, strict=True)
-        for entry in entries
-    }
-
-
-def _conflict(found: Solution, index: int, entry: _RelaxedRow, slack: float) -> Conflict:
-    """Return the time at which a relaxed row is furthest beyond its bounds, and a bound that suffices."""
-    part = found.phases[index]
-    phase: Phase = part.phase
-    p = np.array([part.parameters[name] for name in entry.table.parameters])
-    times = {Where.START: part.points[:1], Where.END: part.points[-1:]}.get(
-        entry.row.where, np.unique(np.append(part.points, part.knots))
-    )
-    x, z, u = (curve(times) for curve in (part.trajectory.x, part.trajectory.z, part.trajectory.u))
-    values = entry.table.sample((entry.row,), times, x, z, u, p)[:, 0]
-    if entry.row.where is Where.INTEGRAL:
-        slack *= part.duration / entry.duration
-        times, values = times[-1:], np.array([np.trapezoid(values, times)])
-    low, high = entry.row.lower - values, values - entry.row.upper
-    worst = int(np.argmax(np.maximum(low, high)))
-    upper = bool(high[worst] >= low[worst])
-    bound = entry.row.upper if upper else entry.row.lower
-    amount = slack * entry.scale
-    needed = with_room(bound, bound + amount if upper else bound - amount)
-    return Conflict(
-        phase.name,
-        entry.row.label,
-        float(times[worst]),
-        entry.row.shown(bound),
-        entry.row.shown(needed),
-        entry.row.shown_unit,
-        slack,
-        entry.row.kind is Kind.BOUND or entry.row.joint in _joints(phase),
-    )
-
-
-def _joints(phase: Phase) -> tuple[str, ...]:
-    return phase.robot.velocity_names if phase.robot is not None else ()

@@ -24,7 +24,7 @@ from robotraj.robot.limits import Limits
 SHORTEST = 1e-3
 """Least duration of a phase [s], which keeps mean speeds finite."""
 QUATERNION_WEIGHT, END_WEIGHT, CONSTRAINT_WEIGHT, LIMIT_WEIGHT = 1e3, 20.0, 5.0, 1.0
-"""Weights of slacks: lengths of quaternions; states given at an end; contacts, links and frames at an end; limits."""
+"""Weights of slacks: quaternions' lengths and roots; states given at an end; contacts, links, frames there; limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +114,7 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
         values = _values(ends, here, x, t)
         for row, value in zip(here, values, strict=True):
             weight = LIMIT_WEIGHT if row.where is Where.THROUGHOUT else CONSTRAINT_WEIGHT
+            weight = QUATERNION_WEIGHT if row.selects_root else weight
             own = (value, row.lower, row.upper, phase.name, row.label, row.shown_unit, t, weight)
             yield EndRow(*own, measure=row.measure)
         held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)

@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import casadi as ca
+
+from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
 from robotraj.planning.diagnosis.exclusions.convexity import excluded_on_finer_mesh
@@ -20,6 +23,8 @@ from robotraj.planning.diagnosis.rate_limits import wider_rates
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
+from robotraj.problem.constraints.base import Where
+from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict, are_certain, are_clear
 from robotraj.solution.solution import Solution
@@ -28,8 +33,6 @@ from robotraj.transcription.extract import PhaseTrajectory
 
 UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.ITERATION_LIMIT, Status.DIVERGED)
 """Statuses for which the relaxed problem is solved."""
-SHORT_OF_TIME = ("velocity", "acceleration", "jerk", "effort", "torque rate", "control")
-"""First words of the names of rows that a longer duration may satisfy."""
 
 
 def against_momentum(problem: Problem) -> tuple[Conflict, ...]:
@@ -47,8 +50,8 @@ def completed(
 ) -> tuple[Conflict, ...]:
     """Add the least duration that suffices, and prefer a limit of jerks or of rates of torques that must give less.
 
-    Without a motion, the relaxed problem was not solved. A longer duration may suffice where limits of speeds,
-    accelerations, jerks, torques or controls conflict.
+    Without a motion, the relaxed problem was not solved. A longer duration may suffice where no limit in conflict is
+    one of positions alone.
     """
     if motion is not None and not conflicts:
         return ()
@@ -57,10 +60,24 @@ def completed(
         conflicts, motion = (rates,), wider
     if motion is None:
         return conflicts
-    if not all(conflict.name.startswith(SHORT_OF_TIME) for conflict in conflicts):
+    if not all(_depends_on_rates(problem, conflict) for conflict in conflicts):
         return conflicts
     longer = sufficient_duration(problem, solve_coarse, motion)
     return conflicts if longer is None else (*conflicts, longer)
+
+
+def _depends_on_rates(problem: Problem, conflict: Conflict) -> bool:
+    """Whether a row in conflict holds along the motion and reads more than positions, as those of speeds do."""
+    phase = next((each for each in problem.phases if each.name == conflict.phase), None)
+    row = next((row for row in phase.rows if row.label == conflict.name), None) if phase is not None else None
+    if phase is None or row is None or row.where in (Where.START, Where.END):
+        return False
+    if row.kind is Kind.RATE or not isinstance(phase.body, RigidBody):
+        return True
+    table = phase.rows
+    positions = ca.vertcat(table.symbols[0], table.symbols[1][: phase.body.position_count], table.symbols[4])
+    others = [symbol for symbol in ca.symvar(table.expressions((row,))[0]) if not ca.depends_on(positions, symbol)]
+    return bool(others)
 
 
 def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> Solution:

@@ -94,7 +94,7 @@ class FramePose(Constraint):
         lower, upper = as_bounds(position, AXES, what, "axis")
         rows = [Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in range(3)]
         rows += [Row(f"frame orientation {axis}", "rad", 0.0, 0.0, self.frame) for axis in AXES]
-        rows.append(Row("frame orientation half turn", "", 1.0, np.inf, self.frame))
+        rows.append(Row("frame orientation half turn", "", 1.0, np.inf, self.frame, selects_root=True))
         frame = self.frame
 
         def expression(point: RobotPoint) -> list[Scalar]:

@@ -61,7 +61,7 @@ class FrameAxis(Constraint):
         if room == 0.0:
             across = perpendicular(wanted)
             rows = [Row(f"frame axis {name}", "rad", 0.0, 0.0, frame) for name in ("across", "across too")]
-            rows.append(Row("frame axis half turn", "", 0.0, np.inf, frame))
+            rows.append(Row("frame axis half turn", "", 0.0, np.inf, frame, selects_root=True))
         else:
             rows = [Row("frame axis angle", "", -np.inf, 1.0, frame, measure=Angle(self.angle))]
 

@@ -78,7 +78,8 @@ class PoseRegion(Constraint):
         else:
             names = AXES if axis is None else AXES[:2]
             rows += [Row(f"region rotation {name}", "rad", 0.0, 0.0, frame) for name in names]
-            rows.append(Row("region half turn", "", 0.0 if axis is not None else 1.0, np.inf, frame))
+            least = 0.0 if axis is not None else 1.0
+            rows.append(Row("region half turn", "", least, np.inf, frame, selects_root=True))
         across = None if axis is None else perpendicular(rotation @ axis)
 
         def expression(point: RobotPoint) -> list[Scalar]:
