@@ -49,10 +49,16 @@ def joint_forces(
     # A robot without damping has no product in its graph.
     if not isinstance(damping, np.ndarray) or damping.any():
         force -= damping * v
+    return force - dry_friction(robot, v, softening, change)
+
+
+def dry_friction(robot: Robot, v: ca.SX, softening: float = 0.0, change: ca.SX | None = None) -> ca.SX:
+    """Return the dry friction F tanh(v / v_s), (nv,) [N m, N]; parameters as in ``joint_forces``."""
+    force = ca.SX(robot.nv, 1)
     # Frictionless joints have no tanh in the graph.
     for i in np.flatnonzero(robot.friction).tolist():
         relative = None if change is None else change[i] / robot.friction_speed
-        force[i] -= robot.friction[i] * _saturation(v[i] / robot.friction_speed, softening, relative)
+        force[i] = robot.friction[i] * _saturation(v[i] / robot.friction_speed, softening, relative)
     return force
 
 

@@ -220,12 +220,14 @@ class PathBody(RigidBody):
         return third * speed**3 + 3.0 * second * speed * point.extra[ACCELERATION] + first * rate
 
     def torque_rate(self, point: PathPoint, rate: Scalar) -> ca.SX:
-        """Rates of the torques (nu,) [N m/s, N/s] where s'' changes at a rate s'''."""
+        """Rates of the torques without dry friction (nu,) [N m/s, N/s] where s'' changes at a rate s'''."""
         nv, names = self.robot.nv, list(point.p)
         q, v, a, j = (ca.SX.sym(name, nv) for name in "qvaj")
         p = ca.SX.sym("p", len(names))
-        tau = self._moving(ca.SX(0), q, v, a, p, names).tau
-        along = ca.jtimes(tau, ca.vertcat(q, v, a), ca.vertcat(v, a, j))
+        moving = self._moving(ca.SX(0), q, v, a, p, names)
+        friction = self.dry_friction(moving)
+        driven = [self.robot.velocity_names.index(joint) for joint in self.robot.actuated]
+        along = ca.jtimes(moving.tau - friction[driven], ca.vertcat(q, v, a), ca.vertcat(v, a, j))
         made = ca.Function("torque_rate", [q, v, a, j, p], [along])
         return made(point.q, point.v, point.a, self.jerk(point, rate), ca.vertcat(ca.SX(0, 1), *point.p.values()))
 

@@ -21,7 +21,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_expressions import contact_terms_of, correct, hold, pinned
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.dae import TimeOrders
-from robotraj.dynamics.motors_and_friction import joint_forces
+from robotraj.dynamics.motors_and_friction import dry_friction, joint_forces
 from robotraj.dynamics.point import RobotPoint, symbolic_model
 from robotraj.dynamics.variable import Column, Named, Variable
 
@@ -188,6 +188,14 @@ class RigidBody(OneLine):
             corrected[3:7] += point.q[3:7] * c[0] / ca.sqrt(1.0 + (c[0] / LONGEST_STRETCH) ** 2)
         return corrected
 
+    def dry_friction(self, point: RobotPoint) -> ca.SX:
+        """Evaluate the dry friction of the joints, (nv,) [N m, N]."""
+        return dry_friction(self.robot, point.v, self.softening, self._change(point))
+
+    def _change(self, point: RobotPoint) -> ca.SX | None:
+        """Return the change of the speeds within the time over which soft friction is averaged; None without it."""
+        return self.averaging * point.a if self.averaging else None
+
     def along(self, point: RobotPoint, moved: ca.SX, sped: ca.SX) -> ca.SX:
         """Rates (nq + nv,) of a state whose q changes along one tangent vector (nv,) and whose v along another."""
         if self._has_quaternion:
@@ -236,8 +244,7 @@ class InverseRigidBody(RigidBody):
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
-        change = self.averaging * point.a if self.averaging else None
-        forces = joint_forces(self.robot, point.v, point.tau, point.damping, self.softening, change)
+        forces = joint_forces(self.robot, point.v, point.tau, point.damping, self.softening, self._change(point))
         balance = point.inverse_dynamics - forces
         terms = [contact_terms_of(contact, point) for contact in self.contacts]
         for each in terms:

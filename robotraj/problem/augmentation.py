@@ -8,6 +8,7 @@ transcription treat this DAE as any other:
     Slacks              further controls s, bounded by rows of the objective
     Accelerations       further states A = a of a robot, its jerks j the controls:   A' = j
     Jerks               further algebraic variables j = da/dt, where joints have no motor
+    FrictionlessTorques further algebraic variables tau - F tanh(v / v_s), torques without dry friction
     RunningIntegral     a further state W from W = 0:   Wdot = l(x, z, u, p, t)
     PathRates           on a path q(s), a further state s'' and the control s''':   ds''/dt = s'''
 
@@ -24,6 +25,7 @@ from typing import ClassVar
 
 import casadi as ca
 
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
@@ -33,6 +35,9 @@ from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.scalars import Scalar
+
+FRICTIONLESS = "frictionless."
+"""Prefix of torques without dry friction."""
 
 
 @dataclass(frozen=True)
@@ -180,6 +185,66 @@ class Slacks(Augmented):
         if u is not None:
             point.extra |= {v.name: u[nu + i] for i, v in enumerate(self.slacks)}
         return point
+
+
+@dataclass(frozen=True)
+class FrictionlessTorques(Augmented):
+    """The torques of joints without their dry friction, tau_j - F_j tanh(v_j / v_s), as further algebraic variables.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        Joints with a motor.
+    """
+
+    joints: tuple[str, ...]
+    smooth: ClassVar[bool] = True
+
+    @property
+    def _torques(self) -> tuple[Variable, ...]:
+        return tuple(c for c in body_of(self.inner).controls if c.joint in self.joints)
+
+    @cached_property
+    def frictionless(self) -> tuple[Variable, ...]:
+        """``frictionless.<joint>``."""
+        return tuple(
+            Variable(f"{FRICTIONLESS}{c.joint}", c.unit, "effort without dry friction", c.joint) for c in self._torques
+        )
+
+    @property
+    def algebraic(self) -> tuple[Variable, ...]:
+        """Inner algebraic variables, then the torques without dry friction."""
+        return (*self.inner.algebraic, *self.frictionless)
+
+    @cached_property
+    def residuals(self) -> tuple[Variable, ...]:
+        """Inner rows, then the definitions of the torques without dry friction."""
+        return (*self.inner.residuals, *self.frictionless)
+
+    @property
+    def time_orders(self) -> TimeOrders | None:
+        """0 for torques."""
+        known = self._inner_orders
+        return known and known._replace(algebraic=known.algebraic + (0,) * len(self.frictionless))
+
+    def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
+        """Put the torques without dry friction into ``point.extra``."""
+        nz = len(self.inner.algebraic)
+        point = self.inner.point(t, x, None if z is None else z[:nz, :], u, p, names)
+        if z is not None:
+            point.extra |= {v.name: z[nz + i] for i, v in enumerate(self.frictionless)}
+        return point
+
+    def residual(self, point: AnyPoint) -> ca.SX:
+        """Inner rows, then tau - F tanh(v / v_s) less the variables."""
+        body = body_of(self.inner)
+        assert isinstance(body, RigidBody)
+        friction, moved = body.dry_friction(point), body.robot.velocity_names
+        rows = (
+            point.u[c.name] - friction[moved.index(c.joint)] - point.extra[v.name]
+            for c, v in zip(self._torques, self.frictionless, strict=True)
+        )
+        return ca.vertcat(self.inner.residual(point), *rows)
 
 
 @dataclass(frozen=True)

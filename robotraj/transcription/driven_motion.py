@@ -21,11 +21,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_terms import separate_contact_terms
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.torque_symbols import separate_torques
+from robotraj.problem.augmentation import FRICTIONLESS
 from robotraj.robot.tangent import normalised
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.exact_motion import is_exact
@@ -103,14 +105,27 @@ class DrivenInputs(OneLine):
         x[:, : robot.nq] = normalised(robot.model, x[:, : robot.nq])
         driven = [robot.velocity_names.index(joint) for joint in robot.actuated]
         free = sorted(set(range(nv)) - set(driven))
-        left = equations.rows(t, x, z, u, parameters)[:, :nv]
+        left = np.array(equations.rows(t, x, z, u, parameters))
         if body.contacts:
             arms = equations.slopes(t, x, z, u, parameters)[:, :nv, nv:forces]
             change = -np.linalg.pinv(arms[:, free], rcond=RANK) @ left[:, free, None]
             z[:, nv:forces] += change[:, :, 0]
-            left = left + (arms @ change)[:, :, 0]
+            left[:, :nv] += (arms @ change)[:, :, 0]
         u[:, : len(driven)] += left[:, driven]
+        for i, row, joint in self._frictionless:
+            z[:, i] += left[:, row] + left[:, joint]
         return z, u
+
+    @cached_property
+    def _frictionless(self) -> list[tuple[int, int, int]]:
+        """Torques without dry friction: their columns of z, rows of their definitions and of their joints' balances."""
+        dae, joints = self.phase.dae, self.phase.robot.velocity_names if self.phase.robot else ()
+        rows = [row.name for row in dae.residuals]
+        return [
+            (i, rows.index(v.name), joints.index(v.joint))
+            for i, v in enumerate(dae.algebraic)
+            if v.joint is not None and v.name.startswith(FRICTIONLESS)
+        ]
 
 
 class MotionEquations:

@@ -1,5 +1,7 @@
 """Hard limits of jerks and of rates of torques: closed forms, limits at every time, what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,6 +58,32 @@ def test_rates_of_torques_stay_within_their_limit_between_the_points(tmp_path):
     again = rt.load_solution(tmp_path / "motion.npz")
     assert isinstance(again.problem.phases[0].constraints[0], rt.constraints.JointTorqueRate)
     assert rt.validate(again).passed
+
+
+def _turning_back(**changes):
+    """A pendulum with dry friction that swings out and back to its start."""
+    robot = replace(rt.load("pendulum"), friction=np.array([0.5]))
+    ends = {"start": rt.State(q=0, v=0.5), "end": rt.State(q=0, v=-0.5)}
+    return rt.Phase(robot, 1.0, **ends, objective=rt.Effort(), **changes)
+
+
+def test_the_dry_friction_of_a_reversal_is_no_part_of_the_bounded_rate():
+    """Plan and witness measure tau - F tanh(v / v_s); the torque itself jumps by 2 F."""
+    solution = rt.plan(_turning_back(constraints=[rt.constraints.JointTorqueRate(rt.between(-8, 8))]))
+    robot = solution.problem.phases[0].robot
+    t = np.linspace(0.0, solution.duration, 4001)
+    sample = solution.at(t)
+    smooth = sample.tau - robot.friction * np.tanh(sample.v / robot.friction_speed)
+    bounded, whole = (np.abs(np.diff(each, axis=0)).max() / t[1] for each in (smooth, sample.tau))
+    assert bounded < 8 * (1 + 2e-3) < whole
+    assert rt.validate(solution).passed
+
+
+def test_torques_that_are_states_are_refused():
+    """``TorqueRate`` makes torques states; their limit was once ignored."""
+    limit = rt.constraints.JointTorqueRate(rt.between(-8, 8))
+    with pytest.raises(rt.InputError, match="TorqueRate\\(\\) makes them states"):
+        _ = _reach(limit).with_(objective=rt.objectives.TorqueRate()).rows
 
 
 def test_the_witness_measures_rates_itself():

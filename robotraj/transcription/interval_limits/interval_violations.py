@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.problem.augmentation import FRICTIONLESS
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.driven_motion import DrivenInputs, Inputs, PlannedInputs
@@ -27,8 +28,8 @@ from robotraj.transcription.interval_limits.methods import limited_algebraic
 from robotraj.transcription.interval_limits.row_values import (
     STEP,
     Columns,
-    Controls,
     Curve,
+    DrivenCurve,
     Expressions,
     Indices,
     Rates,
@@ -128,7 +129,7 @@ def variable_violations(
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
-        curves.append((phase.body.controls, Controls(inputs), EXACT_SHARE))
+        curves.append((phase.body.controls, DrivenCurve(inputs, 1), EXACT_SHARE))
     if not isinstance(inputs, DrivenInputs) or phase.dae.controls != phase.body.controls:
         curves.append((phase.dae.controls, trajectory.u, SHARE))
     found = []
@@ -140,10 +141,13 @@ def variable_violations(
         allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
     if isinstance(inputs, DrivenInputs):
-        rates = phase.rows.rates_of(phase.body.controls)
+        # Accelerations are the planned polynomials, whose rates are bounded everywhere.
+        rates = [
+            pair for pair in phase.rows.rates_of(phase.dae.algebraic) if str(pair[0].variable).startswith(FRICTIONLESS)
+        ]
         rows, columns = [row for row, _ in rates], [column for _, column in rates]
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
-        found += _violations(index, rows, Rates(Controls(inputs), columns), ONE_SIDED, allowed)
+        found += _violations(index, rows, Rates(DrivenCurve(inputs, 0), columns), ONE_SIDED, allowed)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     allowed = np.array([row.size * (RATE_SHARE if _limits_rate(phase, row) else EXACT_SHARE) for row in rows])

@@ -43,10 +43,11 @@ class Curve(Protocol):
 
 
 @dataclass(frozen=True)
-class Controls:
-    """The controls along a motion as a curve."""
+class DrivenCurve:
+    """Algebraic variables (``kind`` 0) or controls (1) along a motion as a curve."""
 
     inputs: DrivenInputs
+    kind: int
 
     @property
     def breaks(self) -> Array:
@@ -54,12 +55,12 @@ class Controls:
         return self.inputs.trajectory.x.breaks
 
     def __call__(self, t: Array, interval: Indices | None = None) -> Array:
-        """Evaluate at times (m,), each on its own interval where these are given, (m, nu)."""
-        return self.inputs.at(t, interval)[1]
+        """Evaluate at times (m,), each on its own interval where these are given, (m, n)."""
+        return self.inputs.at(t, interval)[self.kind]
 
     def inside(self, tau: Array) -> Array:
-        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, nu)."""
-        return self.inputs.inside(tau)[1]
+        """Evaluate every interval at the same places tau in [0, 1], (m,) -> (K, m, n)."""
+        return self.inputs.inside(tau)[self.kind]
 
 
 class RowValues(Protocol):

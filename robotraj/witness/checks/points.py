@@ -14,9 +14,10 @@ from robotraj.dynamics.point import Point
 from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import BoundConstraint
 from robotraj.problem.constraints.motors.rates import RateLimit
+from robotraj.robot.robot import Robot
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
-from robotraj.witness.planned import robot_sample, system_of
+from robotraj.witness.planned import RobotSample, robot_sample, system_of
 from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import NumericPoint, system_point
 from robotraj.witness.protocols import Array, PhaseSolutionLike
@@ -70,7 +71,8 @@ def added_variables(
 ) -> dict[str, NDArray[np.float64]]:
     """Return the variables (m,) that the objective or a constraint added to the dynamics of a robot, by name.
 
-    Rates of torques and accelerations that have bounds are central differences of the planned values.
+    Rates of accelerations, and of torques without dry friction, that have bounds are central differences of the planned
+    values.
     """
     phase = planned.phase
     bounded = [
@@ -95,13 +97,20 @@ def added_variables(
         at = np.broadcast_to(interval, np.shape(times))
         step = STEP * (knots[at + 1] - knots[at])
         middle = np.clip(times, knots[at] + step, knots[at + 1] - step)
-        behind, ahead = (robot_sample(planned, middle + sign * step, interval) for sign in (-1.0, 1.0))
-        moved = {"a": phase.robot.velocity_names, "tau": phase.robot.actuated}
-        for name in bounded:
-            kind, _, joint = name.partition(".")
-            column = list(moved[kind]).index(joint)
-            change = getattr(ahead, kind)[:, column] - getattr(behind, kind)[:, column]
-            found[f"rate.{name}"] = change / (2.0 * step)
+        behind, ahead = (
+            _smooth(phase.robot, robot_sample(planned, middle + sign * step, interval)) for sign in (-1.0, 1.0)
+        )
+        found |= {f"rate.{name}": (ahead[name] - behind[name]) / (2.0 * step) for name in bounded}
+    return found
+
+
+def _smooth(robot: Robot, sample: RobotSample) -> dict[str, Array]:
+    """Return the accelerations, and the torques without dry friction, (m,) by name."""
+    found = {f"a.{joint}": sample.a[:, i] for i, joint in enumerate(robot.velocity_names)}
+    for column, joint in enumerate(robot.actuated):
+        i = robot.velocity_names.index(joint)
+        friction = robot.friction[i] * np.tanh(sample.v[:, i] / robot.friction_speed)
+        found[f"tau.{joint}"] = sample.tau[:, column] - friction
     return found
 
 

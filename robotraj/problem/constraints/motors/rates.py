@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.row import Row
-from robotraj.problem.augmentation import body_of
+from robotraj.problem.augmentation import FRICTIONLESS, FrictionlessTorques, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
 from robotraj.problem.rates_as_variables import with_control_rates
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.dynamics.point import RobotPoint
     from robotraj.problem.scalars import Scalar
+    from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ class RateLimit(Constraint):
     prefix: ClassVar[str]
     quantity: ClassVar[str]
     units: ClassVar[tuple[str, str]]
+    bounded: ClassVar[str]
+    """Prefix of the variables whose polynomials are bounded."""
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each joint that is bounded on a side.
@@ -58,19 +61,23 @@ class RateLimit(Constraint):
                 f"{type(self).__name__} bounds rates of unknowns, and forward dynamics have no accelerations among "
                 "them; use rt.dynamics.InverseDynamics()."
             )
-        joints = list(robot.actuated if self.prefix == "tau" else robot.velocity_names)
         units = {j: self.units[unit == "m"] for j, unit in zip(robot.velocity_names, robot.units, strict=True)}
-        lower, upper = as_bounds(self.bounds, joints, self.quantity)
         rows = tuple(
-            Row(self.quantity, units[j], float(low), float(high), j, None if on_path else f"{self.prefix}.{j}")
-            for j, low, high in zip(joints, lower, upper, strict=True)
-            if np.isfinite(low) or np.isfinite(high)
+            Row(self.quantity, units[j], low, high, j, None if on_path else f"{self.bounded}{j}")
+            for j, low, high in self._limited(robot)
         )
 
         def expression(point: RobotPoint) -> list[Scalar]:
             return [point.extra[f"rate.{self.prefix}.{row.joint}"] for row in rows]
 
         return BoundConstraint(self.quantity, rows, expression, Where.THROUGHOUT if on_path else Where.RATE)
+
+    def _limited(self, robot: Robot) -> list[tuple[str, float, float]]:
+        """Joints that are bounded on a side, with both bounds."""
+        joints = list(robot.actuated if self.prefix == "tau" else robot.velocity_names)
+        lower, upper = as_bounds(self.bounds, joints, self.quantity)
+        pairs = zip(joints, lower.tolist(), upper.tolist(), strict=True)
+        return [(j, low, high) for j, low, high in pairs if np.isfinite(low) or np.isfinite(high)]
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """On a path, make its acceleration a state; elsewhere the rates are those of polynomials."""
@@ -84,15 +91,40 @@ class JointJerk(RateLimit):
     prefix: ClassVar[str] = "a"
     quantity: ClassVar[str] = "jerk limit"
     units: ClassVar[tuple[str, str]] = ("rad/s^3", "m/s^3")
+    bounded: ClassVar[str] = "a."
 
 
 @dataclass(frozen=True)
 class JointTorqueRate(RateLimit):
-    """Bounds on the rates d tau_j/dt of the motors' torques and forces [N m/s, N/s], at every time.
+    """Bounds on the rates of the motors' torques and forces without dry friction [N m/s, N/s], at every time.
 
-    The bounded polynomials agree with the torques of the motion at the collocation points.
+    The rate of joint j is d/dt (tau_j - F_j tanh(v_j / v_s)), with the dry friction F_j of the URDF and the robot's
+    ``friction_speed`` v_s. Dry friction jumps by 2 F_j where the joint reverses: its rate, F_j / v_s times the
+    acceleration, is not bounded. Joints without dry friction have the rates of tau_j. The bounded polynomials agree
+    with these torques at the collocation points, where they are further variables.
     """
 
     prefix: ClassVar[str] = "tau"
     quantity: ClassVar[str] = "torque rate limit"
     units: ClassVar[tuple[str, str]] = ("N m/s", "N/s")
+    bounded: ClassVar[str] = FRICTIONLESS
+
+    def augment(self, dynamics: Dynamics) -> Dynamics:
+        """Add the torques without dry friction, except on a path.
+
+        Raises
+        ------
+        InputError
+            The objective made the torques states.
+        """
+        body = body_of(dynamics)
+        if isinstance(body, PathBody):
+            return super().augment(dynamics)
+        limited = [joint for joint, _, _ in self._limited(robot_of(body, type(self).__name__))]
+        if has(dynamics, [f"rate.tau.{joint}" for joint in limited]):
+            raise InputError(
+                "JointTorqueRate bounds rates of torques that are controls, and the objective TorqueRate() makes them "
+                "states; use another objective, such as rt.Effort(), or leave out the limit."
+            )
+        added = tuple(joint for joint in limited if not has(dynamics, [f"{FRICTIONLESS}{joint}"]))
+        return FrictionlessTorques(dynamics, added) if added else dynamics
