@@ -9,6 +9,9 @@ import numpy as np
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
+LEAST_SIZE = 1e-2
+"""Least size of a row with one bound, in its unit: smaller bounds, such as 1e-6 kg, mostly stand for 0."""
+
 
 class Measure(ABC):
     """A quantity that a row bounds through a smooth function of it; reports state the quantity.
@@ -88,6 +91,23 @@ class Row(OneLine):
     def label(self) -> str:
         """Name and joint, as reports show them."""
         return f"{self.name}, {self.joint}" if self.joint else self.name
+
+    @property
+    def greatest_bound(self) -> float:
+        """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
+        return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
+
+    @property
+    def size(self) -> float:
+        """Violation that counts as 1, in ``unit``.
+
+        It is half the range of two bounds, and the absolute value of a single one, at least 0.01. A bound of 0 says
+        nothing about the size of the value, and counts as 1. The size of an equality is max(1, abs(bound)).
+        """
+        if self.lower == self.upper:
+            return max(1.0, self.greatest_bound)
+        width = self.upper - self.lower
+        return 0.5 * width if width < np.inf else max(LEAST_SIZE, self.greatest_bound or 1.0)
 
     @property
     def shown_unit(self) -> str:

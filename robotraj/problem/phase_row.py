@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from enum import Enum
 
-import numpy as np
-
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import Where
@@ -67,14 +65,3 @@ class PhaseRow(Row):
     def is_equality(self) -> bool:
         """Whether both bounds are the same number."""
         return self.lower == self.upper
-
-    @property
-    def greatest_bound(self) -> float:
-        """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
-        return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
-
-    @property
-    def size(self) -> float:
-        """Violation that counts as 1: half the range of two bounds, else max(1, abs(bound)), in ``unit``."""
-        width = self.upper - self.lower
-        return 0.5 * width if 0.0 < width < np.inf else max(1.0, self.greatest_bound)

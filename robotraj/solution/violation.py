@@ -36,8 +36,8 @@ class Violation(OneLine):
         The violated bound [unit].
     side : Side
     size : float
-        Amount [unit] that counts as a relative violation of 1. The planner takes the scale of the row in the NLP. The
-        witness takes half the range of a row with two bounds, and max(1, |limit|) of others.
+        Amount [unit] that counts as a relative violation of 1. The planner takes the scale of the row in the NLP, and
+        ``Row.size`` between the points, as the witness does.
     """
 
     phase: str

@@ -65,7 +65,16 @@ def test_each_row_has_the_kind_by_which_it_is_imposed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("bounds", "size"), [((-100.0, 100.0), 100.0), ((0.0, np.inf), 1.0), ((-np.inf, 50.0), 50.0), ((3.0, 3.0), 3.0)]
+    ("bounds", "size"),
+    [
+        ((-100.0, 100.0), 100.0),
+        ((0.0, np.inf), 1.0),
+        ((-np.inf, 50.0), 50.0),
+        ((0.04, np.inf), 0.04),
+        ((1e-6, np.inf), 0.01),
+        ((3.0, 3.0), 3.0),
+        ((0.1, 0.1), 1.0),
+    ],
 )
 def test_a_row_is_measured_by_half_its_range_or_its_bound(bounds: tuple[float, float], size: float) -> None:
     assert PhaseRow("torque", "N m", *bounds).size == size

@@ -20,6 +20,8 @@ from robotraj.witness.sampling import interval_samples
 
 FEW_SAMPLES = 9
 """Points of every interval at which constraints are evaluated first; near their bounds, more points follow."""
+CLOSER = 25
+"""Points between two neighbours of the nearest one, where a row bends across its bound."""
 
 ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
 
@@ -82,6 +84,17 @@ def _see_throughout(
         after = np.searchsorted(knots, nearest, side="right") - 1
         before = np.searchsorted(knots, nearest, side="left") - 1
         look(samples, {int(k) for k in (*after, *before)})
+    _see_hidden_peaks(planned, entries, clock)
+
+
+def _see_hidden_peaks(planned: PhaseSolutionLike, entries: Sequence[Watched], clock: Callable[[], None]) -> None:
+    """Evaluate constraints at closer points where a row may violate its bounds between the points seen."""
+    knots = np.asarray(planned.knots, dtype=float)
+    for begin, end in {peak for watch in all_watches(entries) if (peak := watch.hidden_peak) is not None}:
+        clock()
+        k = int(np.searchsorted(knots, 0.5 * (begin + end), side="right")) - 1
+        times = np.linspace(max(begin, knots[k]), min(end, knots[k + 1]), CLOSER)
+        see(entries, times, points_of(planned, times, k))
 
 
 def _key(row: Row) -> tuple[str, str | None, float, float]:

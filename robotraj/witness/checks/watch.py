@@ -35,6 +35,20 @@ class Watch:
         return float(times[np.argmax(excess)])
 
     @property
+    def hidden_peak(self) -> tuple[float, float] | None:
+        """Times between which the row may violate its bounds although no value does, None if it cannot.
+
+        A parabola through three neighbouring values exceeds the middle one by at most half of its bend.
+        """
+        times, first = np.unique(np.concatenate(self.times), return_index=True)
+        excess = self._excess[first]
+        i = int(np.clip(np.argmax(excess), 1, max(1, len(times) - 2)))
+        if len(times) < 3:
+            return None
+        bend = abs(excess[i - 1] - 2.0 * excess[i] + excess[i + 1])
+        return (float(times[i - 1]), float(times[i + 1])) if excess.max() <= 0.0 < excess[i] + bend else None
+
+    @property
     def _excess(self) -> Array:
         """Distance (m,) of each value beyond its bounds, infinite where it is not a number."""
         values = np.concatenate(self.values)
@@ -48,11 +62,5 @@ class Watch:
         amount, limit, side = violated(value, float(row.lower), float(row.upper))
         if amount <= SOLVER_NOISE * max(1.0, abs(limit)):
             return None
-        found = Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, size_of(row, limit))
+        found = Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, float(row.size))
         return found.measured(row.measure)
-
-
-def size_of(row: Row, limit: float) -> float:
-    """Return the size of a row [unit]: half its range where it has two bounds, else max(1, |limit|)."""
-    width = float(row.upper) - float(row.lower)
-    return 0.5 * width if 0.0 < width < np.inf else max(1.0, abs(limit))
