@@ -93,6 +93,11 @@ class Row(OneLine):
         return f"{self.name}, {self.joint}" if self.joint else self.name
 
     @property
+    def is_equality(self) -> bool:
+        """Whether both bounds are the same number."""
+        return self.lower == self.upper
+
+    @property
     def greatest_bound(self) -> float:
         """Largest absolute value of the finite bounds, in ``unit``; 0 without any."""
         return max((abs(bound) for bound in (self.lower, self.upper) if np.isfinite(bound)), default=0.0)
@@ -101,10 +106,10 @@ class Row(OneLine):
     def size(self) -> float:
         """Violation that counts as 1, in ``unit``.
 
-        It is half the range of two bounds, and the absolute value of a single one, at least 0.01. A bound of 0 says
-        nothing about the size of the value, and counts as 1. The size of an equality is max(1, abs(bound)).
+        It is half the range of two bounds, and the absolute value of a single one, at least 0.01. The size of the
+        value is unknown with a bound of 0, which counts as 1. The size of an equality is max(1, abs(bound)).
         """
-        if self.lower == self.upper:
+        if self.is_equality:
             return max(1.0, self.greatest_bound)
         width = self.upper - self.lower
         return 0.5 * width if width < np.inf else max(LEAST_SIZE, self.greatest_bound or 1.0)

@@ -60,8 +60,3 @@ class PhaseRow(Row):
         else:
             kind = Kind.END if where in (Where.START, Where.END) else Kind.PATH
         return cls(*own, kind, where, constraint, entry, number)
-
-    @property
-    def is_equality(self) -> bool:
-        """Whether both bounds are the same number."""
-        return self.lower == self.upper

@@ -28,8 +28,7 @@ class Tolerances(OneLine):
         Largest deviation with feedback: joint positions [rad, m] as they are, joint velocities divided by
         10 max(1, largest planned value).
     limits : float
-        Largest violation of a limit, constraint, link or boundary condition, relative to half the range of a row with
-        two bounds and to max(1, |limit|) otherwise.
+        Largest violation of a limit, constraint, link or boundary condition, relative to ``Row.size``.
     contact : float or None
         Largest slip [m], sink [m] and turn [rad] of a contact between collocation points.
     forces : float or None

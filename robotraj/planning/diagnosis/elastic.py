@@ -200,7 +200,7 @@ def _relaxed(problem: Problem, weights: Mapping[str, float], own: bool) -> tuple
             exact = {entry.name for entry in _of_robots(Problem([phase]), [slacks])}
             slacks = [entry for entry in slacks if entry.name not in exact]
         contacts, friction = with_free_friction(phase, f"slack.{i}.friction")
-        wrapped: list[Constraint] = [*friction.values()]
+        wrapped: list[Constraint] = [] if friction is None else [friction]
         for n, bound in enumerate(given):
             rows = tuple(row for row in table if row.constraint == n)
             of_bound = tuple(entry for entry in slacks if entry.row.constraint == n)
@@ -208,7 +208,7 @@ def _relaxed(problem: Problem, weights: Mapping[str, float], own: bool) -> tuple
                 wrapped.append(RelaxedConstraint(bound, table, rows, of_bound))
             elif bound.source is not None:
                 wrapped.append(bound.source)
-        entries: list[Relaxed] = [*slacks, *friction.values()]
+        entries: list[Relaxed] = [*slacks] if friction is None else [*slacks, friction]
         names = [entry.name for entry in entries]
         sizes = [weights.get(entry.name, entry.weight) for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=sizes))

@@ -99,7 +99,7 @@ class IntervalViolation:
 def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[IntervalViolation]:
     """Find rows of the state that are violated by more than ``allowed`` [SI unit], in every interval.
 
-    For bounds below 1 SI unit, such as 0.05 rad/s, and rows of a smaller ``PhaseRow.size``, ``allowed`` is relative.
+    For bounds below 1 SI unit, such as 0.05 rad/s, and rows of a smaller ``Row.size``, ``allowed`` is relative.
     """
     rows = phase.rows.of_state
     bounds = np.array([row.greatest_bound if row.kind is Kind.BOUND else 1.0 for row in rows])

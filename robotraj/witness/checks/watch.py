@@ -41,10 +41,10 @@ class Watch:
         A parabola through three neighbouring values exceeds the middle one by at most half of its bend.
         """
         times, first = np.unique(np.concatenate(self.times), return_index=True)
-        excess = self._excess[first]
-        i = int(np.clip(np.argmax(excess), 1, max(1, len(times) - 2)))
         if len(times) < 3:
             return None
+        excess = self._excess[first]
+        i = int(np.clip(np.argmax(excess), 1, len(times) - 2))
         bend = abs(excess[i - 1] - 2.0 * excess[i] + excess[i + 1])
         return (float(times[i - 1]), float(times[i + 1])) if excess.max() <= 0.0 < excess[i] + bend else None
 

@@ -6,9 +6,9 @@ at mu, 2 mu and 3 mu give them at mu + s.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -44,18 +44,16 @@ class RelaxedFriction(Constraint):
     robot: Robot
     contacts: tuple[Contact, ...]
     name: str
-
-    @property
-    def weight(self) -> float:
-        """Weight of the slack in the sum."""
-        return 1.0
+    weight: ClassVar[float] = 1.0
+    """Weight of the slack in the sum."""
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Return the rows of all contacts."""
-        bound = [
-            tuple(contact_limits(each.bound_to(self.robot))[0] for each in at_multiples(contact))
-            for contact in self.contacts
-        ]
+        bound = []
+        for contact in self.contacts:
+            mu = contact.friction  # type: ignore[attr-defined]
+            multiples = (_with_friction(contact, k * mu).bound_to(self.robot) for k in (1.0, 2.0, 3.0))
+            bound.append([contact_limits(each)[0] for each in multiples])
 
         def expression(point: RobotPoint) -> list[ca.SX]:
             found = []
@@ -86,21 +84,28 @@ class RelaxedFriction(Constraint):
         )
 
 
-def at_multiples(contact: Contact) -> tuple[Contact, Contact, Contact]:
-    """Return a contact with once, twice and three times its friction."""
-    mu = contact.friction  # type: ignore[attr-defined]
-    return contact, with_friction(contact, 2.0 * mu), with_friction(contact, 3.0 * mu)
+def with_free_friction(phase: Phase, name: str) -> tuple[Sequence[Contact], RelaxedFriction | None]:
+    """Return the contacts of a phase with so much friction that none slips, and what relaxes theirs by a slack.
 
+    Parameters
+    ----------
+    phase : Phase
+    name : str
+        Name of the slack.
 
-def with_friction(contact: Any, friction: float) -> Contact:
-    """Return a contact with another coefficient of friction."""
-    return replace(contact, friction=friction)
-
-
-def with_free_friction(phase: Phase, name: str) -> tuple[Sequence[Contact], Mapping[str, RelaxedFriction]]:
-    """Return the contacts of a phase with so much friction that none is exceeded, and what relaxes theirs by name."""
+    Returns
+    -------
+    contacts : sequence of Contact
+    relaxed : RelaxedFriction or None
+        None if no contact of the phase has a coefficient below ``MOST``.
+    """
     slipping = tuple(each for each in phase.contacts if getattr(each, "friction", MOST) < MOST)
     if phase.robot is None or not slipping:
-        return phase.contacts, {}
-    contacts = [with_friction(each, MOST) if each in slipping else each for each in phase.contacts]
-    return contacts, {name: RelaxedFriction(phase.robot, slipping, name)}
+        return phase.contacts, None
+    contacts = [_with_friction(each, MOST) if each in slipping else each for each in phase.contacts]
+    return contacts, RelaxedFriction(phase.robot, slipping, name)
+
+
+def _with_friction(contact: Any, friction: float) -> Contact:
+    """Return a contact with another coefficient of friction."""
+    return replace(contact, friction=friction)
