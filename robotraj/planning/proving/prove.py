@@ -9,43 +9,26 @@ Where that does not help either, and the solution on the coarse mesh is no motio
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 
-import numpy as np
-
-from robotraj.planning.proving.measures import Measured, is_motion, measured, proof_on
-from robotraj.planning.proving.soft_friction import needs_softening
+from robotraj.planning.proving.best_motion import BestMotion
+from robotraj.planning.proving.measures import proof_on
 from robotraj.planning.proving.soft_solves import finer_where_bent, soft_solution
-from robotraj.planning.proving.solves import Solves
-from robotraj.planning.setting_conditions import is_kinked
-from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import are_clear
-from robotraj.solution.proof import Proof
-from robotraj.solution.records import MeshStep
-from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
 from robotraj.transcription.refinement.linear_controls import ENDLESS, on_lines
-from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 8
 """Largest number of meshes of a plan."""
 ENOUGH = 4
 """Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
-PATIENCE_STICKING = 300
-"""``PATIENCE`` where joints stick and slide."""
-CHANGE_FLAT = 1e-4
-"""Relative change of the objective within eight iterations below which a solve ends where objectives are flat.
-
-Reversals with dry friction, and times at which powers change their sign, move from point to point. They gain 1e-4 in a
-hundred iterations, and the next mesh moves them again.
-"""
 MET = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -59,6 +42,9 @@ DOUBLED = 2.0
 """Growth of the number of intervals of phases that miss their goal where an error stagnates.
 
 After a second time the plan ends."""
+
+Meshes = tuple[Mesh, ...]
+"""The mesh of every phase."""
 
 
 def prove(
@@ -76,225 +62,107 @@ def prove(
 
 
 class _Refining:
-    """A plan on one mesh after the other."""
+    """A plan on one mesh after the other: what follows the solution of a mesh, or its failure."""
 
     def __init__(self, problem: Problem, settings: Settings, progress: Progress | None) -> None:
-        assert settings.goals is not None
-        self.problem, self.settings, self.progress, self.goals = problem, settings, progress, settings.goals
-        self.best: Solution | None = None
-        self.steps: list[MeshStep] = []
-        self.solves = Solves(progress)
-        self.sticking = needs_softening(problem)
-        """Whether joints stick and slide to save effort."""
-        self.kinked = any(is_kinked(phase) for phase in problem.phases)
-        self.flat = self.sticking or self.kinked
-        self.solver = settings.solver.until_settled(CHANGE_FLAT) if self.flat else settings.solver
-        self.measures: Measured | None = None
-        """Measures of the best solution so far."""
-        self.unchecked: tuple[object, Measured] | None = None
-        """Phases and measures of the last solution that was measured before limits were imposed between its points."""
-        self.limits_between = False
-        """Whether limits are imposed between the points on the present mesh."""
-        self.neighbour: Proof | None = None
-        """Proof of a similar problem on the first mesh, whose solution is the guess."""
-        self.afresh = False
-        """Whether the plan began again from the guess, on a finer mesh."""
+        self.problem, self.settings = problem, settings
+        mesh = settings.mesh
+        self.coarsest: Meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+        self.on_lines = on_lines(problem, self.coarsest)
+        self.motion = BestMotion(problem, settings, progress)
+        refinement = settings.refinement
+        self.second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
+        """Growth from the first mesh to the second."""
+        self.stagnant = 0
+        """Meshes in a row on which an error stagnates."""
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
-        mesh = self.settings.mesh
-        meshes = coarsest = (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
-        lines, soft = on_lines(self.problem, coarsest), None
-        if self.sticking and not isinstance(guess, Solution):
-            soft = soft_solution(self.problem, guess, meshes, self.settings, self.solves)
-        if soft is not None:
-            guess, meshes = soft, finer_where_bent(soft, self.settings)
-        self.neighbour = proof_on(guess, meshes)
+        motion, meshes = self.motion, self.coarsest
+        if motion.sticking and not isinstance(guess, Solution):
+            soft = soft_solution(self.problem, guess, meshes, self.settings, motion.solves)
+            if soft is not None:
+                guess, meshes = soft, finer_where_bent(soft, self.settings)
+                motion.near, self.second = True, SECOND
+        motion.neighbour = proof_on(guess, meshes)
+        motion.near = motion.near or motion.neighbour is not None
         last: Solution | None = None
-        best_limited, stagnant = False, 0
         for number in range(MOST_MESHES):
-            first = number == 0 and self.neighbour is None
+            enough = number >= ENOUGH - 1 and not motion.is_patient
+            motion.limits_between = enough or number == MOST_MESHES - 1
+            first = number == 0 and motion.neighbour is None
             try:
-                self.limits_between = number == MOST_MESHES - 1 or (number >= ENOUGH - 1 and not self._patient)
-                known = soft or self.best or self.neighbour
-                last = self._on(meshes, self.best or guess, first, nearby=known is not None)
+                last = motion.solve(meshes, guess, first)
             except KeyboardInterrupt:
                 if last is None:
                     raise
-                return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
+                last = replace(last, status=Status.INTERRUPTED)
             if last.status is Status.INTERRUPTED:
-                return self.solves.concluded(replace(self.best or last, status=Status.INTERRUPTED), self.steps)
-            # Free controls may exploit the program of a coarse mesh.
-            endless = last.iterations >= ENDLESS and lines != coarsest
-            if last.success:
-                self.best = last = self._measured(last, self.measures)
-                best_limited = self.limits_between
-                if self._meets_obstacle_on_path(last):
-                    break
-            elif (
-                (not first or endless)
-                and last.status not in SPENT
-                and (calmer := on_lines(self.problem, meshes)) != meshes
-            ):
-                meshes = calmer
-                continue
-            elif self._strayed(last, endless):
-                # What a coarse mesh took for a motion is none, and leads to none.
-                self.best, self.measures, self.afresh = None, None, True
-                meshes = tuple(evenly_finer(mesh, SECOND) for mesh in (lines if endless else coarsest))
-                continue
-            elif smaller := self._smaller_step(last, meshes):
-                meshes = smaller
-                continue
-            elif not first or last.status in LIMITS_OF_THE_USER or are_clear(last.conflicts):
+                return motion.interrupted(last)
+            following = self._finer(last, first, enough) if last.success else self._after_failure(last, meshes, first)
+            if following is None:
                 break
-            if not first and last.proof is not None and last.proof.holds:
-                break
-            if number >= ENOUGH - 1 and not self._patient and self.best is not None and is_motion(self.best):
-                break
-            phase = None if self.measures is None else self.measures.stagnant
-            stagnant = 0 if phase is None else stagnant + 1
-            least = 1.0 if not first else self._second if soft is None else SECOND
-            finer = self._finer(meshes, least, DOUBLED if stagnant else 1.0)
-            if stagnant == 1 or finer == meshes:
-                lines = on_lines(self.problem, finer)
-                finer = tuple(lines[k] if k == phase or phase is None else each for k, each in enumerate(finer))
-            if stagnant > 1 or finer == meshes:
-                break
-            meshes = finer
+            meshes = following
         assert last is not None
-        if self.best is not None and is_motion(self.best):
-            self._move_knots_to_switches()
-        elif self.best is not None and not best_limited:
-            self._limit_best_between()
-        return self.solves.concluded(self.best or last, self.steps)
+        return motion.conclude(last)
 
-    @property
-    def _patient(self) -> bool:
-        """Whether more meshes than ``ENOUGH`` pay where only the objective of a proved motion has not settled."""
-        return self.sticking and not self.kinked
+    def _after_failure(self, failed: Solution, meshes: Meshes, first: bool) -> Meshes | None:
+        """Return the meshes to try after some that could not be solved; None where none would help."""
+        # Free controls may exploit the program of a coarse mesh.
+        endless = failed.iterations >= ENDLESS and self.on_lines != self.coarsest
+        if (not first or endless) and failed.status not in SPENT:
+            calmer = on_lines(self.problem, meshes)
+            if calmer != meshes:
+                return calmer
+        if self._strayed(failed, endless):
+            self.motion.begin_afresh()
+            return tuple(evenly_finer(mesh, SECOND) for mesh in (self.on_lines if endless else self.coarsest))
+        if smaller := self._smaller_step(failed, meshes):
+            return smaller
+        if not first or failed.status in LIMITS_OF_THE_USER or are_clear(failed.conflicts):
+            return None
+        return tuple(evenly_finer(mesh, max(self.second, SECOND)) for mesh in meshes)
 
-    def _smaller_step(self, failed: Solution, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
+    def _strayed(self, failed: Solution, endless: bool) -> bool:
+        """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
+        ended = self.motion.afresh or failed.status in (SPENT if endless else LIMITS_OF_THE_USER)
+        return not ended and self.motion.solution is not None and not self.motion.is_motion
+
+    def _smaller_step(self, failed: Solution, meshes: Meshes) -> Meshes:
         """Return meshes between the last ones and much finer ones on which limited iterations did not suffice.
 
         None are returned for flat objectives, which take many iterations on any mesh.
         """
-        limited = failed.status is Status.ITERATION_LIMIT and self.measures is not None and self.measures.only_unsettled
-        if not limited or self.best is None or self.flat:
+        motion = self.motion
+        limited = failed.status is Status.ITERATION_LIMIT
+        if motion.solution is None or motion.measures is None or motion.is_flat:
             return ()
-        before = [part.mesh for part in self.best.phases]
+        before = [part.mesh for part in motion.solution.phases]
         leapt = any(mesh.count > LEAP * coarse.count for mesh, coarse in zip(meshes, before, strict=True))
-        return tuple(evenly_finer(mesh, SECOND) for mesh in before) if leapt else ()
+        if not (limited and leapt and motion.measures.only_unsettled):
+            return ()
+        return tuple(evenly_finer(mesh, SECOND) for mesh in before)
 
-    def _strayed(self, failed: Solution, endless: bool) -> bool:
-        """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
-        ended = self.afresh or failed.status in (SPENT if endless else LIMITS_OF_THE_USER)
-        return not ended and self.best is not None and not is_motion(self.best)
+    def _finer(self, solution: Solution, first: bool, enough: bool) -> Meshes | None:
+        """Keep a solution, and return the meshes that its measures need; None where it needs no others."""
+        motion, refinement = self.motion, self.settings.refinement
+        solution = motion.keep(solution)
+        proof, measures = solution.proof, motion.measures
+        assert proof is not None and measures is not None and refinement is not None
+        if self._meets_obstacle_on_path(solution) or (proof.holds and not first) or (enough and motion.is_motion):
+            return None
+        phase = measures.stagnant
+        self.stagnant = 0 if phase is None else self.stagnant + 1
+        meshes = tuple(part.mesh for part in solution.phases)
+        least, missed = self.second if first else 1.0, DOUBLED if self.stagnant else 1.0
+        finer = measures.next_meshes(solution.phases, refinement, max(least, measures.growth), missed)
+        if self.stagnant == 1 or finer == meshes:
+            # Where errors hardly fall, free controls may alternate.
+            lines = on_lines(self.problem, finer)
+            finer = tuple(lines[k] if k == phase or phase is None else each for k, each in enumerate(finer))
+        return None if self.stagnant > 1 or finer == meshes else finer
 
     def _meets_obstacle_on_path(self, solution: Solution) -> bool:
         """Whether a moving obstacle is met on a given path, which no finer mesh changes."""
         on_path = any(phase.path is not None for phase in self.problem.phases)
         return on_path and solution.proof is not None and solution.proof.shortfall > MET
-
-    def _limit_best_between(self) -> None:
-        """Solve with limits between the points of the best motion, which were left to a mesh that was not solved."""
-        assert self.best is not None and self.measures is not None
-        before, self.limits_between = self.measures.before, True
-        with suppress(KeyboardInterrupt):
-            found = self._on(tuple(part.mesh for part in self.best.phases), self.best, first=False, nearby=True)
-            if found.success:
-                self.steps.pop()
-                self.best = self._measured(found, before)
-
-    def _move_knots_to_switches(self) -> None:
-        """Solve again with knots where bounded rates jump; a motion that is not proved or no better is dropped."""
-        assert self.best is not None and self.measures is not None
-        kept, measures, self.limits_between = self.best, self.measures, True
-        meshes = tuple(with_knots_at(part.mesh, switches(part.phase, part.trajectory)) for part in kept.phases)
-        if meshes == tuple(part.mesh for part in kept.phases):
-            return
-        with suppress(KeyboardInterrupt):
-            found = self._on(meshes, kept, first=False, nearby=True)
-            if found.success and found.objective < kept.objective:
-                moved = self._measured(found, measures.before)
-                if moved.proof is not None and moved.proof.motion_holds:
-                    # What is left to gain is no more than before.
-                    left = min(moved.proof.unsettled, measures.proof.unsettled)
-                    self.best = replace(moved, proof=replace(moved.proof, unsettled=left))
-                    return
-                self.steps.pop()
-        self.measures = measures
-
-    def _is_settled(self, solution: Solution) -> bool:
-        """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
-        measures = self._measures(solution, self.measures)
-        self.unchecked = solution.phases, measures
-        self.limits_between = measures.proof.error <= self.goals.error and measures.growth <= 1.0
-        return self.limits_between
-
-    @property
-    def _second(self) -> float:
-        """Growth from the first mesh to the second."""
-        refinement = self.settings.refinement
-        return refinement.second if isinstance(refinement, Equidistribute) else SECOND
-
-    def _finer(self, meshes: tuple[Mesh, ...], least: float, missed: float) -> tuple[Mesh, ...]:
-        """Return the next meshes, with ``missed`` times as many intervals in phases whose error exceeds its goal.
-
-        Without measures, all intervals are divided evenly.
-        """
-        refinement = self.settings.refinement
-        assert refinement is not None
-        if self.best is None or self.measures is None:
-            return tuple(evenly_finer(mesh, max(least, missed, SECOND)) for mesh in meshes)
-        return self.measures.next_meshes(self.best.phases, refinement, max(least, self.measures.growth), missed)
-
-    def _on(
-        self, meshes: tuple[Mesh, ...], start: InitialGuess | Solution | None, first: bool, nearby: bool
-    ) -> Solution:
-        """Solve on meshes; where torques exceed their limits between the points, lower the limits there.
-
-        Limits between the points are ignored on the first meshes, which only find a guess for the next. They are also
-        ignored where the objective needs a finer mesh, unless ``limits_between``.
-        """
-        settings = replace(self.settings, mesh=meshes, solver=self._warm if nearby else self.solver)
-        if self.measures is not None and self.measures.only_unsettled:
-            patience = PATIENCE_STICKING if self._patient else PATIENCE
-            settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
-        if first:
-            plain = replace(settings.interval_limits, rounds=0)
-            return self.solves.solve(self.problem, start, replace(settings, interval_limits=plain))
-        if self.best is None and not self.afresh:
-            # Other guesses were tried on the first mesh.
-            settings = replace(settings, restarts=Restarts(0))
-        return self.solves.solve(
-            self.problem, start, settings, lower=True, hold=None if self.limits_between else self._is_settled
-        )
-
-    @property
-    def _warm(self) -> Solver:
-        """The solver of a solve that starts from a solution on another mesh."""
-        if self.sticking and self.best is None:
-            # The solution with soft friction is that of another problem.
-            return self.solver
-        # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
-        # as the signs of powers do.
-        return self.solver.from_nearby(altered=self.kinked or any(phase.rows.rates for phase in self.problem.phases))
-
-    def _measured(self, solution: Solution, before: Measured | None) -> Solution:
-        """Measure a solution between its points, and compare it with the solutions ``before``."""
-        if self.unchecked is not None and self.unchecked[0] is solution.phases and self.unchecked[1].before is before:
-            self.measures = self.unchecked[1].with_violations(solution)
-        else:
-            self.measures = self._measures(solution, before)
-        self.unchecked = None
-        proof, parts = self.measures.proof, solution.phases
-        points, intervals = sum(len(part.points) for part in parts), sum(part.mesh.count for part in parts)
-        step = MeshStep(intervals, points, proof.error, solution.objective, solution.iterations, solution.seconds)
-        self.steps.append(step)
-        return replace(solution, proof=proof)
-
-    def _measures(self, solution: Solution, before: Measured | None) -> Measured:
-        """Measure a solution; without a coarser mesh, its objective still has to gain what the neighbour's had."""
-        expected = np.inf if self.neighbour is None else self.neighbour.unsettled
-        return measured(solution, before, self.goals, self.sticking, expected)

@@ -1,0 +1,203 @@
+"""Solutions of a problem on one mesh after the other: the best one so far, and its measures."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from robotraj.planning.proving.measures import Measured, is_motion, measured
+from robotraj.planning.proving.soft_friction import needs_softening
+from robotraj.planning.proving.solves import Solves
+from robotraj.planning.setting_conditions import is_kinked
+from robotraj.planning.warm_start import PATIENCE
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.problem import Problem
+from robotraj.solution.proof import Proof
+from robotraj.solution.records import MeshStep
+from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.solution import Solution
+from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.status import Status
+from robotraj.transcription.refinement.switches import switches, with_knots_at
+from robotraj.transcription.schemes.mesh import Mesh
+
+PATIENCE_STICKING = 300
+"""``PATIENCE`` where joints stick and slide."""
+CHANGE_FLAT = 1e-4
+"""Relative change of the objective within eight iterations below which a solve ends where objectives are flat.
+
+Reversals with dry friction, and times at which powers change their sign, move from point to point. They gain 1e-4 in a
+hundred iterations, and the next mesh moves them again.
+"""
+
+
+class BestMotion:
+    """Solves a problem on given meshes, and keeps the best solution with its measures.
+
+    Attributes
+    ----------
+    problem : Problem
+    settings : Settings
+        With goals and a refinement.
+    solves : Solves
+    solution : Solution or None
+        The best solution so far, with its proof.
+    measures : Measured or None
+        Measures of the best solution.
+    steps : list of MeshStep
+    sticking : bool
+        Whether joints stick and slide to save effort.
+    is_flat : bool
+        Whether the objective is flat near its optimum: iterations move kinks from point to point.
+    limits_between : bool
+        Whether limits are imposed between the points on the present mesh.
+    neighbour : Proof or None
+        Proof of a similar problem on the first mesh, whose solution is the guess.
+    near : bool
+        Whether the guess is a solution of a similar problem.
+    afresh : bool
+        Whether the plan began again from the guess, on a finer mesh.
+    """
+
+    def __init__(self, problem: Problem, settings: Settings, progress: Progress | None) -> None:
+        assert settings.goals is not None
+        self.problem, self.settings, self.goals = problem, settings, settings.goals
+        self.solution: Solution | None = None
+        self.measures: Measured | None = None
+        self.steps: list[MeshStep] = []
+        self.solves = Solves(progress)
+        self.sticking = needs_softening(problem)
+        self.kinked = any(is_kinked(phase) for phase in problem.phases)
+        self.is_flat = self.sticking or self.kinked
+        self.solver = settings.solver.until_settled(CHANGE_FLAT) if self.is_flat else settings.solver
+        self.limits_between = False
+        self.neighbour: Proof | None = None
+        self.near = False
+        self.afresh = False
+        self._is_limited = False
+        self._unchecked: tuple[object, Measured] | None = None
+        """Phases and measures of the last solution that was measured before limits were imposed between its points."""
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether the best solution is a motion within its limits."""
+        return self.solution is not None and is_motion(self.solution)
+
+    @property
+    def is_patient(self) -> bool:
+        """Whether many iterations and meshes pay where only the objective of a proved motion has not settled."""
+        return self.sticking and not self.kinked
+
+    def begin_afresh(self) -> None:
+        """Drop the best solution: what a coarse mesh took for a motion is none, and leads to none."""
+        self.solution, self.measures, self.afresh = None, None, True
+
+    def solve(self, meshes: tuple[Mesh, ...], guess: InitialGuess | Solution | None, first: bool) -> Solution:
+        """Solve on meshes, from the best solution or else from ``guess``.
+
+        Limits between the points are ignored on the first meshes, which only find a guess for the next. They are also
+        ignored where the objective needs a finer mesh, unless ``limits_between``. Where torques exceed their limits
+        between the points, these limits are lowered there.
+        """
+        start = self.solution or guess
+        solver = self._warm_solver if self.near or self.solution is not None else self.solver
+        settings = replace(self.settings, mesh=meshes, solver=solver)
+        if self.measures is not None and self.measures.only_unsettled:
+            patience = PATIENCE_STICKING if self.is_patient else PATIENCE
+            settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
+        if first:
+            plain = replace(settings.interval_limits, rounds=0)
+            return self.solves.solve(self.problem, start, replace(settings, interval_limits=plain))
+        if self.solution is None and not self.afresh:
+            # Other guesses were tried on the first mesh.
+            settings = replace(settings, restarts=Restarts(0))
+        hold = None if self.limits_between else self._is_settled
+        return self.solves.solve(self.problem, start, settings, lower=True, hold=hold)
+
+    def keep(self, solution: Solution) -> Solution:
+        """Keep a solution as the best one, and return it with its proof."""
+        self.solution = self._with_proof(solution, self.measures)
+        self._is_limited = self.limits_between
+        return self.solution
+
+    def conclude(self, last: Solution) -> Solution:
+        """Impose what is left on the best solution, and return it with the records of the plan; else ``last``.
+
+        A proved motion gets knots where bounded rates jump. Any other is solved again with limits between its points,
+        if these were left to a mesh that was not solved.
+        """
+        if self.is_motion:
+            self._move_knots_to_switches()
+        elif self.solution is not None and not self._is_limited:
+            self._limit_between()
+        return self.solves.concluded(self.solution or last, self.steps)
+
+    def interrupted(self, last: Solution) -> Solution:
+        """Return the best solution, or else ``last``, with the records of the plan so far."""
+        return self.solves.concluded(replace(self.solution or last, status=Status.INTERRUPTED), self.steps)
+
+    def _limit_between(self) -> None:
+        """Solve with limits between the points on the meshes of the best solution."""
+        assert self.solution is not None and self.measures is not None
+        before, self.limits_between = self.measures.before, True
+        with suppress(KeyboardInterrupt):
+            found = self.solve(tuple(part.mesh for part in self.solution.phases), None, first=False)
+            if found.success:
+                self.steps.pop()
+                self.solution = self._with_proof(found, before)
+
+    def _move_knots_to_switches(self) -> None:
+        """Solve again with knots where bounded rates jump; a motion that is not proved or no better is dropped."""
+        assert self.solution is not None and self.measures is not None
+        kept, measures, self.limits_between = self.solution, self.measures, True
+        meshes = tuple(with_knots_at(part.mesh, switches(part.phase, part.trajectory)) for part in kept.phases)
+        if meshes == tuple(part.mesh for part in kept.phases):
+            return
+        with suppress(KeyboardInterrupt):
+            found = self.solve(meshes, None, first=False)
+            if found.success and found.objective < kept.objective:
+                moved = self._with_proof(found, measures.before)
+                if moved.proof is not None and moved.proof.motion_holds:
+                    # What is left to gain is no more than before.
+                    left = min(moved.proof.unsettled, measures.proof.unsettled)
+                    self.solution = replace(moved, proof=replace(moved.proof, unsettled=left))
+                    return
+                self.steps.pop()
+        self.measures = measures
+
+    @property
+    def _warm_solver(self) -> Solver:
+        """The solver of a solve that starts from a solution on another mesh."""
+        if self.sticking and self.solution is None:
+            # The solution with soft friction is that of another problem.
+            return self.solver
+        # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
+        # as the signs of powers do.
+        return self.solver.from_nearby(altered=self.kinked or any(phase.rows.rates for phase in self.problem.phases))
+
+    def _is_settled(self, solution: Solution) -> bool:
+        """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
+        measures = self._measures_of(solution, self.measures)
+        self._unchecked = solution.phases, measures
+        self.limits_between = measures.proof.error <= self.goals.error and measures.growth <= 1.0
+        return self.limits_between
+
+    def _with_proof(self, solution: Solution, before: Measured | None) -> Solution:
+        """Measure a solution between its points, and compare it with the solutions ``before``."""
+        known, self._unchecked = self._unchecked, None
+        if known is not None and known[0] is solution.phases and known[1].before is before:
+            self.measures = known[1].with_violations(solution)
+        else:
+            self.measures = self._measures_of(solution, before)
+        proof, parts = self.measures.proof, solution.phases
+        points, intervals = sum(len(part.points) for part in parts), sum(part.mesh.count for part in parts)
+        step = MeshStep(intervals, points, proof.error, solution.objective, solution.iterations, solution.seconds)
+        self.steps.append(step)
+        return replace(solution, proof=proof)
+
+    def _measures_of(self, solution: Solution, before: Measured | None) -> Measured:
+        """Measure a solution; without a coarser mesh, its objective still has to gain what the neighbour's had."""
+        expected = np.inf if self.neighbour is None else self.neighbour.unsettled
+        return measured(solution, before, self.goals, self.sticking, expected)
