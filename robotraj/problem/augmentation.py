@@ -36,8 +36,8 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.scalars import Scalar
 
-FRICTIONLESS = "frictionless."
-"""Prefix of torques without dry friction."""
+FRICTIONLESS = "effort without dry friction"
+"""Quantity of the variables ``frictionless.<joint>``."""
 
 
 @dataclass(frozen=True)
@@ -207,9 +207,7 @@ class FrictionlessTorques(Augmented):
     @cached_property
     def frictionless(self) -> tuple[Variable, ...]:
         """``frictionless.<joint>``."""
-        return tuple(
-            Variable(f"{FRICTIONLESS}{c.joint}", c.unit, "effort without dry friction", c.joint) for c in self._torques
-        )
+        return tuple(Variable(f"frictionless.{c.joint}", c.unit, FRICTIONLESS, c.joint) for c in self._torques)
 
     @property
     def algebraic(self) -> tuple[Variable, ...]:

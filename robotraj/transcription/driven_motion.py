@@ -124,7 +124,7 @@ class DrivenInputs(OneLine):
         return [
             (i, rows.index(v.name), joints.index(v.joint))
             for i, v in enumerate(dae.algebraic)
-            if v.joint is not None and v.name.startswith(FRICTIONLESS)
+            if v.joint is not None and v.quantity == FRICTIONLESS
         ]
 
 

@@ -142,9 +142,8 @@ def variable_violations(
         found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
     if isinstance(inputs, DrivenInputs):
         # Accelerations are the planned polynomials, whose rates are bounded everywhere.
-        rates = [
-            pair for pair in phase.rows.rates_of(phase.dae.algebraic) if str(pair[0].variable).startswith(FRICTIONLESS)
-        ]
+        algebraic = phase.dae.algebraic
+        rates = [pair for pair in phase.rows.rates_of(algebraic) if algebraic[pair[1]].quantity == FRICTIONLESS]
         rows, columns = [row for row, _ in rates], [column for _, column in rates]
         allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, Rates(DrivenCurve(inputs, 0), columns), ONE_SIDED, allowed)

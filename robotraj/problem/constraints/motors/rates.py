@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.row import Row
-from robotraj.problem.augmentation import FRICTIONLESS, FrictionlessTorques, body_of, has
+from robotraj.problem.augmentation import FrictionlessTorques, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
 from robotraj.problem.rates_as_variables import with_control_rates
@@ -107,7 +107,7 @@ class JointTorqueRate(RateLimit):
     prefix: ClassVar[str] = "tau"
     quantity: ClassVar[str] = "torque rate limit"
     units: ClassVar[tuple[str, str]] = ("N m/s", "N/s")
-    bounded: ClassVar[str] = FRICTIONLESS
+    bounded: ClassVar[str] = "frictionless."
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add the torques without dry friction, except on a path.
@@ -126,5 +126,5 @@ class JointTorqueRate(RateLimit):
                 "JointTorqueRate bounds rates of torques that are controls, and the objective TorqueRate() makes them "
                 "states; use another objective, such as rt.Effort(), or leave out the limit."
             )
-        added = tuple(joint for joint in limited if not has(dynamics, [f"{FRICTIONLESS}{joint}"]))
+        added = tuple(joint for joint in limited if not has(dynamics, [f"{self.bounded}{joint}"]))
         return FrictionlessTorques(dynamics, added) if added else dynamics
