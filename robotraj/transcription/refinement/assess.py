@@ -12,10 +12,11 @@ from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.base import Assessment
-from robotraj.transcription.refinement.error import interval_errors
+from robotraj.transcription.refinement.error import interval_errors, residuals_of
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
+from robotraj.transcription.refinement.window_errors import window_errors
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 if TYPE_CHECKING:
@@ -42,16 +43,20 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     )
 
 
-def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh) -> Array:
+def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, windows: bool = False) -> Array:
     """Relative error of every interval, of its states or of an integral constraint, (K,).
 
     States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
+    With ``windows``, errors of a robot without contacts count over short windows too (``window_errors``).
     """
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
     if is_exact(phase, mesh.given):
         return of_integrals
-    inputs = inputs_of(phase, trajectory, mesh.schemes)
-    return np.maximum(interval_errors(phase, trajectory, inputs), of_integrals)
+    residuals = residuals_of(phase, trajectory, inputs_of(phase, trajectory, mesh.schemes))
+    errors = np.maximum(interval_errors(phase, trajectory, residuals=residuals), of_integrals)
+    if not windows or phase.robot is None or phase.contacts or phase.path is not None:
+        return errors
+    return np.maximum(errors, window_errors(trajectory, residuals))
 
 
 def control_jumps(trajectory: PhaseTrajectory, moving: bool = False) -> Array:

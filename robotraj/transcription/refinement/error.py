@@ -26,7 +26,7 @@ Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kel
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int_]
 
 NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
@@ -53,7 +54,55 @@ DEPENDENT = 1e-5
 Of legs in nearly parallel planes, these values are 1e-8 to 1e-6, others above 1e-2."""
 
 
-def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
+class Residuals(NamedTuple):
+    """Residuals of a trajectory at the points of Gauss's rule on every interval.
+
+    Attributes
+    ----------
+    interval : ndarray (m,)
+        Interval of each point.
+    weights : ndarray (m,)
+        Weights of the rule [s].
+    values : ndarray (m, nx)
+        xdot - f.
+    decay : ndarray (m, nx) or None
+        Rates at which each state decays by damping [1/s]; None without damping.
+    """
+
+    interval: Indices
+    weights: Array
+    values: Array
+    decay: Array | None
+
+    def effects(self, lengths: Array) -> Array:
+        """Return weighted residuals, reduced by the decay over ``lengths`` (K,) of time, (m, nx)."""
+        values = self.weights[:, None] * self.values
+        return values if self.decay is None else values / (1.0 + lengths[self.interval][:, None] * self.decay)
+
+
+def residuals_of(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Residuals:
+    """Evaluate xdot - f between the nodes; for the parameters see ``interval_errors``."""
+    breaks = trajectory.x.breaks
+    counts = [len(sites) + 2 for sites in trajectory.z.sites]
+    times: list[Array] = []
+    weights: list[Array] = []
+    for k, count in enumerate(counts):
+        points, w = gauss(count)
+        length = breaks[k + 1] - breaks[k]
+        times.append(breaks[k] + 0.5 * length * (points + 1.0))
+        weights.append(0.5 * length * w)
+    t = np.concatenate(times)
+    x, xdot = trajectory.x(t), trajectory.x.derivative()(t)
+    z, u = (inputs or PlannedInputs(trajectory)).at(t)
+    p = np.array(list(trajectory.parameters.values()), dtype=float)
+    values = xdot - _rates(phase, t, x, z, u, p)
+    interval = np.repeat(np.arange(len(counts)), counts)
+    return Residuals(interval, np.concatenate(weights), values, _decay(phase, t, x, z, u, p))
+
+
+def interval_errors(
+    phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None, residuals: Residuals | None = None
+) -> Array:
     """Return the relative error of every interval by Betts's definition, (K,).
 
     Parameters
@@ -63,6 +112,8 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | 
         Its polynomials.
     inputs : Inputs, optional
         Algebraic variables and controls along the motion; by default their polynomials.
+    residuals : Residuals, optional
+        Those of ``residuals_of``, where they are known.
     """
     x, rates = trajectory.x, trajectory.x.derivative()
     of_states, of_rates = (np.max([np.abs(value).max(axis=0) for value in each.values], axis=0) for each in (x, rates))
@@ -70,40 +121,25 @@ def interval_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | 
         size = 1.0 + np.maximum(of_states, min(1.0, trajectory.duration) * of_rates)
     else:
         size = 1.0 + np.maximum(of_states, of_rates)
-    return np.asarray((state_errors(phase, trajectory, inputs) / size).max(axis=1))
+    return np.asarray((state_errors(phase, trajectory, inputs, residuals) / size).max(axis=1))
 
 
-def state_errors(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Array:
+def state_errors(
+    phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None, residuals: Residuals | None = None
+) -> Array:
     """Return the integral of |xdot - f| over every interval by Kelly's definition, (K, nx), in each state's unit.
 
     Residuals are reduced by the decay that damping causes, as in the docstring of this module.
 
     Parameters
     ----------
-    phase, trajectory, inputs
+    phase, trajectory, inputs, residuals
         See ``interval_errors``.
     """
-    breaks = trajectory.x.breaks
-    rates = trajectory.x.derivative()
-    counts = [len(sites) + 2 for sites in trajectory.z.sites]
-    times: list[Array] = []
-    weights: list[Array] = []
-    for k, count in enumerate(counts):
-        points, w = gauss(count)
-        length = breaks[k + 1] - breaks[k]
-        times.append(breaks[k] + 0.5 * length * (points + 1.0))
-        weights.append(0.5 * length * w)
-    t, weight = np.concatenate(times), np.concatenate(weights)
-    owner = np.repeat(np.arange(len(counts)), counts)
-    x, xdot = trajectory.x(t), rates(t)
-    z, u = (inputs or PlannedInputs(trajectory)).at(t)
-    p = np.array(list(trajectory.parameters.values()), dtype=float)
-    residual = np.abs(xdot - _rates(phase, t, x, z, u, p))
-    decay = _decay(phase, t, x, z, u, p)
-    if decay is not None:
-        residual /= 1.0 + np.diff(breaks)[owner][:, None] * decay
-    eta = np.zeros((len(counts), x.shape[1]))
-    np.add.at(eta, owner, weight[:, None] * residual)
+    known = residuals_of(phase, trajectory, inputs) if residuals is None else residuals
+    lengths = np.diff(trajectory.x.breaks)
+    eta = np.zeros((len(lengths), known.values.shape[1]))
+    np.add.at(eta, known.interval, np.abs(known.effects(lengths)))
     return eta
 
 
