@@ -118,14 +118,48 @@ class DrivenInputs(OneLine):
 
     @cached_property
     def _frictionless(self) -> list[tuple[int, int, int]]:
-        """Torques without dry friction: their columns of z, rows of their definitions and of their joints' balances."""
-        dae, joints = self.phase.dae, self.phase.robot.velocity_names if self.phase.robot else ()
-        rows = [row.name for row in dae.residuals]
-        return [
-            (i, rows.index(v.name), joints.index(v.joint))
-            for i, v in enumerate(dae.algebraic)
-            if v.joint is not None and v.quantity == FRICTIONLESS
-        ]
+        return _frictionless(self.phase)
+
+
+@dataclass(frozen=True, eq=False)
+class DefinedInputs(OneLine):
+    """Inputs as planned, but for torques without dry friction, which are those of torques that are states."""
+
+    phase: Phase
+    trajectory: PhaseTrajectory
+
+    def at(self, t: Array, interval: int | Indices | None = None) -> tuple[Array, Array]:
+        """Evaluate at times."""
+        times = np.atleast_1d(t)
+        curves = (self.trajectory.x, self.trajectory.z, self.trajectory.u)
+        x, z, u = (np.reshape(curve(t, interval), (len(times), -1)) for curve in curves)
+        return self._defined(times, x, z, u).reshape(*np.shape(t), -1), u.reshape(*np.shape(t), -1)
+
+    def inside(self, tau: Array) -> tuple[Array, Array]:
+        """Evaluate every interval at the same places."""
+        breaks = self.trajectory.x.breaks
+        times = breaks[:-1, None] + np.diff(breaks)[:, None] * tau
+        curves = (self.trajectory.x, self.trajectory.z, self.trajectory.u)
+        x, z, u = (curve.inside(tau).reshape(times.size, -1) for curve in curves)
+        return self._defined(times.ravel(), x, z, u).reshape(*times.shape, -1), u.reshape(*times.shape, -1)
+
+    def _defined(self, t: Array, x: Array, z: Array, u: Array) -> Array:
+        parameters = np.array(list(self.trajectory.parameters.values()), dtype=float)
+        left, z = MotionEquations.of(self.phase).rows(t, x, z, u, parameters), np.array(z)
+        for i, row, _ in _frictionless(self.phase):
+            z[:, i] += left[:, row]
+        return z
+
+
+def _frictionless(phase: Phase) -> list[tuple[int, int, int]]:
+    """Torques without dry friction: their columns of z, rows of their definitions and of their joints' balances."""
+    dae, joints = phase.dae, phase.robot.velocity_names if phase.robot else ()
+    rows = [row.name for row in dae.residuals]
+    return [
+        (i, rows.index(v.name), joints.index(v.joint))
+        for i, v in enumerate(dae.algebraic)
+        if v.joint is not None and v.quantity == FRICTIONLESS
+    ]
 
 
 class MotionEquations:
@@ -206,4 +240,6 @@ def is_driven(phase: Phase, schemes: Sequence[Scheme]) -> bool:
 
 def inputs_of(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]) -> Inputs:
     """Return the inputs along a motion: by the equations of motion where possible, else the planned polynomials."""
-    return DrivenInputs(phase, trajectory) if is_driven(phase, schemes) else PlannedInputs(trajectory)
+    if is_driven(phase, schemes):
+        return DrivenInputs(phase, trajectory)
+    return DefinedInputs(phase, trajectory) if _frictionless(phase) else PlannedInputs(trajectory)

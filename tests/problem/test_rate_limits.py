@@ -79,11 +79,16 @@ def test_the_dry_friction_of_a_reversal_is_no_part_of_the_bounded_rate():
     assert rt.validate(solution).passed
 
 
-def test_torques_that_are_states_are_refused():
-    """``TorqueRate`` makes torques states; their limit was once ignored."""
-    limit = rt.constraints.JointTorqueRate(rt.between(-8, 8))
-    with pytest.raises(rt.InputError, match="TorqueRate\\(\\) makes them states"):
-        _ = _reach(limit).with_(objective=rt.objectives.TorqueRate()).rows
+def test_rates_of_torques_that_are_states_stay_within_their_limit_too():
+    """``TorqueRate`` makes torques states; without the limit the rate without dry friction is 8.4."""
+    limit = rt.constraints.JointTorqueRate(rt.between(-5, 5))
+    solution = rt.plan(_turning_back(constraints=[limit]).with_(objective=rt.objectives.TorqueRate()))
+    robot = solution.problem.phases[0].robot
+    t = np.linspace(0.0, solution.duration, 4001)
+    sample = solution.at(t)
+    smooth = sample.tau - robot.friction * np.tanh(sample.v / robot.friction_speed)
+    assert 4.9 < np.abs(np.diff(smooth, axis=0)).max() / t[1] < 5 * (1 + 2e-3)
+    assert rt.validate(solution).passed
 
 
 def test_the_witness_measures_rates_itself():

@@ -22,7 +22,7 @@ from robotraj._util.values import dataclass
 from robotraj.problem.augmentation import FRICTIONLESS
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
-from robotraj.transcription.driven_motion import DrivenInputs, Inputs, PlannedInputs
+from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.methods import limited_algebraic
 from robotraj.transcription.interval_limits.row_values import (
@@ -140,7 +140,7 @@ def variable_violations(
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
         allowed = share * np.array([row.greatest_bound for row in rows])
         found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
-    if isinstance(inputs, DrivenInputs):
+    if isinstance(inputs, DrivenInputs | DefinedInputs):
         # Accelerations are the planned polynomials, whose rates are bounded everywhere.
         algebraic = phase.dae.algebraic
         rates = [pair for pair in phase.rows.rates_of(algebraic) if algebraic[pair[1]].quantity == FRICTIONLESS]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable
-from robotraj.transcription.driven_motion import DrivenInputs, Inputs
+from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.point_values import sampled
 
@@ -46,7 +46,7 @@ class Curve(Protocol):
 class DrivenCurve:
     """Algebraic variables (``kind`` 0) or controls (1) along a motion as a curve."""
 
-    inputs: DrivenInputs
+    inputs: DrivenInputs | DefinedInputs
     kind: int
 
     @property

@@ -110,21 +110,10 @@ class JointTorqueRate(RateLimit):
     bounded: ClassVar[str] = "frictionless."
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Add the torques without dry friction, except on a path.
-
-        Raises
-        ------
-        InputError
-            The objective made the torques states.
-        """
+        """Add the torques without dry friction, except on a path."""
         body = body_of(dynamics)
         if isinstance(body, PathBody):
             return super().augment(dynamics)
         limited = [joint for joint, _, _ in self._limited(robot_of(body, type(self).__name__))]
-        if has(dynamics, [f"rate.tau.{joint}" for joint in limited]):
-            raise InputError(
-                "JointTorqueRate bounds rates of torques that are controls, and the objective TorqueRate() makes them "
-                "states; use another objective, such as rt.Effort(), or leave out the limit."
-            )
         added = tuple(joint for joint in limited if not has(dynamics, [f"{self.bounded}{joint}"]))
         return FrictionlessTorques(dynamics, added) if added else dynamics
