@@ -57,9 +57,11 @@ def slipping_jumps(problem: Problem) -> tuple[Conflict, ...]:
     if any(phase.robot is not robot or phase.design for phase in phases) or not _follow(problem):
         return ()
     frictions = [_friction(phase) for phase in (*stands[0], *stands[1])]
-    rests = _rest(robot, stands[0][0], Where.START), _rest(robot, stands[1][-1], Where.END)
     least, most = phases[air].duration_bounds
-    if None in frictions or None in rests or least != most:
+    if None in frictions or least != most:
+        return ()
+    rests = _rest(robot, stands[0][0], Where.START), _rest(robot, stands[1][-1], Where.END)
+    if None in rests:
         return ()
     begin, end = (rest for rest in rests if rest is not None)
     push, land = (sum(phase.duration_bounds[1] for phase in side) for side in stands)

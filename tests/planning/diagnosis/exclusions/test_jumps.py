@@ -56,6 +56,10 @@ def test_jumps_whose_end_or_flight_is_free_are_not_judged(solo: rt.Robot) -> Non
     assert not slipping_jumps(rt.Problem([first, air, last], problem.links[:1]))
 
 
+def test_jumps_over_stairs_are_not_judged(solo: rt.Robot) -> None:
+    assert not slipping_jumps(leap(solo, 1.0, 0.01, ground=rt.terrain.Steps.stairs(0.4, 2.0, 0.05, 1)))
+
+
 def test_the_longest_leg_is_longer_than_any_distance(solo: rt.Robot) -> None:
     model, data, rng = solo.model, solo.model.createData(), np.random.default_rng(0)
     frame = solo.frame("FL_FOOT")
