@@ -13,7 +13,6 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.gait.checks import TimeSpan, fraction
 from robotraj.gait.feet import FootKind
-from robotraj.gait.mirroring.sides import other_side
 from robotraj.gait.phase_sequence import split_duration
 from robotraj.gait.repetition import checked_feet, repeating, step_timing
 from robotraj.gait.supports import GaitTerms, Support
@@ -22,6 +21,7 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
+from robotraj.robot.sides.other_side import other_side
 
 LEVEL = Flat()
 UPRIGHT = Upright()

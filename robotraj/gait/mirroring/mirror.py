@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.gait.mirroring.imbalance import IMBALANCE
 from robotraj.gait.mirroring.imbalance import imbalance as imbalance_of
-from robotraj.gait.mirroring.sides import other_side
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.robot import Robot
+from robotraj.robot.sides.other_side import other_side
 
 Array = NDArray[np.float64]
 

@@ -32,6 +32,7 @@ from robotraj.robot.loading.source import Description
 from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import carried, root_of, units_of, with_root
+from robotraj.robot.sides.unlike_limits import sides_note
 
 Array = npt.NDArray[np.float64]
 
@@ -89,7 +90,11 @@ def assemble(
     _check_dissipation(model, own.joints)
     motors = _actuated(actuated, about.actuated, own.joints[own.free :])
     units = units_of(model, root)
-    found = weightless_note(weightless_joints(model)), strength_note(model, wanted, units, motors)
+    found = (
+        weightless_note(weightless_joints(model)),
+        strength_note(model, wanted, units, motors),
+        sides_note(own, wanted, units),
+    )
     findings = (*about.findings, *filter(None, found))
     doubt = "" if limits is None else other_unit_note(own, wanted, units)
     warned = [text for text in (*(() if about.known else (*findings, *wanted.warnings(motors))), doubt) if text]

@@ -12,7 +12,6 @@ import robotraj as rt
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.imbalance import imbalance
 from robotraj.gait.mirroring.mirror import REFLECTION, mirror
-from robotraj.gait.mirroring.sides import other_side
 
 FEET = {
     "five_link": ("left_foot", "right_foot"),
@@ -29,28 +28,6 @@ def mirrored(robot: rt.Robot, q: np.ndarray, repeat: rt.Mirror) -> np.ndarray:
     both = {**repeat.partners, **{b: a for a, b in repeat.partners.items()}}
     at = {name: i for i, name in enumerate(names)}
     return np.array([(-1.0 if n in repeat.negated else 1.0) * q[at[both.get(n, n)]] for n in names])
-
-
-@pytest.mark.parametrize(
-    ("name", "other"),
-    [
-        ("left_hip", "right_hip"),
-        ("leg_left_1_joint", "leg_right_1_joint"),
-        ("FL_HAA", "FR_HAA"),
-        ("HR_KFE", "HL_KFE"),
-        ("l_knee", "r_knee"),
-        ("LHipYaw", "RHipYaw"),
-        ("LLEG_KNEE", "RLEG_KNEE"),
-        ("RL_calf_joint", "RR_calf_joint"),
-        ("lh_foot", "rh_foot"),
-        ("torso_1_joint", "torso_1_joint"),
-        ("lower_leg", "lower_leg"),
-    ],
-)
-def test_names_change_sides(name: str, other: str) -> None:
-    names = [name, other, "flower_leg", "rower_leg", "torso_2_joint"]
-    assert other_side(name, names) == other
-    assert other_side(other, names) == name
 
 
 @pytest.mark.parametrize("name", FEET)
