@@ -26,6 +26,7 @@ from robotraj.gait.swing_clearance import partners_of
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time
+from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.objectives.base import Objective
@@ -226,9 +227,16 @@ class JoinedGait:
         return {f"{other}.{axis}": at for axis, at in caught(standing, falling).items()}
 
     def terms(self, clearance: float | None, objective: Objective | None, upright: Upright | None) -> GaitTerms:
-        """Return the options of all phases."""
+        """Return the options of all phases; a clearance of 0 is left out if the gait has none."""
         own = self.gait.phases[0].phase.objective if objective is None else objective
+        if clearance == 0.0 and not self._clears_ground:
+            clearance = None
         return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact))
+
+    @property
+    def _clears_ground(self) -> bool:
+        """Whether feet of the gait swing above the ground; those of walkers without knees pass through it."""
+        return any(isinstance(row, GroundClearance) for part in self.gait.phases for row in part.phase.constraints)
 
 
 def joined_gait(gait: PlannedGait, count: object, what: str) -> JoinedGait:

@@ -37,7 +37,8 @@ def start(
     shift : float
         Duration on all feet at rest [s]; by default 1.4 sqrt(h / g), h the height of the centre of mass at rest.
     clearance, objective, upright
-        As for ``rt.gait.walk``; the objective is that of the gait by default.
+        As for ``rt.gait.walk``; the objective is that of the gait by default. Of a gait that was planned with
+        ``clearance=None``, such as that of a walker without knees, feet may pass through the ground here too.
 
     Raises
     ------

@@ -95,3 +95,14 @@ def test_what_does_not_repeat_is_refused(walk: rt.Solution, biped: rt.Robot) -> 
         rt.gait.stop(walk, count=0)
     with pytest.raises(rt.InputError, match="positive duration"):
         rt.gait.stop(walk, shift=0.0)
+
+
+def test_feet_of_a_walker_without_knees_pass_through_the_ground_as_in_its_gait(walk: rt.Solution) -> None:
+    walker = rt.load("compass_walker", root="planar")
+    passing = rt.plan(rt.gait.walk(walker, step_length=0.15, duration=0.5, clearance=None), rt.Mesh(4), progress=False)
+
+    def clears(problem: rt.Problem) -> bool:
+        return any(isinstance(row, rt.GroundClearance) for phase in problem.phases for row in phase.constraints)
+
+    for join in (rt.gait.start, rt.gait.stop):
+        assert not clears(join(passing)) and clears(join(walk))
