@@ -14,6 +14,7 @@ from .paths.geometric_path import GeometricPath
 from .paths.planner import PathPlanner, RRTConnect
 from .perturbed import Perturbed
 from .reaching.inverse_kinematics import InverseKinematics
+from .simulated import Simulated
 from .straight_line import StraightLine
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "PathPlanner",
     "Perturbed",
     "RRTConnect",
+    "Simulated",
     "StraightLine",
     "default_guess",
 ]

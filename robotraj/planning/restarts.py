@@ -9,6 +9,8 @@ Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find 
 Guesses may also be symmetric to an obstacle, with gradients that point to neither side, or lie at a singular pose.
 Seeded random variations avoid both. Each ends at another branch of inverse kinematics, if a pose has several.
 
+Systems whose ends are free, such as reactors, are far from a straight line. Their simulated motion is tried first.
+
 Passive joints swing, and the relaxed problem has many local optima: from one guess larger torques may seem necessary,
 where another motion needs none. More variations are tried there before the problem is called infeasible.
 """
@@ -23,6 +25,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.guess.default import other_guess
+from robotraj.guess.simulated import Simulated
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.elastic import motion_near, relaxed_motion
 from robotraj.planning.diagnosis.explain import completed, excluded
@@ -96,6 +99,10 @@ def restarted(
     exclusions = excluded(problem)
     if are_certain(exclusions):
         return replace(failed, status=Status.INFEASIBLE, conflicts=exclusions)
+    if guess is None and _moves_freely(problem):
+        failed = _attempt(failed, solve_briefly, Simulated(), "simulated motion under constant controls")
+        if failed.success or failed.status is Status.INTERRUPTED:
+            return failed
     least: tuple[Conflict, ...] = ()
     relaxed: Solution | None = None
     for start in _starts(failed, nlp, guess, restarts):
@@ -123,15 +130,36 @@ def restarted(
     if not all(conflict.physical for conflict in least) and not isinstance(guess, Solution):
         # Constraints of the user, such as obstacles, may be passed on another side.
         for branch, seed in enumerate(restarts.seeds[:UNRELAXED], 1):
-            found = solve_briefly(problem, other_guess(problem, branch, (seed,), given=guess))
-            failed = _counted(failed, found)
-            if found.status is Status.INTERRUPTED:
-                return replace(failed, status=Status.INTERRUPTED)
-            if found.success:
-                message = f"{found.message}{RESTARTED_FROM}{VARIATION}"
-                return replace(found, message=message, times=failed.times, iterations=failed.iterations)
+            failed = _attempt(failed, solve_briefly, other_guess(problem, branch, (seed,), given=guess), VARIATION)
+            if failed.success or failed.status is Status.INTERRUPTED:
+                return failed
     unheld = unheld_ends(problem) if least or relaxed is None else ()
     return replace(failed, conflicts=unheld or completed(problem, least, relaxed, solve_coarse))
+
+
+def _attempt(failed: Solution, solve: Solve, guess: InitialGuess, description: str) -> Solution:
+    """Solve the problem of a failed solution from another guess.
+
+    Returns the solution, or else the failed one, with the times and iterations of both. An interrupt is its status.
+    """
+    found = solve(failed.problem, guess)
+    failed = _counted(failed, found)
+    if found.success:
+        message = f"{found.message}{RESTARTED_FROM}{description}"
+        return replace(found, message=message, times=failed.times, iterations=failed.iterations)
+    return replace(failed, status=Status.INTERRUPTED) if found.status is Status.INTERRUPTED else failed
+
+
+def _moves_freely(problem: Problem) -> bool:
+    """Whether a problem moves one System without algebraic variables from a known state, to an end that is not given.
+
+    A straight line is far from the motions of such systems, and its linearisation says little about them.
+    """
+    phase = problem.phases[0]
+    if len(problem.phases) > 1 or phase.robot is not None or phase.dae.algebraic:
+        return False
+    start, end = phase.start_bounds, phase.end_bounds
+    return bool(np.all(start.lower == start.upper) and np.any(end.lower != end.upper))
 
 
 def _total(conflicts: Sequence[Conflict]) -> float:
