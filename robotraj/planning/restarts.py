@@ -151,7 +151,7 @@ def _attempt(failed: Solution, solve: Solve, guess: InitialGuess, description: s
 
 
 def _moves_freely(problem: Problem) -> bool:
-    """Whether a problem moves one System without algebraic variables from a known state, to an end that is not given.
+    """Whether one System without algebraic variables moves from a known state, to an end of which little is given.
 
     A straight line is far from the motions of such systems, and its linearisation says little about them.
     """
@@ -159,7 +159,7 @@ def _moves_freely(problem: Problem) -> bool:
     if len(problem.phases) > 1 or phase.robot is not None or phase.dae.algebraic:
         return False
     start, end = phase.start_bounds, phase.end_bounds
-    return bool(np.all(start.lower == start.upper) and np.any(end.lower != end.upper))
+    return bool(np.all(start.lower == start.upper) and np.mean(end.lower == end.upper) < 0.5)
 
 
 def _total(conflicts: Sequence[Conflict]) -> float:

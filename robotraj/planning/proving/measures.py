@@ -143,6 +143,19 @@ class Measured:
         return phase if there > goal and now > STAGNATION * before.max() else None
 
     @property
+    def wanders(self) -> bool:
+        """Whether the largest error exceeds its goal and hardly fell on two meshes in a row, wherever it is."""
+        before = self.before
+        if before is None or before.before is None or self._largest <= self.proof.goals.error:
+            return False
+        return self._largest > STAGNATION * before._largest and before._largest > STAGNATION * before.before._largest
+
+    @property
+    def _largest(self) -> float:
+        """Largest relative error of an interval."""
+        return max(float(errors.max()) for errors in self.local)
+
+    @property
     def growth(self) -> float:
         """Factor by which the number of intervals must grow for the objective to settle; 1 where it has settled."""
         proof = self.proof

@@ -156,7 +156,7 @@ class _Refining:
         meshes = tuple(part.mesh for part in solution.phases)
         least, missed = self.second if first else 1.0, DOUBLED if self.stagnant else 1.0
         finer = measures.next_meshes(solution.phases, refinement, max(least, measures.growth), missed)
-        if self.stagnant == 1 or finer == meshes:
+        if self.stagnant == 1 or measures.wanders or finer == meshes:
             # Where errors hardly fall, free controls may alternate.
             lines = on_lines(self.problem, finer)
             finer = tuple(lines[k] if k == phase or phase is None else each for k, each in enumerate(finer))

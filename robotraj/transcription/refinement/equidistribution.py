@@ -101,11 +101,15 @@ class Equidistribute(Refinement):
         violated = NEARLY * self.path if broken.max() > self.path else np.inf
         finer = np.maximum(HALVED, np.cbrt(beside / (NEARLY * self.path)))
         parts = np.maximum(parts, np.where(beside > violated, finer, 1.0))
-        parts = np.clip(parts, assessment.growth, self.most)
+        needed = np.clip(parts, 1.0, self.most)
+        parts = np.maximum(needed, assessment.growth)
         if parts.max() <= 1.0:
             return mesh
         parts = _graded(mesh, parts, self.slope)
-        count = min(self.finest, int(np.ceil(max(parts.sum(), LEAST_GROWTH * mesh.count) - 1e-9)))
+        count = int(np.ceil(max(parts.sum(), LEAST_GROWTH * mesh.count) - 1e-9))
+        if count > self.finest:
+            # Where not all intervals can be as many times finer, those with large errors come first.
+            count, parts = self.finest, _graded(mesh, needed, self.slope)
         even = assessment.errors.max() <= tolerance or parts.max() <= LEAST_GROWTH * parts.mean()
         if count < mesh.count or (count == mesh.count and even):
             return mesh

@@ -49,6 +49,25 @@ def test_an_error_that_moves_to_another_place_does_not_stagnate() -> None:
     assert stagnant(1e-6, 1e-6, 2.9e-4, 1e-6) is None
 
 
+def test_errors_wander_that_hardly_fall_on_two_meshes_in_a_row() -> None:
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    solution = rt.plan(rt.Phase(block, 1.0, rt.State([0.0, 0.0]), rt.State([1.0, 0.0]), rt.Effort()), rt.Mesh(4))
+    one = measured(solution, None, rt.solution.Goals())
+
+    def wanders(*largest: float) -> bool:
+        measures = None
+        for i, error in enumerate(largest):
+            measures = replace(one, before=measures, local=(np.roll([error, 0.0, 0.0, 0.0], i),))
+        assert measures is not None
+        return measures.wanders
+
+    assert wanders(3e-4, 2.5e-4, 2.4e-4)
+    assert not wanders(3e-4, 2.5e-4)
+    assert not wanders(3e-4, 1.5e-4, 1.4e-4)
+    assert not wanders(3e-4, 2.5e-4, 1.4e-4)
+    assert not wanders(1.1e-4, 1.0e-4, 0.9e-4)
+
+
 @pytest.mark.parametrize("bending", [False, True])
 def test_a_mesh_that_is_no_finer_says_nothing_of_the_objective(bending: bool) -> None:
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])

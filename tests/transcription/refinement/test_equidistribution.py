@@ -39,6 +39,17 @@ def test_the_error_of_an_interval_with_a_jump_falls_with_its_length_alone() -> N
     assert len(rt.refinement.Equidistribute().refine(rt.Mesh(4), coarse, TOLERANCE).knots) - 1 == 6
 
 
+def test_large_errors_come_first_on_a_mesh_of_the_most_intervals() -> None:
+    """All intervals need to be 4 times as many, which is too many: the one with a large error is still divided."""
+    refinement, mesh = rt.refinement.Equidistribute(finest=20), rt.Mesh(16)
+    errors = [0.1] * 16
+    errors[8] = 1e3
+    refined = np.array(refinement.refine(mesh, seen(errors, growth=4.0), TOLERANCE).knots)
+    assert len(refined) - 1 == 20
+    lengths = np.diff(refined)[(refined[:-1] > 8 / 16) & (refined[1:] < 9 / 16)]
+    assert len(lengths) >= 2 and lengths.max() < 1 / 16 / 3.5
+
+
 def test_a_mesh_that_holds_stays() -> None:
     mesh = rt.Mesh(4)
     assert rt.refinement.Equidistribute().refine(mesh, seen([0.9, 0.1, 0.5, 1.0]), TOLERANCE) == mesh
