@@ -75,33 +75,43 @@ def relaxed_motion(
         Largest relative slack first. They are empty if the motion satisfies every row without a slack.
     """
     try:
-        found, entries, slacks = _least_relaxed(problem, solve, guess, {})
+        own, found, entries, slacks = _demands_first(problem, solve, guess)
     except RobotrajError:
         return None, ()
     if not found.success and not _meets_rows(found, slacks):
         return (found if found.status is Status.INTERRUPTED else None), ()
-    own = False
-    if any(slacks[entry.name] > SMALL for entry in _of_robots(problem, entries)) and _asks_for_more(problem, entries):
-        # A robot's own limits are facts. What the user demands beside them gives way first.
-        asked = _least_relaxed(problem, solve, guess, {}, own=True)
-        if asked[0].success:
-            own, (found, entries, slacks) = True, asked
     if sum(value > SMALL for value in slacks.values()) > 1:
-        weights = {
-            entry.name: SMALL * entry.weight / (slacks[entry.name] + SMALL)
-            for of_phase in entries
-            for entry in of_phase
-        }
-        again, _, fewer = _least_relaxed(problem, solve, found, weights, own)
+        again, _, fewer = _least_relaxed(problem, solve, found, slacks, own)
         if again.success or _meets_rows(again, fewer):
             found, slacks = again, fewer
+    return found, _conflicts(found, entries, slacks)
+
+
+def relaxed_again(problem: Problem, solve: Solve, motion: Solution) -> tuple[Conflict, ...]:
+    """Return the rows that a motion of the relaxed problem relaxes on another mesh; empty if it was not solved there.
+
+    The sum of their slacks is weighted such that few rows are relaxed. Rows that the motion met exactly stay exact.
+    """
+    before = {name: value for part in motion.phases for name, value in part.parameters.items()}
+    own = any(entry.name not in before for of in _relaxed(problem, {}, False)[1] for entry in of)
+    try:
+        found, entries, slacks = _least_relaxed(problem, solve, motion, before, own)
+    except RobotrajError:
+        return ()
+    return _conflicts(found, entries, slacks) if found.success else ()
+
+
+def _conflicts(
+    found: Solution, entries: Sequence[Sequence[Relaxed]], slacks: Mapping[str, float]
+) -> tuple[Conflict, ...]:
+    """Describe the rows with slacks, largest relative slack first."""
     listed = [
         entry.conflict(found.phases[i], slacks[entry.name])
         for i, of_phase in enumerate(entries)
         for entry in of_phase
         if slacks[entry.name] > SMALL
     ]
-    return found, tuple(sorted(listed, key=lambda conflict: -conflict.relative))
+    return tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
 
 def motion_near(problem: Problem, solve: Solve, guess: InitialGuess | Solution | None) -> tuple[Solution | None, bool]:
@@ -143,15 +153,39 @@ def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Con
     return Conflict(phase.name, "duration", enough, longest, enough, "s", relative, True, "alone suffices")
 
 
+def _demands_first(
+    problem: Problem, solve: Solve, guess: InitialGuess | Solution | None
+) -> tuple[bool, Solution, list[list[Relaxed]], dict[str, float]]:
+    """Return whether robots' own limits hold, and what ``_least_relaxed`` returns.
+
+    A robot's own limits are facts. What the user demands beside them gives way first. All rows are relaxed at first,
+    since that leads to a motion from more guesses. Legs are so free then that no motion of theirs is found in time.
+    """
+    legs = any(phase.contacts for phase in problem.phases)
+    if not (legs and _asks_for_more(problem)):
+        every = _least_relaxed(problem, solve, guess, {})
+        found, entries, slacks = every
+        given_way = found.success and any(slacks[entry.name] > SMALL for entry in _of_robots(problem, entries))
+        if legs or not given_way or not _asks_for_more(problem):
+            return False, *every
+    asked = _least_relaxed(problem, solve, guess, {}, own=True)
+    if asked[0].success or asked[0].status is Status.INTERRUPTED:
+        return True, *asked
+    return False, *(_least_relaxed(problem, solve, guess, {}) if legs else every)
+
+
 def _least_relaxed(
     problem: Problem,
     solve: Solve,
     guess: InitialGuess | Solution | None,
-    weights: Mapping[str, float],
+    before: Mapping[str, float],
     own: bool = False,
 ) -> tuple[Solution, list[list[Relaxed]], dict[str, float]]:
-    """Solve the relaxed problem for the least weighted sum; return its solution, its relaxed rows and their slacks."""
-    relaxed, entries = _relaxed(problem, weights, own)
+    """Solve the relaxed problem for the least weighted sum; return its solution, its relaxed rows and their slacks.
+
+    With the slacks of a motion ``before``, the sum counts them instead of adding them up.
+    """
+    relaxed, entries = _relaxed(problem, before, own)
     found = solve(relaxed, guess)
     slacks = {e.name: part.parameters[e.name] for part, of in zip(found.phases, entries, strict=True) for e in of}
     return found, entries, slacks
@@ -167,12 +201,17 @@ def _of_robots(problem: Problem, entries: Sequence[Sequence[Relaxed]]) -> list[R
     return found
 
 
-def _asks_for_more(problem: Problem, entries: Sequence[Sequence[Relaxed]]) -> bool:
-    """Whether motions without contacts have further limits along their way than those of their robots."""
+def _asks_for_more(problem: Problem) -> bool:
+    """Whether motions of robots have further limits along their way than those of the robots."""
     along = (Where.THROUGHOUT, Where.INTEGRAL)
-    rows = [e.name for of in entries for e in of if isinstance(e, RelaxedRow) and e.row.where in along]
-    own = {entry.name for entry in _of_robots(problem, entries)}
-    return bool(own) and not own.issuperset(rows) and not any(phase.contacts for phase in problem.phases)
+    robots, further = False, False
+    for phase in problem.phases:
+        known, table = bounds_of_robot(phase), phase.rows
+        for row in table:
+            if row.where in along and table.constraints[row.constraint].source is not None:
+                is_own = known.get(row.label) == (row.lower, row.upper)
+                robots, further = robots or is_own, further or not is_own
+    return robots and further
 
 
 def _meets_rows(found: Solution, slacks: Mapping[str, float]) -> bool:
@@ -181,7 +220,7 @@ def _meets_rows(found: Solution, slacks: Mapping[str, float]) -> bool:
     return ended and all(value <= SMALL for value in slacks.values())
 
 
-def _relaxed(problem: Problem, weights: Mapping[str, float], own: bool) -> tuple[Problem, list[list[Relaxed]]]:
+def _relaxed(problem: Problem, before: Mapping[str, float], own: bool) -> tuple[Problem, list[list[Relaxed]]]:
     """Return the relaxed problem, and the relaxed rows of each phase; robots' ``own`` limits may stay exact."""
     phases: list[Phase] = []
     relaxed_of: list[list[Relaxed]] = []
@@ -210,7 +249,7 @@ def _relaxed(problem: Problem, weights: Mapping[str, float], own: bool) -> tuple
                 wrapped.append(bound.source)
         entries: list[Relaxed] = [*slacks] if friction is None else [*slacks, friction]
         names = [entry.name for entry in entries]
-        sizes = [weights.get(entry.name, entry.weight) for entry in entries]
+        sizes = [entry.weight * (SMALL / (before[entry.name] + SMALL) if before else 1.0) for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=sizes))
         phases.append(
             phase.with_(

@@ -1,6 +1,6 @@
 """Why a plan failed: the conflicts of its limits.
 
-The cheapest check comes first: slopes that are too steep and jumps that are too long for the friction, zones that a
+The cheapest check comes first: slopes that are too steep and motions that are too fast for the friction, zones that a
 state must cross, ends without a configuration, then the relaxed problem on a coarse mesh with the torques that hold the
 ends. Where that has a motion but the plan has none, a finer mesh decides.
 """
@@ -14,10 +14,10 @@ import casadi as ca
 
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
-from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion, sufficient_duration
+from robotraj.planning.diagnosis.elastic import Solve, relaxed_again, relaxed_motion, sufficient_duration
 from robotraj.planning.diagnosis.exclusions.convexity import excluded_on_finer_mesh
 from robotraj.planning.diagnosis.exclusions.crossed_zones import crossed_zones
-from robotraj.planning.diagnosis.exclusions.jumps import slipping_jumps
+from robotraj.planning.diagnosis.exclusions.rest_to_rest import slipping_motions
 from robotraj.planning.diagnosis.exclusions.slipping import slipping_contacts
 from robotraj.planning.diagnosis.rate_limits import wider_rates
 from robotraj.planning.diagnosis.undefined import undefined_expression
@@ -37,7 +37,7 @@ UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.I
 
 def against_momentum(problem: Problem) -> tuple[Conflict, ...]:
     """Return the friction that gravity and momentum alone exclude, without a solve."""
-    return slipping_contacts(problem) or slipping_jumps(problem)
+    return slipping_contacts(problem) or slipping_motions(problem)
 
 
 def excluded(problem: Problem, near: Sequence[PhaseTrajectory] = ()) -> tuple[Conflict, ...]:
@@ -139,7 +139,8 @@ def conflicts_of(
     motion, conflicts = relaxed_motion(problem, solve_coarse)
     if not are_clear(conflicts):
         return ()
-    finer = unheld_ends(problem) or relaxed_motion(problem, solve_finer, motion)[1]
+    assert motion is not None
+    finer = unheld_ends(problem) or relaxed_again(problem, solve_finer, motion)
     return finer if are_clear(finer) else ()
 
 

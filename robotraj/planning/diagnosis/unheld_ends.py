@@ -38,11 +38,14 @@ NOTICED = 1e-6
 def unheld_ends(problem: Problem) -> tuple[Conflict, ...]:
     """Return the torque limits that are too small to hold a fixed end at rest, the largest relative excess first.
 
-    The torques that hold it are the needed bounds. Phases of Systems and phases with design parameters are skipped, and
-    so are poses that no torque balances.
+    The torques that hold it are the needed bounds; of both ends of a phase, the greater ones. Phases of Systems and
+    phases with design parameters are skipped, and so are poses that no torque balances.
     """
     found = [conflict for phase in problem.phases for conflict in _unheld(phase)]
-    return tuple(sorted(found, key=lambda conflict: -conflict.relative))
+    greatest: dict[tuple[str, str], Conflict] = {}
+    for conflict in sorted(found, key=lambda conflict: -conflict.relative):
+        greatest.setdefault((conflict.phase, conflict.name), conflict)
+    return tuple(greatest.values())
 
 
 def _unheld(phase: Phase) -> list[Conflict]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.elastic import relaxed_motion, sufficient_duration
+from robotraj.planning.diagnosis.elastic import relaxed_again, relaxed_motion, sufficient_duration
 from robotraj.planning.settings import resolve
 from robotraj.planning.solve import solve
 
@@ -22,8 +22,8 @@ def ur5() -> rt.Robot:
     return rt.load("ur5")
 
 
-def coarse(problem: rt.Problem, guess: rt.Solution | None) -> rt.Solution:
-    few = resolve(problem, {"mesh": rt.Mesh(15), "solver": rt.InteriorPoint(max_iterations=200, fallback=None)})
+def coarse(problem: rt.Problem, guess: rt.Solution | None, count: int = 15) -> rt.Solution:
+    few = resolve(problem, {"mesh": rt.Mesh(count), "solver": rt.InteriorPoint(max_iterations=200, fallback=None)})
     return solve(problem, guess, replace(few, restarts=rt.planning.Restarts(0)))
 
 
@@ -83,6 +83,25 @@ def test_the_stated_bounds_suffice(name: str, end: list[float], duration: float)
     assert torque.name.startswith("effort limit") and longer.name == "duration"
     rt.plan(phase.with_(limits=robot.limits.with_(effort=abs(torque.needed))))
     rt.plan(phase.with_(duration=longer.needed))
+
+
+def test_a_swing_too_high_gives_way_before_the_knees_limit() -> None:
+    """The robot's own limits are facts, with contacts too; relaxed as well, they were named beside the demand."""
+    robot = rt.load("five_link", root="planar")
+    solution = rt.plan(rt.gait.walk(robot, step_length=0.4, duration=0.6, clearance=1.0), check=False)
+    assert solution.conflicts
+    assert all(conflict.name.startswith("swing apex") for conflict in solution.conflicts)
+
+
+def test_rows_that_are_relaxed_on_a_coarse_mesh_are_relaxed_on_a_finer_one(ur5: rt.Robot) -> None:
+    problem = reach(ur5, limits=ur5.limits.with_(effort={"shoulder_lift_joint": 20.0}))
+    motion, found = relaxed_motion(problem, coarse)
+    assert motion is not None
+    finer = relaxed_again(problem, lambda posed, guess: coarse(posed, guess, 20), motion)
+    assert [conflict.name for conflict in finer] == [conflict.name for conflict in found]
+    assert finer[0].needed == pytest.approx(found[0].needed, rel=0.1)
+    enough = reach(ur5, limits=ur5.limits.with_(effort={"shoulder_lift_joint": 1.1 * abs(found[0].needed)}))
+    assert relaxed_again(enough, coarse, motion) == ()
 
 
 @pytest.mark.parametrize("duration", [1.0, (0.2, 1.0)])

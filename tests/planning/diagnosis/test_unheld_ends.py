@@ -108,3 +108,13 @@ def test_a_pose_that_one_vector_of_torques_balances_needs_no_linear_program(monk
     (entry,) = held(low)
     assert entry.needed == pytest.approx(needed, rel=1e-6)
     assert held(low + 0.5) == ()
+
+
+def test_a_motor_too_weak_for_both_ends_is_named_once_with_the_greater_torque() -> None:
+    """A pendulum of mass m and length l weighs m g l sin(q) at its joint."""
+    robot = rt.load("pendulum")
+    ends = [rt.State(q=[q], v=0) for q in (0.5, 1.2)]
+    limits = robot.limits.with_(effort=0.01)
+    (entry,) = unheld_ends(rt.Problem([rt.Phase(robot, 1.0, *ends, limits=limits)]))
+    (alone,) = unheld_ends(rt.Problem([rt.Phase(robot, 1.0, None, ends[1], limits=limits)]))
+    assert entry.needed == alone.needed and "end" in entry.reason
