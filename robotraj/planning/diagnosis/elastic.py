@@ -47,6 +47,8 @@ SMALL = 1e-3
 """Slacks, relative to the row's scale, that count as zero."""
 LONGEST = 30.0
 """Longest duration that is tried, relative to the longest allowed one."""
+ENDED = (Status.ITERATION_LIMIT, Status.INTERRUPTED)
+"""Statuses after which no further rows are relaxed."""
 KEPT = (Where.RATE,)
 """Kinds of rows that are not relaxed."""
 
@@ -159,19 +161,20 @@ def _demands_first(
     """Return whether robots' own limits hold, and what ``_least_relaxed`` returns.
 
     A robot's own limits are facts. What the user demands beside them gives way first. All rows are relaxed at first,
-    since that leads to a motion from more guesses. Legs are so free then that no motion of theirs is found in time.
+    since that leads to a motion from more guesses. Legs are so free then that solves end at their iteration limit.
     """
     legs = any(phase.contacts for phase in problem.phases)
-    if not (legs and _asks_for_more(problem)):
-        every = _least_relaxed(problem, solve, guess, {})
-        found, entries, slacks = every
-        given_way = found.success and any(slacks[entry.name] > SMALL for entry in _of_robots(problem, entries))
-        if legs or not given_way or not _asks_for_more(problem):
-            return False, *every
-    asked = _least_relaxed(problem, solve, guess, {}, own=True)
-    if asked[0].success or asked[0].status is Status.INTERRUPTED:
-        return True, *asked
-    return False, *(_least_relaxed(problem, solve, guess, {}) if legs else every)
+    if legs and _asks_for_more(problem):
+        asked = _least_relaxed(problem, solve, guess, {}, own=True)
+        if asked[0].success or asked[0].status in ENDED:
+            return True, *asked
+    found, entries, slacks = _least_relaxed(problem, solve, guess, {})
+    given_way = found.success and any(slacks[entry.name] > SMALL for entry in _of_robots(problem, entries))
+    if given_way and not legs and _asks_for_more(problem):
+        asked = _least_relaxed(problem, solve, guess, {}, own=True)
+        if asked[0].success:
+            return True, *asked
+    return False, found, entries, slacks
 
 
 def _least_relaxed(

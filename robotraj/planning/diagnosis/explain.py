@@ -56,8 +56,8 @@ def completed(
     if motion is not None and not conflicts:
         return ()
     rates, wider = wider_rates(problem, solve_coarse, motion)
-    if rates is not None and all(rates.relative < conflict.relative for conflict in conflicts[:1]):
-        conflicts, motion = (rates,), wider
+    if rates and all(rates[0].relative < conflict.relative for conflict in conflicts[:1]):
+        conflicts, motion = rates, wider
     if motion is None:
         return conflicts
     if not all(_depends_on_rates(problem, conflict) for conflict in conflicts):

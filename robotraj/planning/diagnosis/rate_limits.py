@@ -2,6 +2,7 @@
 
 They bound derivatives of polynomials, to which no slack can be added row by row. All of them are therefore widened by
 one factor f >= 1. It is doubled until the relaxed problem needs no slack, and then bisected to the least such factor.
+Where the widest limits do not suffice, other rows must give whatever the rates are.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
-from robotraj.planning.diagnosis.elastic import Solve, motion_near
+from robotraj.planning.diagnosis.elastic import Solve, motion_near, relaxed_motion
 from robotraj.problem.constraints.base import BoundConstraint, Constraint
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.problem import Problem
@@ -49,8 +50,8 @@ class _Widened(Constraint):
 
 def wider_rates(
     problem: Problem, solve: Solve, guess: Solution | None
-) -> tuple[Conflict, Solution] | tuple[None, None]:
-    """Return the limit of a rate that must give, and a motion with wider limits.
+) -> tuple[tuple[Conflict, ...], Solution | None]:
+    """Return the limit of a rate that must give, or else the rows that must give first, and a motion with wider limits.
 
     Parameters
     ----------
@@ -61,12 +62,14 @@ def wider_rates(
 
     Returns
     -------
-    Conflict and Solution, or None and None
-        The row that is used most in the motion with the least factor, and that motion. None where the problem has no
-        such limits, or where wider ones do not help.
+    conflicts : tuple of Conflict
+        The row that is used most in the motion with the least factor. Otherwise the relaxed rows of the motion within
+        the widest limits. Empty where the problem has no such limits.
+    motion : Solution or None
+        None without conflicts.
     """
     if not any(phase.rows.rates for phase in problem.phases):
-        return None, None
+        return (), None
 
     def motion_with(factor: float) -> Solution | None:
         motion, meets_rows = motion_near(_widened(problem, factor), solve, guess)
@@ -77,7 +80,8 @@ def wider_rates(
         enough *= 2.0
         motion = motion_with(enough)
     if motion is None:
-        return None, None
+        motion, others = relaxed_motion(_widened(problem, WIDEST), solve, guess)
+        return others, motion
     too_little = 0.5 * enough
     for _ in range(BISECTIONS):
         middle = 0.5 * (too_little + enough)
@@ -87,7 +91,7 @@ def wider_rates(
         else:
             enough, motion = middle, found
     # Wherever the motion with the least factor is at a limit, that limit must give.
-    return max(_used(problem, motion, enough), key=lambda conflict: conflict.relative), motion
+    return (max(_used(problem, motion, enough), key=lambda conflict: conflict.relative),), motion
 
 
 def _widened(problem: Problem, factor: float) -> Problem:
