@@ -11,7 +11,7 @@ from robotraj._util.values import dataclass
 
 CLEAR = 2e-2
 """Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
-ROOM, ROOM_OF_DURATION = 1.5e-2, 5e-3
+ROOM, ROOM_OF_DURATION = 1.5e-2, 4e-2
 """What a bound that barely suffices on a coarse mesh gives way further, relative to the larger of both bounds."""
 
 

@@ -48,9 +48,7 @@ class _Widened(Constraint):
         return self.limit.augment(dynamics)
 
 
-def wider_rates(
-    problem: Problem, solve: Solve, guess: Solution | None
-) -> tuple[tuple[Conflict, ...], Solution | None]:
+def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple[tuple[Conflict, ...], Solution | None]:
     """Return the limit of a rate that must give, or else the rows that must give first, and a motion with wider limits.
 
     Parameters

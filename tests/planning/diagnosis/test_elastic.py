@@ -70,7 +70,7 @@ def test_a_duration_too_short_for_the_motors_is_reported() -> None:
     assert least < abs(found[0].needed) < 1.03 * least
     assert motion is not None
     longer = sufficient_duration(problem, coarse, motion)
-    assert longer is not None and 2.0 < longer.needed < 1.02 * 2.0
+    assert longer is not None and 2.0 < longer.needed < 1.05 * 2.0
 
 
 @pytest.mark.parametrize(("name", "end", "duration"), [("pendulum", [2.0], 0.6), ("cartpole", [0.5, np.pi], 0.8)])
