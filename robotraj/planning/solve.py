@@ -189,7 +189,7 @@ def _solve_once(
             base = without_clearance if rebuilt or new or not clearing else continued_at(nlp, w)
             nlp = with_margins(base, margins.amounts)
             nlp = clearing.rows(nlp) if rebuilt else nlp
-            warm = solver.from_nearby() if clearing else solver
+            warm = solver.from_nearby() if clearing or lower else solver
             # Rows that are added between the points come before those on distances, whose numbers change.
             alike = not clearing or (clearing.numbered and not new and not moving)
             known = earlier_multipliers(solution, nlp, True) if alike else None

@@ -19,6 +19,7 @@ from robotraj.solution.records import MeshStep
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
@@ -31,6 +32,13 @@ CHANGE_FLAT = 1e-4
 Reversals with dry friction, and times at which powers change their sign, move from point to point. They gain 1e-4 in a
 hundred iterations, and the next mesh moves them again.
 """
+CHANGE_OF_POWERS = 1e-3
+"""The same where joints stick and slide and the objective has kinks: hundreds of iterations gain a percent."""
+BARRIER_OF_POWERS = 1e-4
+"""First barrier parameter there on a later mesh. A larger one raises the objective by a fifth, and takes a hundred
+iterations to lower it again."""
+BEYOND = 1.0
+"""Excess over a limit, relative to its bound, above which no lower limit helps: the motion needs a finer mesh."""
 
 
 class BestMotion:
@@ -71,7 +79,8 @@ class BestMotion:
         self.sticking = needs_softening(problem)
         self.kinked = any(is_kinked(phase) for phase in problem.phases)
         self.is_flat = self.sticking or self.kinked
-        self.solver = settings.solver.until_settled(CHANGE_FLAT) if self.is_flat else settings.solver
+        change = CHANGE_OF_POWERS if self.sticking and self.kinked else CHANGE_FLAT
+        self.solver = settings.solver.until_settled(change) if self.is_flat else settings.solver
         self.limits_between = False
         self.neighbour: Proof | None = None
         self.near = False
@@ -175,13 +184,17 @@ class BestMotion:
             return self.solver
         # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
         # as the signs of powers do.
-        return self.solver.from_nearby(altered=self.kinked or any(phase.rows.rates for phase in self.problem.phases))
+        warm = self.solver.from_nearby(altered=self.kinked or any(phase.rows.rates for phase in self.problem.phases))
+        if self.sticking and self.kinked and isinstance(warm, InteriorPoint):
+            return replace(warm, initial_barrier=BARRIER_OF_POWERS)
+        return warm
 
     def _is_settled(self, solution: Solution) -> bool:
         """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
         measures = self._measures_of(solution, self.measures)
         self._unchecked = solution.phases, measures
-        self.limits_between = measures.proof.error <= self.goals.error and measures.growth <= 1.0
+        proof = measures.proof
+        self.limits_between = proof.error <= self.goals.error and measures.growth <= 1.0 and proof.excess <= BEYOND
         return self.limits_between
 
     def _with_proof(self, solution: Solution, before: Measured | None) -> Solution:
