@@ -44,3 +44,13 @@ def test_a_limit_of_jerks_is_not_blamed_for_weak_motors() -> None:
     weak = phase.with_(limits=phase.robot.limits.with_(velocity=20.0, effort=1.0))
     names = [conflict.name for conflict in failure(weak).conflicts]
     assert names and all(name.startswith(("effort limit", "duration")) for name in names)
+
+
+def test_rows_that_must_give_whatever_the_rates_are_named() -> None:
+    """Motors too weak for the duration had no cause where rates of their torques were limited too."""
+    robot = rt.load("two_link_arm")
+    ends = rt.State(q=[0.0, 0.0], v=0), rt.State(q=[1.0, 1.0], v=0)
+    slow = rt.constraints.JointTorqueRate(rt.between(-3.0, 3.0))
+    phase = rt.Phase(robot, 0.5, *ends, rt.Effort(), limits=robot.limits.with_(effort=0.2), constraints=[slow])
+    conflicts = rt.plan(phase, check=False).conflicts
+    assert conflicts and conflicts[0].name.startswith("effort limit")
