@@ -30,7 +30,7 @@ def stand(
 
     The feet keep their horizontal positions of the neutral configuration. The root is upright, and joints are inside
     their limits and near the neutral ones. Straight legs are bent at the knees, because the equations are singular
-    with straight ones.
+    with straight ones, and so are legs with a joint at a limit, which could not extend.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def stand(
         Contact of every foot, as for ``rt.gait.walk``.
     height : float, optional
         Height of the centre of mass above the feet [m]. By default it is that of the neutral configuration, or a
-        twentieth less if its legs are straight.
+        twentieth less if its legs are straight or at a limit.
 
     Raises
     ------

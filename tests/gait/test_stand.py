@@ -79,3 +79,12 @@ def test_a_humanoid_with_straight_knees_crouches() -> None:
     q = gait.stand(robot, feet, sole, height=0.5)
     assert pin.centerOfMass(robot.model, robot.model.createData(), q)[2] == pytest.approx(0.5, abs=0.05)
     assert q[7 + robot.joint_names.index("left_knee_joint") - 1] > 0.5
+
+
+def test_knees_at_their_limits_bend_further_so_that_legs_can_extend() -> None:
+    """Where zero lies outside the knees' limits, the neutral configuration is at these limits."""
+    bent = {"FL_KFE": (-2.6, -1.6), "FR_KFE": (-2.6, -1.6), "HL_KFE": (1.6, 2.6), "HR_KFE": (1.6, 2.6)}
+    robot = rt.load("solo12", root="floating", limits={"position": bent})
+    q, free = gait.stand(robot), gait.stand(rt.load("solo12", root="floating"))
+    knees = [7 + robot.joint_names.index(name) - 1 for name in bent]
+    assert np.all(np.abs(q[knees]) > 1.65) and np.all(np.abs(free[knees]) < 1.65)

@@ -21,6 +21,10 @@ REPEATS = 5
 """Number of repetitions with the last solution as posture, for a given height."""
 BEND = 0.6
 """Angle by which a joint at a bound is bent inwards [rad]."""
+AT_BOUND = 0.05
+"""Distance of a joint from a bound below which it is bent inwards [rad, m]."""
+MOVING = 1e-6
+"""Least speed of a foot, relative to that of a joint, with which the joint moves it [m]."""
 NEAR_HEIGHT = 1e-3
 """Distance of the centre of mass from a given height beyond which other bends of the knees are tried [m]."""
 ONE_SIDED = 0.1
@@ -40,8 +44,9 @@ def upright(robot: Robot, q: Array) -> Array:
 def standing(stance: BalancedStance, height: float | None = None) -> Array:
     """Return the configuration (nq,) with all feet on the ground, bent knees and the centre of mass above the feet.
 
-    The feet keep their horizontal positions of the neutral configuration. If its legs are straight, joints at their
-    bounds are bent inwards. The centre of mass is then lowered by a twentieth of its height, as far as the legs allow.
+    The feet keep their horizontal positions of the neutral configuration. If its legs are straight or one of their
+    joints is at a bound, joints at bounds are bent inwards. The centre of mass is then lowered by a twentieth of its
+    height, as far as the legs allow.
 
     Parameters
     ----------
@@ -62,8 +67,10 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     com = pin.centerOfMass(model, data, q)
     _, slope = stance.places(q, feet)
     up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
-    straight = bool(np.max(np.abs(slope[up][:, n:]), initial=0.0) < 1e-2 * abs(com[2]))
     lower, upper = stance.bounds
+    straight = bool(np.max(np.abs(slope[up][:, n:]), initial=0.0) < 1e-2 * abs(com[2])) or _stretched(
+        slope[:, n:], q[len(q) - len(lower) :], lower, upper
+    )
     start = np.array(q)
     anchors_by_axis = (
         [feet[a.name] for c in stance.contacts for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"
@@ -72,7 +79,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     ground = float(com[2] - height_above(stance, feet, com))
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
-        start = _bent(stance, start, 0.05)
+        start = _bent(stance, start, AT_BOUND)
     com = np.array([*middle, ground + target])
     found = stance.reach(start, feet, com, {}, start if straight else q)
     if height is None:
@@ -84,6 +91,12 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
         other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com)
         found = min(found, other, key=lambda each: abs(_com_height(stance, each) - com[2]))
     return found
+
+
+def _stretched(slope: Array, joints: Array, lower: Array, upper: Array) -> bool:
+    """Whether a joint that moves the feet is at a bound, so that a leg cannot extend, or bend to one side."""
+    moving = np.max(np.abs(slope), axis=0, initial=0.0) > MOVING
+    return bool(np.any(moving & (np.minimum(joints - lower, upper - joints) < AT_BOUND)))
 
 
 def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array) -> Array:
