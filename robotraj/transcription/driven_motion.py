@@ -152,7 +152,7 @@ class DefinedInputs(OneLine):
 
 
 def _frictionless(phase: Phase) -> list[tuple[int, int, int]]:
-    """Torques without dry friction: their columns of z, rows of their definitions and of their joints' balances."""
+    """Return columns of z of torques without dry friction, and the rows of their definitions and joints' balances."""
     dae, joints = phase.dae, phase.robot.velocity_names if phase.robot else ()
     rows = [row.name for row in dae.residuals]
     return [

@@ -42,15 +42,16 @@ def _unlike_sides(limits: Limits, units: Sequence[str]) -> dict[tuple[str, str],
         here, there = ((limits.position_lower[j], limits.position_upper[j]) for j in (i, k))
         if not (np.allclose(here, there, 0.0, ALIKE) or np.allclose(here, (-there[1], -there[0]), 0.0, ALIKE)):
             ranges = (f"[{low:.4g}, {high:.4g}] {unit}" for low, high in (here, there))
-            found[pair] = _told("positions", pair, ranges)
+            found[pair] = _difference("positions", pair, ranges)
             continue
         for name, values, of in (("speed", limits.velocity, f"{unit}/s"), ("effort", limits.effort, motor)):
             if not np.isclose(values[i], values[k], ALIKE, 0.0):
-                found[pair] = _told(name, pair, (f"{values[j]:.4g} {of}" for j in (i, k)))
+                found[pair] = _difference(name, pair, (f"{values[j]:.4g} {of}" for j in (i, k)))
                 break
     return found
 
 
-def _told(name: str, pair: tuple[str, str], values: Iterable[str]) -> str:
+def _difference(name: str, pair: tuple[str, str], values: Iterable[str]) -> str:
+    """Write the values of one limit of both joints."""
     first, second = values
     return f"{name} of {pair[0]!r} {first}, of {pair[1]!r} {second}"
