@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import os
 import signal
 import threading
@@ -69,7 +70,10 @@ def test_an_infeasible_problem_raises_with_the_iterate_the_rows_and_a_remedy() -
     assert all(part in str(caught.value) for part in ("'move'", "infeasible", str(worst), "try: "))
     # The conflicting limits come first, and the advice last.
     text = " ".join(str(caught.value).split())
-    assert text.startswith("'move' was not solved: control bound, u") and "duration: 5 s must become 6.3" in text
+    assert text.startswith("'move' was not solved: control bound, u")
+    longer = re.search(r"duration: 5 s must become ([\d.]+) s", text)
+    least = 2 * np.sqrt(10)  # The least duration, to which the stated one adds some room.
+    assert longer is not None and least < float(longer[1]) < 1.05 * least
     assert "iterations" not in text.partition("try: ")[2]
     assert solution.at(2.5).x["x"] == pytest.approx(5, abs=3)
     amounts = [violation.relative for violation in solution.violations(top=100)]
