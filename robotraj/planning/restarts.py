@@ -153,7 +153,7 @@ def _attempt(failed: Solution, solve: Solve, guess: InitialGuess, description: s
 def _moves_freely(problem: Problem) -> bool:
     """Whether one System without algebraic variables moves from a known state, to an end of which little is given.
 
-    A straight line is far from the motions of such systems, and its linearisation says little about them.
+    A straight line is far from the motions of such systems.
     """
     phase = problem.phases[0]
     if len(problem.phases) > 1 or phase.robot is not None or phase.dae.algebraic:
