@@ -146,14 +146,10 @@ class Measured:
     def wanders(self) -> bool:
         """Whether the largest error exceeds its goal and hardly fell on two meshes in a row, wherever it is."""
         before = self.before
-        if before is None or before.before is None or self._largest <= self.proof.goals.error:
+        if before is None or before.before is None or self.proof.error <= self.proof.goals.error:
             return False
-        return self._largest > STAGNATION * before._largest and before._largest > STAGNATION * before.before._largest
-
-    @property
-    def _largest(self) -> float:
-        """Largest relative error of an interval."""
-        return max(float(errors.max()) for errors in self.local)
+        last, first = before.proof.error, before.before.proof.error
+        return self.proof.error > STAGNATION * last and last > STAGNATION * first
 
     @property
     def growth(self) -> float:
