@@ -16,7 +16,7 @@ from robotraj.transcription.refinement.error import interval_errors, residuals_o
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
-from robotraj.transcription.refinement.window_errors import window_errors
+from robotraj.transcription.refinement.simulation_errors import errors_of_simulations
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 if TYPE_CHECKING:
@@ -43,20 +43,21 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     )
 
 
-def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, windows: bool = False) -> Array:
+def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, simulated: bool = False) -> Array:
     """Relative error of every interval, of its states or of an integral constraint, (K,).
 
     States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
-    With ``windows``, errors of a robot without contacts count over short windows too (``window_errors``).
+    With ``simulated``, errors of a robot without contacts count as a simulation shows them too (``simulation_errors``).
     """
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
     if is_exact(phase, mesh.given):
         return of_integrals
     residuals = residuals_of(phase, trajectory, inputs_of(phase, trajectory, mesh.schemes))
     errors = np.maximum(interval_errors(phase, trajectory, residuals=residuals), of_integrals)
-    if not windows or phase.robot is None or phase.contacts or phase.path is not None:
+    if not simulated or phase.robot is None or phase.contacts or phase.path is not None:
         return errors
-    return np.maximum(errors, window_errors(trajectory, residuals))
+    nq, nv = phase.robot.nq, phase.robot.nv
+    return np.maximum(errors, errors_of_simulations(trajectory, residuals, slice(nq, nq + nv)))
 
 
 def control_jumps(trajectory: PhaseTrajectory, moving: bool = False) -> Array:

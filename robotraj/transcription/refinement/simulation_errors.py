@@ -1,0 +1,88 @@
+"""Errors of a robot's plan as ``rt.validate`` measures them: over short windows, and of speeds inside intervals.
+
+Betts's error of an interval (``error``) is relative to the largest acceleration of a joint, and counts intervals one by
+one. Where many short intervals follow each other, as where powers change their sign, their errors add up, and a
+simulation of 0.05 s misses its end. The error over a window is the sum of its intervals,
+
+    error = max_i |integral e_i dt| / (1 + |x_i|),    e = xdot - f,
+
+with the state x_i at its end. An interval has the share of it that its own error has of the mean in the window, at most
+the whole.
+
+A light joint whose motor overcomes dry friction reaches its speed within a fraction of an interval, and then holds it
+by damping. The collocated speed is right at the knots and wrong inside the interval. Relative to an acceleration of
+10,000 rad/s^2 this error is small, but a simulation that follows the plan is away from it by a fraction of the speed.
+The deviation d of each speed is integrated from 0 at the first knot of an interval,
+
+    d' = e - lambda d,    error = max_t |d| / max(1, |v|),
+
+with the rates of decay lambda of ``error``, the largest speed |v| of the joint in the phase, and implicit steps between
+the points of Gauss's rule.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.refinement.error import Residuals
+
+Array = NDArray[np.float64]
+
+WINDOW = 0.05
+"""Length of a window [s]; a longer interval counts by the share of a window."""
+SHARE = 0.1
+"""Factor on the error of a window to compare it with that of an interval, which is allowed a tenth of it."""
+SHARE_OF_SPEEDS = 2e-3
+"""Factor on the deviation of a speed to compare it with the error of an interval.
+
+At the default goal of 1e-4 it allows half the deviation that ``rt.validate`` allows a robot that follows its plan."""
+
+
+def errors_of_simulations(trajectory: PhaseTrajectory, residuals: Residuals, speeds: slice) -> Array:
+    """Return the larger error of every interval: of the windows around it, or of the speeds inside it, (K,).
+
+    ``speeds`` are the columns of the states that are speeds of joints.
+    """
+    of_speeds = SHARE_OF_SPEEDS * speed_deviations(trajectory, residuals, speeds)
+    return np.maximum(SHARE * window_errors(trajectory, residuals), of_speeds)
+
+
+def window_errors(trajectory: PhaseTrajectory, residuals: Residuals) -> Array:
+    """Return the error of the worst window around every interval, (K,)."""
+    breaks = trajectory.x.breaks
+    lengths = np.diff(breaks)
+    count, states = len(lengths), residuals.values.shape[1]
+    eta = np.zeros((count, states))
+    np.add.at(eta, residuals.interval, residuals.effects(np.maximum(lengths, WINDOW)))
+    sums = np.vstack([np.zeros(states), np.cumsum(eta, axis=0)])
+    sizes = 1.0 + np.abs(trajectory.x(breaks[1:], np.arange(count)))
+    errors = np.zeros(count)
+    for first in range(count):
+        last = max(first + 1, int(np.searchsorted(breaks, breaks[first] + WINDOW, side="right")) - 1)
+        window = slice(first, last)
+        of_window = np.abs(sums[last] - sums[first]) / sizes[last - 1]
+        own = np.abs(eta[window])
+        shares = np.minimum(1.0, own / np.maximum(own.mean(axis=0), 1e-300))
+        worst = (shares * of_window).max(axis=1) * min(1.0, WINDOW / float(lengths[window].sum()))
+        errors[window] = np.maximum(errors[window], worst)
+    return errors
+
+
+def speed_deviations(trajectory: PhaseTrajectory, residuals: Residuals, speeds: slice) -> Array:
+    """Return the largest deviation of a speed inside every interval, relative to max(1, its largest value), (K,)."""
+    counts = np.bincount(residuals.interval)
+    starts = np.cumsum(counts) - counts
+    driven = residuals.weights[:, None] * residuals.values[:, speeds]
+    decay = 0.0 if residuals.decay is None else residuals.decay[:, speeds]
+    damped = np.broadcast_to(1.0 + residuals.weights[:, None] * decay, driven.shape)
+    deviations = np.zeros((len(counts), driven.shape[1]))
+    largest = np.zeros_like(deviations)
+    for place in range(counts.max()):
+        own = counts > place
+        at = starts[own] + place
+        deviations[own] = (deviations[own] + driven[at]) / damped[at]
+        largest[own] = np.maximum(largest[own], np.abs(deviations[own]))
+    planned = np.max([np.abs(values[:, speeds]).max(axis=0) for values in trajectory.x.values], axis=0)
+    return np.asarray((largest / np.maximum(1.0, planned)).max(axis=1))

@@ -1,0 +1,60 @@
+"""Errors over short windows, and of speeds inside intervals, bound those of the simulations in ``rt.validate``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+import robotraj as rt
+from robotraj.transcription.refinement.assess import errors_of
+from robotraj.transcription.refinement.error import residuals_of
+from robotraj.transcription.refinement.linear_controls import LINES
+from robotraj.transcription.refinement.simulation_errors import SHARE, speed_deviations
+
+
+def light_link() -> rt.Phase:
+    """Return a turn of a light link, whose torque begins above the dry friction and changes as little as possible."""
+    model, place = pin.Model(), pin.SE3.Identity()
+    joint = model.addJoint(0, pin.JointModelRZ(), place, "joint")
+    model.appendBodyToJoint(joint, pin.Inertia(0.1, np.zeros(3), 1e-4 * np.eye(3)), place)
+    model.damping = np.array([0.1])
+    robot = replace(rt.load(model), friction=np.array([0.2]))
+    ends = rt.State(q=0.0, v=0.0), rt.State(q=0.5, v=0.0)
+    return rt.Phase(robot, 0.5, *ends, rt.objectives.TorqueRate())
+
+
+def test_errors_over_windows_bound_those_of_the_simulation_where_short_intervals_follow_each_other() -> None:
+    # Torques that are lines are wrong to one side where the motion bends, and the errors of intervals add up.
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[2.0, 1.0], v=0)
+    swing = rt.Phase(rt.load("two_link_arm"), 0.2, *ends, rt.Effort(), limits=None)
+    solution = rt.plan(swing, mesh=rt.Mesh(60, LINES), check=False)
+    part = solution.phases[0]
+    alone = errors_of(part.phase, part.trajectory, part.mesh)
+    windows = errors_of(part.phase, part.trajectory, part.mesh, simulated=True)
+    local = rt.validate(solution).local.worst.relative
+    assert np.all(windows >= alone)
+    assert windows.max() > 2.0 * alone.max()
+    assert local < 2.0 * windows.max() / SHARE
+
+
+def test_a_light_joint_deviates_inside_an_interval_as_a_simulation_that_follows_the_plan_shows() -> None:
+    # The link reaches its speed within a fraction of the first interval.
+    solution = rt.plan(light_link(), mesh=rt.Mesh(200), check=False)
+    part = solution.phases[0]
+    residuals = residuals_of(part.phase, part.trajectory)
+    deviations = speed_deviations(part.trajectory, residuals, slice(1, 2))
+    loop = rt.validate(solution).closed_loop
+    assert loop is not None and loop.error is not None
+    followed = loop.error["v.joint"]
+    assert followed.time < solution.phases[0].knots[1]
+    # The scale of a speed that follows is 10 times its largest value.
+    assert 0.5 < deviations[0] / (10.0 * followed.relative) < 2.0
+    assert deviations[0] > 50.0 * deviations[1:].max()
+
+
+def test_the_default_plan_resolves_the_speed_of_a_light_joint() -> None:
+    solution = rt.plan(light_link())
+    assert solution.success
+    assert rt.validate(solution).passed
