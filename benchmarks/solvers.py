@@ -153,7 +153,7 @@ def first_plan(example: Path) -> tuple[rt.Problem | rt.Phase, dict[str, Any]] | 
     """Run an example until it plans and return the arguments; None without ``rt.plan`` or ``rt.multistart``."""
 
     def plan(problem: Any, mesh: Any = None, guess: Any = None, *_: Any, **options: Any) -> None:
-        kept = {k: v for k, v in options.items() if k in ("mesh", "guess", "tolerance", "refinement", "stages")}
+        kept = {k: v for k, v in options.items() if k in ("mesh", "guess", "tolerance", "refinement", "continuation")}
         given = {k: v for k, v in (("mesh", mesh), ("guess", guess)) if v is not None}
         raise _Planned(problem, given | kept)
 
