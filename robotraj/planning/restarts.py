@@ -27,6 +27,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.default import other_guess
 from robotraj.guess.simulated import Simulated
 from robotraj.guess.straight_line import StraightLine
+from robotraj.planning.diagnosis.closed_ways import closed_ways
 from robotraj.planning.diagnosis.elastic import motion_near, relaxed_motion
 from robotraj.planning.diagnosis.explain import completed, excluded
 from robotraj.planning.diagnosis.undefined import undefined_expression
@@ -67,10 +68,11 @@ def restarted(
 ) -> Solution:
     """Solve a problem that failed again, or find why it has no solution.
 
-    Nothing is tried where no motion exists (``planning.diagnosis.explain.excluded``). Otherwise the relaxed
-    problem (``planning.diagnosis.elastic``) is solved from one start after the other. A motion of it that meets every
-    row is the next guess. If all of them need relaxed rows, those of the least sum are the conflicts, or the torques
-    that hold an end where motors cannot (``planning.diagnosis.unheld_ends``).
+    Nothing is tried where no motion exists (``planning.diagnosis.explain.excluded``), or where an obstacle closes the
+    way (``planning.diagnosis.closed_ways``). Otherwise the relaxed problem (``planning.diagnosis.elastic``) is solved
+    from one start after the other. A motion of it that meets every row is the next guess. If all of them need relaxed
+    rows, those of the least sum are the conflicts, or the torques that hold an end where motors cannot
+    (``planning.diagnosis.unheld_ends``).
 
     Parameters
     ----------
@@ -99,6 +101,9 @@ def restarted(
     exclusions = excluded(problem)
     if are_certain(exclusions):
         return replace(failed, status=Status.INFEASIBLE, conflicts=exclusions)
+    closed = closed_ways(problem)
+    if closed:
+        return replace(failed, conflicts=closed)
     if guess is None and _moves_freely(problem):
         failed = _attempt(failed, solve_briefly, Simulated(), "simulated motion under constant controls")
         if failed.success or failed.status is Status.INTERRUPTED:

@@ -80,7 +80,7 @@ class GeometricPath(InitialGuess):
         robot, scene, limits = phase.robot, scene_of(phase), LineLimits.of(phase)
         if robot is None or scene is None or limits is None:
             return straight
-        first, last = straight.states(np.array([0.0, 1.0]))[:, : robot.nq]
+        first, last = self.ends(phase, index)
         t0 = self.starts[index] if index < len(self.starts) else 0.0
         paths = self._paths(phase, scene, limits, first, last, t0)
         if not paths:
@@ -93,6 +93,22 @@ class GeometricPath(InitialGuess):
             return q, rate / duration, second / duration**2
 
         return joint_motion(phase, duration, motion, default_parameters(phase))
+
+    def is_closed(self, phase: Phase, index: int) -> bool:
+        """Whether obstacles at rest block the straight line of a phase between free ends, and no path was found."""
+        scene, limits = scene_of(phase), LineLimits.of(phase)
+        if phase.robot is None or scene is None or limits is None or scene.moving is not None:
+            return False
+        first, last = self.ends(phase, index)
+        if scene.clearance(first, last) <= 0.0 or scene.is_free(first, last):
+            return False
+        return not self._paths(phase, scene, limits, first, last, 0.0)
+
+    def ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
+        """Return the configurations (nq,) of a phase that moves a robot between which its motion is guessed."""
+        assert phase.robot is not None
+        first, last = self.line.of(phase, index).states(np.array([0.0, 1.0]))[:, : phase.robot.nq]
+        return first, last
 
     def _paths(
         self, phase: Phase, scene: PathScene, limits: LineLimits, first: Array, last: Array, t0: float
@@ -133,8 +149,14 @@ class GeometricPath(InitialGuess):
 
 
 def _planned(planner: PathPlanner, scene: PathScene, first: Array, last: Array, seeds: Iterable[int]) -> list[Array]:
-    found = (planner.path(scene, first, last, seed) for seed in seeds)
-    return [path for path in found if path is not None]
+    """Return one path a seed, until a search finds none: others seldom find one then."""
+    paths: list[Array] = []
+    for seed in seeds:
+        path = planner.path(scene, first, last, seed)
+        if path is None:
+            break
+        paths.append(path)
+    return paths
 
 
 def _moves(phase: Phase) -> bool:

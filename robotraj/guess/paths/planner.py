@@ -58,7 +58,7 @@ class RRTConnect(PathPlanner):
     """
 
     stride: float = 1.0
-    iterations: int = 20_000
+    iterations: int = 50_000
     seconds: float = 5.0
     shortcuts: int = 100
 

@@ -78,6 +78,7 @@ double SphereTree::clearance(const double* q) const {
   centres(places, own);
   double least = std::numeric_limits<double>::infinity();
   for (const Group& group : groups) {
+    if (group.joint < 0) continue;  // it moves no more than the shapes
     const Vector3 middle = of(places, group.joint) * group.bound.centre;
     for (const Shape& shape : shapes) {
       if (shape.distance(middle).value - group.bound.radius >= least) continue;
@@ -87,6 +88,7 @@ double SphereTree::clearance(const double* q) const {
   }
   for (const Pair& pair : pairs) {
     const Group &a = groups[pair.first], &b = groups[pair.second];
+    if (a.joint == b.joint) continue;
     const Vector3 between = of(places, a.joint) * a.bound.centre - of(places, b.joint) * b.bound.centre;
     if (between.norm() - a.bound.radius - b.bound.radius >= least) continue;
     for (std::size_t s = a.first; s < a.last; ++s)

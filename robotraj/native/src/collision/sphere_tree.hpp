@@ -61,7 +61,7 @@ struct SphereTree {
   }
   /// Of all spheres, at places of the joints.
   void centres(const std::vector<Place>& places, std::vector<Vector3>& found) const;
-  /// The least signed distance of two shapes, infinite where there is none.
+  /// The least signed distance of two shapes that a motion can change, infinite where there is none.
   double clearance(const double* q) const;
 
  private:
