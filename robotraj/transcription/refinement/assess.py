@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
+from robotraj.robot.size.error_window import error_window
 from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -47,17 +48,18 @@ def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, simulated: 
     """Relative error of every interval, of its states or of an integral constraint, (K,).
 
     States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
-    With ``simulated``, errors of a robot without contacts count as a simulation shows them too (``simulation_errors``).
+    With ``simulated``, errors of a robot count as a simulation shows them too (``simulation_errors``).
     """
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
     if is_exact(phase, mesh.given):
         return of_integrals
     residuals = residuals_of(phase, trajectory, inputs_of(phase, trajectory, mesh.schemes))
     errors = np.maximum(interval_errors(phase, trajectory, residuals=residuals), of_integrals)
-    if not simulated or phase.robot is None or phase.contacts or phase.path is not None:
+    if not simulated or phase.robot is None or phase.path is not None:
         return errors
     nq, nv = phase.robot.nq, phase.robot.nv
-    return np.maximum(errors, errors_of_simulations(trajectory, residuals, slice(nq, nq + nv)))
+    window = error_window(phase.robot)
+    return np.maximum(errors, errors_of_simulations(trajectory, residuals, window, slice(nq, nq + nv)))
 
 
 def control_jumps(trajectory: PhaseTrajectory, moving: bool = False) -> Array:

@@ -75,9 +75,10 @@ class Residuals(NamedTuple):
     decay: Array | None
 
     def effects(self, lengths: Array) -> Array:
-        """Return weighted residuals, reduced by the decay over ``lengths`` (K,) of time, (m, nx)."""
-        values = self.weights[:, None] * self.values
-        return values if self.decay is None else values / (1.0 + lengths[self.interval][:, None] * self.decay)
+        """Return residuals, reduced by the decay over ``lengths`` (K,) of time, (m, nx)."""
+        if self.decay is None:
+            return self.values
+        return np.asarray(self.values / (1.0 + lengths[self.interval][:, None] * self.decay))
 
 
 def residuals_of(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Residuals:
@@ -139,7 +140,7 @@ def state_errors(
     known = residuals_of(phase, trajectory, inputs) if residuals is None else residuals
     lengths = np.diff(trajectory.x.breaks)
     eta = np.zeros((len(lengths), known.values.shape[1]))
-    np.add.at(eta, known.interval, np.abs(known.effects(lengths)))
+    np.add.at(eta, known.interval, known.weights[:, None] * np.abs(known.effects(lengths)))
     return eta
 
 

@@ -2,12 +2,13 @@
 
 Betts's error of an interval (``error``) is relative to the largest acceleration of a joint, and counts intervals one by
 one. Where many short intervals follow each other, as where powers change their sign, their errors add up, and a
-simulation of 0.05 s misses its end. The error over a window is the sum of its intervals,
+simulation of a window misses its end. The error over a window is the sum of its intervals,
 
     error = max_i |integral e_i dt| / (1 + |x_i|),    e = xdot - f,
 
-with the state x_i at its end. An interval has the share of it that its own error has of the mean in the window, at most
-the whole.
+with the state x_i at its end. Windows end inside of longer intervals, where the error is larger than at the end: there
+collocation integrates e to nearly zero. An interval has the share of the error of a window that its own error has of
+the mean in the window, at most the whole.
 
 A light joint whose motor overcomes dry friction reaches its speed within a fraction of an interval, and then holds it
 by damping. The collocated speed is right at the knots and wrong inside the interval. Relative to an acceleration of
@@ -25,48 +26,59 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.polynomials import gauss, integrals
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.error import Residuals
 
 Array = NDArray[np.float64]
 
-WINDOW = 0.05
-"""Length of a window [s]; a longer interval counts by the share of a window."""
 SHARE = 0.1
 """Factor on the error of a window to compare it with that of an interval, which is allowed a tenth of it."""
+ROUNDING = 1e-9
+"""Relative length by which a window may be longer, so that round-off cuts no interval of its length in two."""
 SHARE_OF_SPEEDS = 2e-3
 """Factor on the deviation of a speed to compare it with the error of an interval.
 
 At the default goal of 1e-4 it allows half the deviation that ``rt.validate`` allows a robot that follows its plan."""
 
 
-def errors_of_simulations(trajectory: PhaseTrajectory, residuals: Residuals, speeds: slice) -> Array:
+def errors_of_simulations(trajectory: PhaseTrajectory, residuals: Residuals, longest: float, speeds: slice) -> Array:
     """Return the larger error of every interval: of the windows around it, or of the speeds inside it, (K,).
 
-    ``speeds`` are the columns of the states that are speeds of joints.
+    Parameters
+    ----------
+    trajectory : PhaseTrajectory
+    residuals : Residuals
+    longest : float
+        Length of a window [s]. Longer intervals are cut into equal parts.
+    speeds : slice
+        Columns of the states that are speeds of joints.
     """
     of_speeds = SHARE_OF_SPEEDS * speed_deviations(trajectory, residuals, speeds)
-    return np.maximum(SHARE * window_errors(trajectory, residuals), of_speeds)
+    return np.maximum(SHARE * window_errors(trajectory, residuals, longest), of_speeds)
 
 
-def window_errors(trajectory: PhaseTrajectory, residuals: Residuals) -> Array:
+def window_errors(trajectory: PhaseTrajectory, residuals: Residuals, longest: float) -> Array:
     """Return the error of the worst window around every interval, (K,)."""
     breaks = trajectory.x.breaks
     lengths = np.diff(breaks)
-    count, states = len(lengths), residuals.values.shape[1]
-    eta = np.zeros((count, states))
-    np.add.at(eta, residuals.interval, residuals.effects(np.maximum(lengths, WINDOW)))
-    sums = np.vstack([np.zeros(states), np.cumsum(eta, axis=0)])
-    sizes = 1.0 + np.abs(trajectory.x(breaks[1:], np.arange(count)))
-    errors = np.zeros(count)
-    for first in range(count):
-        last = max(first + 1, int(np.searchsorted(breaks, breaks[first] + WINDOW, side="right")) - 1)
+    parts = np.maximum(1, np.ceil(lengths / longest * (1.0 - ROUNDING))).astype(int)
+    owners = np.repeat(np.arange(len(lengths)), parts)
+    ends = np.concatenate(
+        [np.linspace(a, b, n + 1)[1:] for a, b, n in zip(breaks[:-1], breaks[1:], parts, strict=True)]
+    )
+    begins = np.append(breaks[0], ends[:-1])
+    eta = _integrals(residuals, lengths, parts, longest)
+    sums = np.vstack([np.zeros(eta.shape[1]), np.cumsum(eta, axis=0)])
+    sizes = 1.0 + np.abs(trajectory.x(ends, owners))
+    errors = np.zeros(len(lengths))
+    for first, begin in enumerate(begins):
+        last = max(first + 1, int(np.searchsorted(ends, begin + longest * (1.0 + ROUNDING), side="right")))
         window = slice(first, last)
         of_window = np.abs(sums[last] - sums[first]) / sizes[last - 1]
         own = np.abs(eta[window])
         shares = np.minimum(1.0, own / np.maximum(own.mean(axis=0), 1e-300))
-        worst = (shares * of_window).max(axis=1) * min(1.0, WINDOW / float(lengths[window].sum()))
-        errors[window] = np.maximum(errors[window], worst)
+        np.maximum.at(errors, owners[window], (shares * of_window).max(axis=1))
     return errors
 
 
@@ -86,3 +98,18 @@ def speed_deviations(trajectory: PhaseTrajectory, residuals: Residuals, speeds: 
         largest[own] = np.maximum(largest[own], np.abs(deviations[own]))
     planned = np.max([np.abs(values[:, speeds]).max(axis=0) for values in trajectory.x.values], axis=0)
     return np.asarray((largest / np.maximum(1.0, planned)).max(axis=1))
+
+
+def _integrals(residuals: Residuals, lengths: Array, parts: NDArray[np.int_], longest: float) -> Array:
+    """Integrate the residuals over the parts of every interval, (sum of parts, nx)."""
+    values = residuals.effects(np.maximum(lengths, longest))
+    points = np.split(values, np.searchsorted(residuals.interval, np.arange(1, len(lengths))))
+    matrices: dict[tuple[int, int], Array] = {}
+    found = []
+    for length, count, own in zip(lengths, parts, points, strict=True):
+        key = len(own), int(count)
+        if key not in matrices:
+            sites = 0.5 * (gauss(len(own))[0] + 1.0)
+            matrices[key] = np.diff(integrals(sites, np.linspace(0.0, 1.0, count + 1)), axis=0)
+        found.append(length * matrices[key] @ own)
+    return np.concatenate(found)

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from robotraj.dynamics.design.binding import realised
+from robotraj.robot.size.error_window import error_window
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Plant
 from robotraj.witness.plants.robot_plant import RobotPlant
@@ -23,10 +24,7 @@ from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
 
 WINDOWS = 40
-"""Number of windows of a whole plan."""
-
-SHORTEST_WINDOW, LONGEST_WINDOW = 0.05, 0.1
-"""Bounds of a window [s] for robots: long enough to show an error, too short for gravity to amplify it."""
+"""Number of windows of a whole plan of a System. Those of robots are as long as ``error_window``."""
 
 
 def windows_of(knots: Array, longest: float) -> list[list[Span]]:
@@ -57,9 +55,8 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
     whole = sum(float(planned.knots[-1] - planned.knots[0]) for planned in solution.phases)
     found = []
     for i, planned in enumerate(solution.phases):
-        longest = whole / WINDOWS
-        if planned.phase.robot is not None:
-            longest = float(np.clip(longest, SHORTEST_WINDOW, LONGEST_WINDOW))
+        robot = planned.phase.robot
+        longest = whole / WINDOWS if robot is None else error_window(robot)
         knots = np.asarray(planned.knots, dtype=float)
         plant, phase = plant_of(planned), planned.phase.name
         own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
+import pytest
 
 import robotraj as rt
+from robotraj._util.polynomials import gauss
 from robotraj.transcription.refinement.assess import errors_of
-from robotraj.transcription.refinement.error import residuals_of
+from robotraj.transcription.refinement.error import Residuals, residuals_of
 from robotraj.transcription.refinement.linear_controls import LINES
-from robotraj.transcription.refinement.simulation_errors import SHARE, speed_deviations
+from robotraj.transcription.refinement.simulation_errors import SHARE, speed_deviations, window_errors
 
 
 def light_link() -> rt.Phase:
@@ -58,3 +61,31 @@ def test_the_default_plan_resolves_the_speed_of_a_light_joint() -> None:
     solution = rt.plan(light_link())
     assert solution.success
     assert rt.validate(solution).passed
+
+
+def test_errors_that_cancel_over_a_long_interval_count_inside_of_it() -> None:
+    # e = sin(2 pi t / 0.2) over one interval: zero in all, 0.1 / pi over its first half.
+    tau, weights = gauss(20)
+    times, breaks = 0.1 * (tau + 1.0), np.array([0.0, 0.2])
+    values = np.sin(2.0 * np.pi * times / 0.2)[:, None]
+    residuals = Residuals(np.zeros(20, dtype=int), 0.1 * weights, values, None)
+
+    def still(t: np.ndarray, interval: np.ndarray) -> np.ndarray:
+        return np.zeros((len(t), 1))
+
+    still.breaks = breaks  # type: ignore[attr-defined]
+    trajectory = SimpleNamespace(x=still)
+    assert window_errors(trajectory, residuals, 0.2)[0] == pytest.approx(0.0, abs=1e-12)
+    assert window_errors(trajectory, residuals, 0.1)[0] == pytest.approx(0.2 / np.pi)
+
+
+def test_errors_of_stances_count_over_windows_too() -> None:
+    robot = rt.load("five_link", root="planar")
+    contacts = [rt.PointContact(name) for name in rt.gait.feet_of(robot, None)]
+    low, high = rt.gait.stand(robot, height=0.6), rt.gait.stand(robot)
+    ends = rt.State(q=low, v=0), rt.State(q=high, v=0)
+    rise = rt.Phase(robot, 0.5, *ends, rt.gait.posture_objective(robot, high), contacts=contacts)
+    solution = rt.plan(rise, mesh=rt.Mesh(5), check=False)
+    part = solution.phases[0]
+    windows = errors_of(part.phase, part.trajectory, part.mesh, simulated=True)
+    assert rt.validate(solution).local.worst.relative < 2.0 * windows.max() / SHARE

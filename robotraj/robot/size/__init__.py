@@ -1,0 +1,1 @@
+"""How far a robot reaches, and the time that follows from it."""
