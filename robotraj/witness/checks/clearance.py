@@ -1,8 +1,9 @@
 """Distances of a robot's exact shapes from obstacles and from each other, by coal, along a plan.
 
-A pair whose distance d changes at a rate of at most L cannot touch within a time of d / L. Each pair is evaluated again
-after that time, and near contact every ``RESOLUTION``. The bound L is independent of the planner. It is the sampled
-speeds of the joints, with a reserve, times the greatest distances of the shape's points from each joint.
+A pair whose distance d changes at a rate of at most L(t) cannot be nearer than the margin m until the integral of L is
+d - m. Each pair is evaluated again then, and near its margin, or the smallest distance of all, every ``RESOLUTION``.
+The bound L is independent of the planner. It is the sampled speeds of the joints in an interval, with a reserve, times
+the greatest distances of the shape's points from each joint.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike
 
 RESOLUTION = 1e-3
 """Longest time between evaluations near contact [s]."""
+SEEN = 0.9
+"""Share of the smallest distance, both beyond the margin, below which no distance goes unseen."""
 RESERVE = 1.2
 """Factor on sampled speeds."""
 SIZE = 1e-2
@@ -77,7 +80,7 @@ def clearance_of(
     for free in phase.constraints:
         if isinstance(free, CollisionFree):
             shapes, pairs = _pairs(phase.robot, free)
-            least = _least(planned, phase.robot, shapes, pairs, clock)
+            least = _least(planned, phase.robot, shapes, pairs, float(free.margin), clock)
             near = [pair for pair, (distance, _) in zip(pairs, least, strict=True) if 0.0 <= distance < free.margin]
             always_near = _always_near(phase.robot, shapes, near, float(free.margin))
             found = [
@@ -104,7 +107,7 @@ def self_collisions(planned: PhaseSolutionLike, clock: Callable[[], None] = lamb
     if any(isinstance(each, CollisionFree) and each.self_collision for each in phase.constraints):
         return []
     shapes, pairs = _pairs(robot, CollisionFree())
-    found = _least(planned, robot, shapes, pairs, clock)
+    found = _least(planned, robot, shapes, pairs, 0.0, clock)
     worst: dict[str, Clearance] = {}
     for (a, b), (distance, time) in zip(pairs, found, strict=True):
         label = f"{shapes[a].label} and {shapes[b].label}"
@@ -184,21 +187,24 @@ def _least(
     robot: Robot,
     shapes: Sequence[_Shape],
     pairs: Sequence[tuple[int, int]],
+    margin: float,
     clock: Callable[[], None],
 ) -> list[tuple[float, float]]:
-    """Return the smallest distance of every pair and its time."""
+    """Return the smallest distance of every pair that was evaluated, and its time.
+
+    Between evaluations no pair comes nearer than the margin, nor nearer than ``SEEN`` of the smallest of all.
+    """
     knots = np.asarray(planned.knots, dtype=float)
     count = max(int(np.ceil((knots[-1] - knots[0]) / RESOLUTION)), 1)
     times = np.unique(np.concatenate([np.linspace(knots[0], knots[-1], count + 1), knots]))
     q = robot_sample(planned, times).q
-    speeds = _speeds(planned, knots)
-    rates = _rates(robot, shapes, pairs)
-    interval = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 2)
     drift = _obstacle_speeds(shapes, pairs, times)
-    # The fastest motion from now on bounds how soon a pair may touch.
-    ahead = np.maximum.accumulate(speeds[::-1], axis=0)[::-1]
+    bounds = _rates(robot, shapes, pairs) @ _speeds(planned, knots).T + drift[:, None]
+    # Largest change of each distance from the start to each knot.
+    travel = np.cumsum(np.column_stack([np.zeros(len(pairs)), bounds * np.diff(knots)]), axis=1)
+    interval = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 2)
     least = [(np.inf, float(times[0]))] * len(pairs)
-    due = np.zeros(len(pairs))
+    due, smallest = np.zeros(len(pairs)), np.inf
     data, request = robot.model.createData(), coal.DistanceRequest()
     for k, t in enumerate(times):
         now = np.flatnonzero(due <= t + 1e-12) if k else np.arange(len(pairs))
@@ -206,15 +212,17 @@ def _least(
             continue
         clock()
         places = _places(robot, data, shapes, q[k], float(t))
-        bounds = rates[now] @ ahead[interval[k]] + drift[now]
-        for pair, bound in zip(now.tolist(), bounds.tolist(), strict=True):
+        travelled = travel[now, interval[k]] + bounds[now, interval[k]] * (t - knots[interval[k]])
+        for pair, gone in zip(now.tolist(), travelled.tolist(), strict=True):
             a, b = pairs[pair]
             distance = coal.distance(
                 shapes[a].geometry, places[a], shapes[b].geometry, places[b], request, coal.DistanceResult()
             )
             if distance < least[pair][0]:
                 least[pair] = float(distance), float(t)
-            due[pair] = t + (max(distance, 0.0) / bound if bound > 0.0 else np.inf)
+            smallest = min(smallest, float(distance))
+            left = distance - max(margin, margin + SEEN * (smallest - margin))
+            due[pair] = np.interp(gone + max(left, 0.0), travel[pair], knots, right=np.inf)
     return least
 
 
@@ -229,9 +237,13 @@ def _speeds(planned: PhaseSolutionLike, knots: Array) -> Array:
 
 
 def _rates(robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]]) -> Array:
-    """Return bounds (pairs, nv) [m/rad, 1]: the rate of a distance is at most rates @ abs(v)."""
-    levers = [_levers(robot, shape) for shape in shapes]
-    return np.array([levers[a] + levers[b] for a, b in pairs]).reshape(len(pairs), robot.nv)
+    """Return bounds (pairs, nv) [m/rad, 1]: the rate of a distance is at most rates @ abs(v).
+
+    A joint that carries both shapes does not change their distance.
+    """
+    levers = np.array([_levers(robot, shape) for shape in shapes]).reshape(len(shapes), robot.nv)
+    first, second = np.array(pairs, dtype=int).reshape(-1, 2).T
+    return np.where((levers[first] > 0.0) & (levers[second] > 0.0), 0.0, levers[first] + levers[second])
 
 
 def _levers(robot: Robot, shape: _Shape) -> Array:

@@ -16,10 +16,10 @@ from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.spans import Span, spans_of
 from robotraj.witness.simulation.steps import march
 
-FALLEN = 1.0
-"""Distance of a position from the plan [m, rad] at which a robot with a free root counts as fallen.
+FALLEN, LOST = 1.0, 10.0
+"""Distance of a position from the plan [m, rad] at which the simulation of a robot ends, with a free root and without.
 
-Its motion afterwards is no measure of the plan. The simulation of it takes most of the time, since legs swing fast.
+The motion afterwards is no measure of the plan. Its simulation takes most of the time, since limbs swing fast.
 """
 
 
@@ -51,7 +51,8 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
     A phase with the same states as the phase before starts from the simulated state. A jump of the plan between phases
     is then drift. Jumps that a link permits are added. Where contacts begin to hold, a simulated impact stops them. A
     phase with other states, or after a displaced or mirrored end, starts from its planned state. The simulation of a
-    robot with a free root ends where it has fallen: where a position is ``FALLEN`` from the plan.
+    robot with a free root ends where it has fallen, ``FALLEN`` from the plan; that of another robot where a position is
+    ``LOST`` from it.
     """
     rows: list[tuple[DriftRow, ...]] = []
     landings: list[Landing] = []
@@ -63,7 +64,7 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
         knots = np.asarray(planned.knots, dtype=float)
         own = plant.states(knots[:1], 0)[0]
         x, landed = plant.begin(handed_on(solution, i, plant, own, before))
-        ended = partial(_fallen, plant) if "q.root_x" in plant.gap_names else None
+        ended = None if planned.phase.robot is None else partial(_lost, plant)
         motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, ended=ended, clock=clock)
         stiff += [] if motion.stiff is None else [motion.stiff]
         landings += plant.watched(landed, motion.states)
@@ -75,14 +76,16 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
     return OpenLoop(drifts.merge(rows), failure, tuple(landings), min(stiff, default=None))
 
 
-def _fallen(plant: Plant, x: Array, span: Span) -> str | None:
-    """Return the position that is farthest from the plan if the robot has fallen."""
+def _lost(plant: Plant, x: Array, span: Span) -> str | None:
+    """Return the position that is farthest from the plan if the robot has fallen or lost the plan."""
     gaps = np.abs(plant.gaps(x[None, :], plant.states(np.array([span.end]), span.interval)))[0]
     positions = [i for i, name in enumerate(plant.gap_names) if name.startswith("q.")]
     worst = max(positions, key=lambda i: float(gaps[i]))
-    if not gaps[worst] > FALLEN:
+    has_free_root = "q.root_x" in plant.gap_names
+    if not gaps[worst] > (FALLEN if has_free_root else LOST):
         return None
-    return f"the robot has fallen, {plant.gap_names[worst]} is {gaps[worst]:.2g} {plant.gap_units[worst]} off"
+    what = "the robot has fallen" if has_free_root else "the motion has left the plan"
+    return f"{what}, {plant.gap_names[worst]} is {gaps[worst]:.2g} {plant.gap_units[worst]} off"
 
 
 def handed_on(

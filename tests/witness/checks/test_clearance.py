@@ -101,6 +101,28 @@ def test_the_smallest_distance_is_that_of_dense_samples(free_plan: rt.Solution) 
     assert not seen_with(free_plan, shrunk)[1]
 
 
+def test_a_margin_that_is_broken_for_a_moment_only_is_seen(free_plan: rt.Solution) -> None:
+    """A pair far from its obstacle is evaluated again before it can come nearer than the margin."""
+    robot, times = free_plan.phases[0].phase.robot, np.linspace(0.0, 1.0, 4001)
+    data = robot.model.createData()
+    frame = robot.frame("tool0")
+    tool = np.array(
+        [
+            pin.updateFramePlacement(robot.model, data, frame).translation.copy()
+            for q in free_plan.at(times).q
+            if pin.forwardKinematics(robot.model, data, q) is None
+        ]
+    )
+    centre = tool[2000] + np.array([0.0, 0.0, 0.4])
+    ball = rt.obstacles.Sphere(0.02, centre)
+    (nearest,), _ = seen_with(free_plan, ball)
+    _, violations = seen_with(free_plan, ball, margin=nearest.distance + 1e-4)
+    # The smallest distance is at most a tenth too large, and a margin beyond it is broken.
+    assert violations
+    exact = seen_with(free_plan, ball, margin=10.0)[0][0]
+    assert exact.distance <= nearest.distance <= exact.distance / 0.9 + 1e-9
+
+
 def test_links_that_pass_through_each_other_are_a_warning() -> None:
     arm = rt.load("ur5")
     folded = rt.State(q=(0, -1.5, 2.8, 1.1, 1.3, 0), v=0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+import robotraj.witness.simulation.open_loop as simulation
 from robotraj.witness.simulation.integration import integrate
 from robotraj.witness.simulation.open_loop import handed_on
 from robotraj.witness.simulation.runge_kutta import NODES, STAGES, stage_times
@@ -70,3 +71,12 @@ def test_the_simulation_ends_where_a_robot_has_fallen() -> None:
     assert report.failure is not None and "the robot has fallen, q." in report.failure
     assert 0.0 < report.drift.worst.time < 3.0
     assert not any("open-loop" in failure for failure in report.failures(report.tolerances))
+
+
+def test_the_simulation_ends_where_an_arm_has_left_its_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation, "LOST", 1e-9)
+    arm = rt.load("double_pendulum")
+    ends = rt.State(q=[np.pi, 0.0], v=0), rt.State(q=[np.pi + 0.3, -0.3], v=0)
+    report = rt.validate(rt.plan(rt.Phase(arm, 6.0, *ends, rt.Effort(), limits=None), rt.Mesh(6)))
+    assert report.failure is not None and "the motion has left the plan, q." in report.failure
+    assert report.drift.worst.time < 6.0
