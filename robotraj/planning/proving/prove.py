@@ -29,6 +29,9 @@ MOST_MESHES = 8
 """Largest number of meshes of a plan."""
 ENOUGH = 4
 """Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
+ENOUGH_OF_POWERS = 3
+"""The same where joints stick and slide and the objective has kinks. It does not settle on some motions, whatever the
+mesh, and limits between the points are imposed from the second mesh on."""
 MET = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -88,8 +91,10 @@ class _Refining:
         motion.near = motion.near or motion.neighbour is not None
         last: Solution | None = None
         for number in range(MOST_MESHES):
-            enough = number >= ENOUGH - 1 and not motion.is_patient
-            motion.limits_between = enough or number == MOST_MESHES - 1
+            powers = motion.has_sticking_powers
+            enough = number >= (ENOUGH_OF_POWERS if powers else ENOUGH) - 1 and not motion.is_patient
+            limited = powers and motion.solution is not None
+            motion.limits_between = limited or enough or number == MOST_MESHES - 1
             first = number == 0 and motion.neighbour is None
             try:
                 last = motion.solve(meshes, guess, first)
