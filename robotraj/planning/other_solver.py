@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robotraj.planning.diagnosis.closed_ways import has_closed_way
 from robotraj.solution.records import added_times
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.fallback import fall_back
@@ -26,14 +27,14 @@ def solved_otherwise(
     """Solve by the other solver what the first one did not solve; return the failed outcome where it cannot help.
 
     A default limit of IPOPT's iterations hands the problem to the interior-point method. A problem that this method
-    finds infeasible goes to its fallback, unless other guesses would end in the same way.
+    finds infeasible goes to its fallback, unless other guesses would end in the same way or obstacles close the way.
     """
     if failed.status is Status.ITERATION_LIMIT and solver == Ipopt():
         found = InteriorPoint(fallback=None).solve(nlp, progress)
         found = replace(found, message=f"{found.message} (since IPOPT ended at its iteration limit)")
         accepted = found.status is Status.SOLVED
     elif failed.status is Status.INFEASIBLE and isinstance(solver, InteriorPoint) and solver.fallback is not None:
-        if conflicts_are_certain(nlp):
+        if conflicts_are_certain(nlp) or has_closed_way(nlp.problem):
             return failed
         limit, reason = solver.time_limit, "the interior-point method ended with 'infeasible'"
         seconds = None if limit is None else limit - failed.times.get("solve", 0.0)

@@ -40,16 +40,26 @@ def closed_ways(problem: Problem) -> tuple[Conflict, ...]:
 
     If no obstacle closes the way alone, the worst distance on a path that ignores all of them is returned.
     """
+    found = []
+    for phase, first, last in _closed(problem):
+        ways = list(_opened(phase, first, last, _one_ignored, "it"))
+        ways = ways or list(_opened(phase, first, last, _obstacles_ignored, "all obstacles"))
+        found += [min(ways, key=lambda way: way.relative)] if ways else []
+    return tuple(found)
+
+
+def has_closed_way(problem: Problem) -> bool:
+    """Whether no path was found for a phase. The search of a default guess is not repeated."""
+    return any(True for _ in _closed(problem))
+
+
+def _closed(problem: Problem) -> Iterator[tuple[Phase, Array, Array]]:
+    """Yield the phases whose way is closed, with the configurations (nq,) of their ends."""
     guess = GeometricPath(StraightLine()).prepared(problem)
     assert isinstance(guess, GeometricPath)
-    found = []
     for index, phase in enumerate(problem.phases):
         if guess.is_closed(phase, index):
-            first, last = guess.ends(phase, index)
-            ways = list(_opened(phase, first, last, _one_ignored, "it"))
-            ways = ways or list(_opened(phase, first, last, _obstacles_ignored, "all obstacles"))
-            found += [min(ways, key=lambda way: way.relative)] if ways else []
-    return tuple(found)
+            yield phase, *guess.ends(phase, index)
 
 
 def _one_ignored(constraint: CollisionFree, pairs: ClearancePairs) -> Iterator[Ignored]:
