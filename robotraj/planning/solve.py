@@ -138,6 +138,11 @@ def _solve_once(
     solution, w = _solve(nlp, guess, multipliers, solver, check or progress, began, first)
     if check is not None and check.conflicts:
         return replace(solution, status=Status.INFEASIBLE, conflicts=check.conflicts)
+    if check is not None and check.motion is not None:
+        near = replace(settings, solver=solver.from_nearby())
+        again = _solve_once(problem, check.motion, near, progress, hold, lower)
+        times = added_times(solution.times, again.times)
+        return replace(again, times=times, iterations=solution.iterations + again.iterations)
     if solution.status is Status.INTERRUPTED and not interval_limits.rounds:
         # No time is left to check an interrupted iterate between its points.
         return solution

@@ -4,7 +4,8 @@ Motions with contacts take hundreds of iterations, and then as many of another s
 callback of the solver therefore looks at its first iteration for conflicts with momentum and gravity. It looks once for
 a conflict of limits: after many iterations, or where iterations begin again. It stops the solve where a conflict
 excludes every motion, or where two searches agree that no motion is near. The first search of configurations at the
-ends starts from the iterate.
+ends starts from the iterate. Where no conflict is found, and a solve goes on for hundreds of iterations, speed limits
+are narrowed step by step (``narrowed_speeds``). A motion that is found so stops the solve, which begins again from it.
 """
 
 from __future__ import annotations
@@ -13,13 +14,18 @@ from collections.abc import Callable, Sequence
 
 from robotraj.planning.diagnosis.elastic import Solve
 from robotraj.planning.diagnosis.explain import against_momentum, conflicts_of
+from robotraj.planning.diagnosis.relaxation.narrowed_speeds import narrowed_speeds
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict, are_clear
+from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Iteration, Progress
 from robotraj.transcription.extract import PhaseTrajectory, extract
 
 ITERATIONS, ITERATIONS_FAR = 100, 50
 """Number of iterations after which conflicts are looked for, and that of iterates which violate a row by ``FAR``."""
+ITERATIONS_NARROWED = 300
+"""Number of iterations after which speed limits are narrowed. Solves that converge mostly take less, and several solves
+with wider limits take longer than a hundred iterations."""
 FAR = 0.1
 """Violation of a scaled row above which an iterate is far from any motion.
 
@@ -27,7 +33,7 @@ Of solves that converge, those of walks and trots are below 1e-2 after 50 iterat
 
 
 class Excluded(KeyboardInterrupt):
-    """Raised where limits conflict. The solver returns its iterate, as after Ctrl-C."""
+    """Raised where limits conflict, or where a motion is known. The solver returns its iterate, as after Ctrl-C."""
 
 
 class InfeasibilityCheck:
@@ -47,14 +53,18 @@ class InfeasibilityCheck:
     ----------
     conflicts : tuple of Conflict
         Conflicts that ended the solve; empty until they are found.
+    motion : Solution or None
+        Motion on a coarse mesh from which the solve should begin again.
     """
 
     def __init__(self, problem: Problem, solve_coarse: Solve, solve_finer: Solve, show: Progress | None) -> None:
         self._find: Callable[[Sequence[PhaseTrajectory]], tuple[Conflict, ...]] | None = lambda near: conflicts_of(
             problem, solve_coarse, solve_finer, near
         )
-        self._problem, self._show, self._last = problem, show, -1
+        self._problem, self._solve_coarse, self._show = problem, solve_coarse, show
+        self._last, self._count = -1, 0
         self.conflicts: tuple[Conflict, ...] = ()
+        self.motion: Solution | None = None
 
     def __call__(self, iteration: Iteration) -> None:
         """Show an iteration, and look for conflicts of momentum at first and for one of limits once.
@@ -62,20 +72,28 @@ class InfeasibilityCheck:
         Raises
         ------
         Excluded
-            Limits conflict.
+            Limits conflict, or a motion is known.
         """
         if self._show is not None:
             self._show(iteration)
         if self._last < 0:
             self._exclude(against_momentum(self._problem))
+        self._count += 1
         again = iteration.number < self._last
         self._last = iteration.number
         longest = ITERATIONS_FAR if iteration.infeasibility > FAR else ITERATIONS
-        if self._find is None or not (again or iteration.number >= longest):
-            return
-        find, self._find = self._find, None
-        origin = None if iteration.read is None else iteration.read()
-        self._exclude(find(() if origin is None else extract(origin.nlp, origin.w)))
+        if self._find is not None and (again or iteration.number >= longest):
+            find, self._find = self._find, None
+            origin = None if iteration.read is None else iteration.read()
+            self._exclude(find(() if origin is None else extract(origin.nlp, origin.w)))
+        if self._count == ITERATIONS_NARROWED:
+            self._narrow()
+
+    def _narrow(self) -> None:
+        conflicts, self.motion = narrowed_speeds(self._problem, self._solve_coarse)
+        self._exclude(conflicts)
+        if self.motion is not None:
+            raise Excluded("A motion is known.")
 
     def _exclude(self, found: tuple[Conflict, ...]) -> None:
         if are_clear(found):

@@ -19,6 +19,7 @@ from robotraj.planning.diagnosis.unreached_ends import unreached_ends
 from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solvers.base import Iteration
 
+MODULE = "robotraj.planning.diagnosis.infeasibility_check"
 FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 
 
@@ -50,7 +51,7 @@ def test_conflicts_are_looked_for_once_where_iterations_begin_again(monkeypatch:
         looked.append(1)
         return ()
 
-    monkeypatch.setattr("robotraj.planning.diagnosis.infeasibility_check.conflicts_of", found)
+    monkeypatch.setattr(f"{MODULE}.conflicts_of", found)
     check = InfeasibilityCheck(rising(0.02), unsolved, unsolved, None)
     for number in (0, 1, 2):
         check(Iteration(number, 0.0, 1.0))
@@ -65,8 +66,7 @@ def test_conflicts_are_looked_for_earlier_far_from_any_motion(
     monkeypatch: pytest.MonkeyPatch, violation: float, number: int
 ) -> None:
     looked = []
-    module = "robotraj.planning.diagnosis.infeasibility_check.conflicts_of"
-    monkeypatch.setattr(module, lambda *_, **__: looked.append(1) or ())
+    monkeypatch.setattr(f"{MODULE}.conflicts_of", lambda *_, **__: looked.append(1) or ())
     check = InfeasibilityCheck(rising(0.02), unsolved, unsolved, None)
     check(Iteration(number - 1, 0.0, violation))
     assert not looked
@@ -76,11 +76,24 @@ def test_conflicts_are_looked_for_earlier_far_from_any_motion(
 
 def test_a_certain_conflict_ends_the_solve(monkeypatch: pytest.MonkeyPatch) -> None:
     certain = Conflict("phase", "effort limit, elbow", 0.0, 1.0, 2.0, "N m", 1.0)
-    monkeypatch.setattr("robotraj.planning.diagnosis.infeasibility_check.conflicts_of", lambda *_, **__: (certain,))
+    monkeypatch.setattr(f"{MODULE}.conflicts_of", lambda *_, **__: (certain,))
     check = InfeasibilityCheck(rising(0.02), unsolved, unsolved, None)
     with pytest.raises(Excluded):
         check(Iteration(ITERATIONS, 0.0, 1.0))
     assert check.conflicts == (certain,)
+
+
+def test_a_motion_that_is_found_ends_the_solve_and_starts_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = rising(0.02)
+    motion = rt.plan(problem, rt.Mesh(4))
+    monkeypatch.setattr(f"{MODULE}.narrowed_speeds", lambda *_: ((), motion))
+    monkeypatch.setattr(f"{MODULE}.ITERATIONS_NARROWED", 1)
+    check = InfeasibilityCheck(problem, unsolved, unsolved, None)
+    with pytest.raises(Excluded):
+        check(Iteration(1, 0.0, 1.0))
+    assert check.motion is motion and not check.conflicts
+    solution = rt.plan(problem, rt.Mesh(6))
+    assert solution.success and solution.iterations < 15
 
 
 def test_the_iterate_of_the_solver_is_the_first_start(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,93 @@
+"""Motions of legs under wide speed limits, followed to the limits of the robot.
+
+A jump that the motors barely allow is far from its guess, and so are its relaxed rows: solves end at their iteration
+limits. Without speed limits the same motion takes some ten iterations. The limits are therefore narrowed step by step,
+each motion the guess of the next. At the robot's own limits the motion is a guess of the problem itself. Otherwise the
+last motion shows which joints must turn faster.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import RobotrajError
+from robotraj.planning.diagnosis.elastic import Solve
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.robot.limits import Limits
+from robotraj.solution.conflict import Conflict, with_room
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+
+Array = NDArray[np.float64]
+
+WIDTHS = (np.inf, 4.0, 2.0, 1.5, 1.2, 1.1, 1.05, 1.0)
+"""Factors on the speed limits, one after the other."""
+EXCEEDED = 1e-3
+"""Relative excess over a speed limit that is reported."""
+
+
+def narrowed_speeds(problem: Problem, solve: Solve) -> tuple[tuple[Conflict, ...], Solution | None]:
+    """Return the speed limits beyond which the last motion is, or a motion within them; neither if none was found.
+
+    Parameters
+    ----------
+    problem : Problem
+    solve : callable
+        ``solve(problem, guess)`` on a coarse mesh.
+    """
+    if not any(np.isfinite(limits.velocity).any() for limits in map(_limits, problem.phases) if limits is not None):
+        return (), None
+    motion: Solution | None = None
+    for width in WIDTHS:
+        wider = Problem([_widened(phase, width) for phase in problem.phases], problem.links)
+        try:
+            found = solve(wider, motion)
+        except RobotrajError:
+            return (), None
+        if not found.success:
+            return (() if motion is None else _exceeded(problem, motion)), None
+        motion = found
+    return (), motion
+
+
+def _limits(phase: Phase) -> Limits | None:
+    return phase.limits if phase.robot is not None and isinstance(phase.limits, Limits) else None
+
+
+def _widened(phase: Phase, width: float) -> Phase:
+    """Return a phase with speed limits that are wider by a factor, or without any."""
+    limits = _limits(phase)
+    if limits is None:
+        return phase
+    own = np.asarray(limits.velocity)
+    return phase.with_(limits=replace(limits, velocity=width * own if np.isfinite(width) else np.full_like(own, width)))
+
+
+def _exceeded(problem: Problem, motion: Solution) -> tuple[Conflict, ...]:
+    """Return the speed limits that a motion exceeds, the largest relative excess first; once for each joint."""
+    found = [each for phase, part in zip(problem.phases, motion.phases, strict=True) for each in _of(phase, part)]
+    greatest: dict[str, Conflict] = {}
+    for conflict in sorted(found, key=lambda conflict: -conflict.relative):
+        greatest.setdefault(conflict.name, conflict)
+    return tuple(greatest.values())
+
+
+def _of(phase: Phase, part: PhaseSolution) -> list[Conflict]:
+    limits, robot = _limits(phase), phase.robot
+    if limits is None or robot is None:
+        return []
+    speeds = np.abs(part.trajectory.x(part.points)[:, robot.nq : robot.nq + robot.nv])
+    reason, found = "a motion was found with these speeds", []
+    for i, joint in enumerate(robot.velocity_names):
+        bound, place = float(limits.velocity[i]), int(np.argmax(speeds[:, i]))
+        excess = float(speeds[place, i]) / bound - 1.0
+        if np.isfinite(bound) and excess > EXCEEDED:
+            needed = with_room(bound, float(speeds[place, i]))
+            unit = "rad/s" if robot.units[i] == "rad" else "m/s"
+            time, name = float(part.points[place]), f"velocity limit, {joint}"
+            found.append(Conflict(phase.name, name, time, bound, needed, unit, excess, True, reason))
+    return found
