@@ -35,7 +35,6 @@ from robotraj.solvers.checks import above_zero
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.schemes.shooting import Shooting
 
 if TYPE_CHECKING:
     from robotraj.planning.continuation import ContinuationStep
@@ -207,11 +206,10 @@ def plan(
         above_zero("time_limit", time_limit, "s")
     if memory_limit is not None:
         above_zero("memory_limit", memory_limit, "MB")
-    meshes = (settings.mesh,) if isinstance(settings.mesh, Mesh) else settings.mesh
-    if any(isinstance(own.schemes[0], Shooting) for own in meshes):
-        from robotraj.planning.diagnosis.long_shooting import warn_of_long_shooting
+    if settings.reasons.get("mesh") == GIVEN:
+        from robotraj.planning.diagnosis.mesh_warnings import warn_of_mesh
 
-        warn_of_long_shooting(problem, settings.mesh)
+        warn_of_mesh(problem, settings)
     first = problem.phases[0]
     if any(each.avoids_collisions for each in first.constraints):
         from robotraj.problem.clearance.end_checks import check_moving_obstacles

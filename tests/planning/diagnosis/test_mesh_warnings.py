@@ -1,4 +1,4 @@
-"""``rt.plan`` warns of a long shooting plan before it builds it."""
+"""``rt.plan`` warns of a mesh by which a plan takes long, or hides power between its points, before it builds it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import warnings
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.long_shooting import shooting_seconds
+from robotraj.planning.diagnosis.mesh_warnings import shooting_seconds
 
 
 def reach(name: str) -> rt.Phase:
@@ -42,3 +42,24 @@ def test_the_estimate_grows_with_the_square_of_the_pieces_of_single_shooting() -
     arm = rt.Problem([reach("ur5")])
     few, many = (shooting_seconds(arm, rt.Mesh(count, rt.schemes.SingleShooting())) for count in (10, 20))
     assert many == pytest.approx(4.0 * few)
+
+
+def works(objective: rt.objectives.MechanicalWork, mesh: rt.Mesh) -> list[str]:
+    """Return the warnings of power that is hidden, for a lift of a pendulum on this mesh."""
+    ends = rt.State(q=0.0, v=0.0), rt.State(q=0.5, v=0.0)
+    lift = rt.Phase(rt.load("pendulum"), 1.0, *ends, objective, limits=None)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rt.plan(lift, mesh=mesh, check=False)
+    return [str(each.message) for each in caught if "power" in str(each.message)]
+
+
+def test_free_torques_inside_intervals_may_hide_power() -> None:
+    work, smooth = rt.objectives.MechanicalWork(), rt.objectives.MechanicalWork(smoothing=0.1)
+    lines = rt.HermiteSimpson(control=rt.schemes.LinearControl())
+    (warned,) = works(work, rt.Mesh(6))
+    assert "LinearControl" in warned
+    assert works(rt.objectives.AbsolutePower(), rt.Mesh(6, rt.schemes.RadauIIA(3)))
+    assert not works(work, rt.Mesh(6, lines))
+    assert not works(work, rt.Mesh(6, rt.schemes.Trapezoidal()))
+    assert not works(smooth, rt.Mesh(6))

@@ -1,0 +1,94 @@
+"""Warnings of a given mesh before planning: long plans by shooting, and power that collocation does not see.
+
+A plan of an arm by shooting may take over a minute. An iteration evaluates second derivatives of every interval. It
+takes (intervals) (variables of an interval) (operations of its integrator) operations. The variables of single shooting
+are the controls of all intervals. Those of multiple shooting are one state and the controls of one interval. The
+operations of forward dynamics are proportional to the number of joints.
+
+Mechanical work is summed at collocation points. A torque that is free in the middle of an interval can oscillate there,
+so that the work of the motion is several times the objective.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robotraj._util.errors import warn
+from robotraj.problem.objectives.work import MechanicalWork
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.settings import Settings
+from robotraj.transcription.schemes.collocation import Collocation, Scheme
+from robotraj.transcription.schemes.integrators import RungeKutta4
+from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
+
+LONG = 60.0
+"""Seconds above which a plan counts as long."""
+OPERATIONS = 380
+"""Operations of the articulated-body algorithm for each joint."""
+STAGES = 4
+"""Evaluations in a step of Runge-Kutta."""
+ITERATIONS, ITERATIONS_SINGLE = 50, 100
+"""Iterations of multiple and of single shooting without a good guess. Some motions of a ur5 took over 400 by single
+shooting with ten intervals."""
+ENDS = 2
+"""Number of control sites of a line."""
+SECONDS = 5e-8
+"""Processor time of an operation, its derivatives and interpretation [s]; measured with a ur5."""
+
+
+def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
+    """Return the estimated processor time [s] of the phases with shooting, 0 without any."""
+    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+    total = 0.0
+    for phase, own in zip(problem.phases, meshes, strict=True):
+        scheme = own.schemes[0]
+        if phase.robot is None or not isinstance(scheme, Shooting):
+            continue
+        evaluations = STAGES * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
+        nu, nx = phase.robot.nu, 2 * phase.robot.nv
+        variables = own.count * nu if isinstance(scheme, SingleShooting) else nx + nu
+        iterations = ITERATIONS_SINGLE if isinstance(scheme, SingleShooting) else ITERATIONS
+        total += iterations * own.count * variables * evaluations * OPERATIONS * phase.robot.nv
+    return SECONDS * total
+
+
+def hides_power(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> bool:
+    """Whether a phase minimises exact works of a robot whose torques are free inside the intervals."""
+    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+    return any(
+        _minimises_work(phase) and any(_has_free_inner_controls(scheme) for scheme in own.given)
+        for phase, own in zip(problem.phases, meshes, strict=True)
+    )
+
+
+def warn_of_mesh(problem: Problem, settings: Settings) -> None:
+    """Warn of shooting that would take over a minute, and of power that a mesh without refinement hides.
+
+    Warns
+    -----
+    UserWarning
+    """
+    if settings.refinement is None and hides_power(problem, settings.mesh):
+        warn(
+            "Torques on this mesh are free between the knots and can hide power there, which the mechanical work does "
+            "not count: leave mesh= open, or give rt.Mesh(n, rt.HermiteSimpson(control=rt.schemes.LinearControl()))."
+        )
+    seconds = shooting_seconds(problem, settings.mesh)
+    if seconds > LONG:
+        warn(
+            f"Shooting on this mesh takes about {seconds:.0f} s of processor time "
+            f"({seconds / LONG:.0f} minutes). Use collocation with inner points, such as mesh=rt.Mesh(20) or no mesh, "
+            "or fewer intervals. time_limit= bounds the time."
+        )
+
+
+def _minimises_work(phase: Phase) -> bool:
+    works = [term for _, term in phase.integrals if isinstance(term, MechanicalWork)]
+    on_path_or_system = phase.robot is None or phase.path is not None
+    return not on_path_or_system and any(term.smoothing is None for term in works)
+
+
+def _has_free_inner_controls(scheme: Scheme) -> bool:
+    return isinstance(scheme, Collocation) and len(scheme.control_sites) > ENDS
