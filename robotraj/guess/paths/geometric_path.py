@@ -42,7 +42,7 @@ class GeometricPath(InitialGuess):
     path a duration. Phases without ``rt.CollisionFree``, and those whose straight line is free, get that line.
 
     If obstacles move, the motion may wait or reverse on its path until they are gone (``guess.paths.path_in_time``).
-    Further paths avoid the places of the obstacles at several times.
+    Further paths avoid the places of the obstacles at several times. If none is in time, a path avoids those at rest.
 
     Parameters
     ----------
@@ -97,12 +97,12 @@ class GeometricPath(InitialGuess):
     def is_closed(self, phase: Phase, index: int) -> bool:
         """Whether obstacles at rest block the straight line of a phase between free ends, and no path was found."""
         scene, limits = scene_of(phase), LineLimits.of(phase)
-        if phase.robot is None or scene is None or limits is None or scene.moving is not None:
+        if phase.robot is None or scene is None or limits is None:
             return False
         first, last = self.ends(phase, index)
         if scene.clearance(first, last) <= 0.0 or scene.is_free(first, last):
             return False
-        return not self._paths(phase, scene, limits, first, last, 0.0)
+        return not self._paths(phase, replace(scene, moving=None), limits, first, last, 0.0)
 
     def ends(self, phase: Phase, index: int) -> tuple[Array, Array]:
         """Return the configurations (nq,) of a phase that moves a robot between which its motion is guessed."""
@@ -116,7 +116,7 @@ class GeometricPath(InitialGuess):
         """Return the paths, the quickest first; none where the straight line is free or an end is not."""
         tries = max(self.tries, self.rank + 1)
         known = _KNOWN.setdefault(phase, {})
-        key = (self.planner, tries, t0, first.tobytes(), last.tobytes())
+        key = (self.planner, tries, t0, scene.moving is None, first.tobytes(), last.tobytes())
         if key not in known:
             known[key] = []
             if scene.clearance(first, last) > 0.0:
@@ -145,7 +145,9 @@ class GeometricPath(InitialGuess):
         frozen = replace(scene, tree=moving.frozen(scene.margin, t0, t0 + within, first, last))
         around = _planned(self.planner, frozen, first, last, range(tries)) if frozen.clearance(first, last) > 0 else []
         longer = [path for path in (timed_path(limits, each) for each in around) if path is not None]
-        return found + [path for path in (in_time(path, free, bounds) for path in longer) if path is not None]
+        found += [path for path in (in_time(path, free, bounds) for path in longer) if path is not None]
+        # Without one that avoids all, paths past the obstacles at rest are nearer to a motion than the straight line.
+        return found or ([] if is_free else list(paths))
 
 
 def _planned(planner: PathPlanner, scene: PathScene, first: Array, last: Array, seeds: Iterable[int]) -> list[Array]:

@@ -64,7 +64,8 @@ def _closed(problem: Problem) -> Iterator[tuple[Phase, Array, Array]]:
 
 def _one_ignored(constraint: CollisionFree, pairs: ClearancePairs) -> Iterator[Ignored]:
     """Yield the pairs of each obstacle, and those of links, with the constraint without them."""
-    for number, obstacle in enumerate(pairs.obstacles):
+    still = [(number, obstacle) for number, obstacle in enumerate(pairs.obstacles) if not obstacle.moves]
+    for number, obstacle in still:
         others = [each for each in constraint.obstacles if each is not obstacle]
         yield np.flatnonzero(pairs.second[: pairs.against] == number), replace(constraint, obstacles=others)
     if len(pairs) > pairs.against:

@@ -47,3 +47,9 @@ def test_a_failed_plan_names_the_wall() -> None:
     with pytest.raises(rt.NoSolutionFound, match="no way past wall was found") as failure:
         rt.plan(across(WALL))
     assert failure.value.solution.status is Status.NOT_FOUND
+
+
+def test_a_wall_is_named_beside_an_obstacle_that_moves() -> None:
+    ball = rt.obstacles.Sphere(0.05, lambda t: (-0.6, 0.3 * t, 0.8), name="ball")
+    (conflict,) = closed_ways(rt.Problem([across(ball, WALL)]))
+    assert conflict.name.endswith("and wall")
