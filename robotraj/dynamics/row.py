@@ -28,6 +28,10 @@ class Measure(ABC):
     def of(self, value: float) -> float:
         """Return the quantity [unit] for a value of the row; infinite values stay."""
 
+    @abstractmethod
+    def value_of(self, quantity: float) -> float:
+        """Return the value of the row for a quantity [unit]."""
+
 
 @dataclass(frozen=True)
 class Magnitude(Measure):
@@ -39,6 +43,10 @@ class Magnitude(Measure):
     def of(self, value: float) -> float:
         """Return limit sqrt(value)."""
         return self.limit * float(np.sqrt(max(value, 0.0))) if value > -np.inf else value
+
+    def value_of(self, quantity: float) -> float:
+        """Return (quantity / limit)^2."""
+        return (quantity / self.limit) ** 2
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,10 @@ class Angle(Measure):
         if not np.isfinite(value):
             return value
         return float(np.arccos(np.clip(1.0 - value * (1.0 - np.cos(self.limit)), -1.0, 1.0)))
+
+    def value_of(self, quantity: float) -> float:
+        """Return (1 - cos(quantity)) / (1 - cos(limit))."""
+        return float((1.0 - np.cos(quantity)) / (1.0 - np.cos(self.limit)))
 
 
 @dataclass(frozen=True)

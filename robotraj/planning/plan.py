@@ -20,7 +20,7 @@ from robotraj.planning.live.terminal_line import watching
 from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
-from robotraj.planning.solve import solve, solve_relaxed
+from robotraj.planning.solve import has_motion, solve, solve_relaxed
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -255,7 +255,8 @@ def plan(
                 # Without the time to explain a failure it is returned as it is.
                 with suppress(LimitReached):
                     relaxed = partial(solve_relaxed, settings=settings, progress=show)
-                    solution = explained(solution, relaxed, partial(relaxed, finer=True))
+                    attempt = partial(has_motion, settings=settings, progress=show)
+                    solution = explained(solution, relaxed, partial(relaxed, finer=True), attempt)
         except KeyboardInterrupt:
             from robotraj.planning.continuation import last_solution
 

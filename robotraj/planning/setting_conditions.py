@@ -10,7 +10,6 @@ from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine
 from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.problem.augmentation import Augmented
-from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -116,7 +115,7 @@ def is_kinked(phase: Phase) -> bool:
 
 
 def _integrates(phase: Phase) -> bool:
-    return any(isinstance(constraint, IntegralConstraint) for constraint in phase.constraints)
+    return bool(phase.rows.integrals)
 
 
 def _is_wide_robot(phase: Phase) -> bool:

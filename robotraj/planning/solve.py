@@ -43,6 +43,7 @@ from robotraj.transcription.interval_limits.interval_violations import IntervalV
 from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.refinement.equidistribution import evenly_finer
 from robotraj.transcription.reuse import continued_at
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -53,6 +54,8 @@ if TYPE_CHECKING:
 
 COARSE, COARSE_STEP, FINER = 15, 6, 12
 """Intervals of a phase of the relaxed problem: without and with contacts, and by Lobatto IIIA with four points."""
+STATED, TWICE = 250, 2.0
+"""Largest number of iterations of a solve with stated values, and the growth of the mesh for the second one."""
 PATIENCE, BRIEFLY = 700, 200
 """Largest number of iterations of the relaxed problem, and of one with contacts or limits of rates.
 
@@ -220,10 +223,11 @@ def _solve_once(
 def _infeasibility_check(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None
 ) -> InfeasibilityCheck | None:
-    """Return the callback that checks a first solve with contacts, which has no restarts; None for other solves."""
+    """Return the callback that checks a first solve with budgets, or with contacts and no restarts; None for others."""
     known = isinstance(guess, Solution) and guess.success
     relaxed = isinstance(settings.solver, InteriorPoint) and settings.solver.fallback is None
-    if known or relaxed or settings.restarts.count or not any(phase.contacts for phase in problem.phases):
+    contacts = any(phase.contacts for phase in problem.phases) and not settings.restarts.count
+    if known or relaxed or not (contacts or any(phase.rows.integrals for phase in problem.phases)):
         return None
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
@@ -251,6 +255,17 @@ def solve_relaxed(
         restarts=Restarts(0),
     )
     return solve(problem, guess, few, progress)
+
+
+def has_motion(problem: Problem, settings: Settings, progress: Progress | None = None) -> bool:
+    """Whether a brief solve on the mesh of the settings finds a motion, and another one near it on a finer mesh."""
+    own = replace(settings, solver=settings.solver.at_most(STATED), restarts=Restarts(0))
+    found = solve(problem, None, own, progress)
+    if not found.success:
+        return False
+    finer = tuple(evenly_finer(part.mesh, TWICE) for part in found.phases)
+    near = settings.solver.from_nearby().at_most(STATED)
+    return solve(problem, found, replace(own, mesh=finer, solver=near), progress).success
 
 
 def _no_rounds(solution: Solution) -> bool:

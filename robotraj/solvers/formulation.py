@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.solvers.stagewise.multipliers import recover
 from robotraj.solvers.stagewise.reduction import Reduction, reduce
 from robotraj.solvers.stagewise.warm import carried_over
@@ -120,6 +119,6 @@ def _couples_neighbours(phase: Phase, layout: PhaseLayout) -> bool:
         or phase.contacts
         or phase.dae.invariants
         or any(parameter.column is not None for parameter in layout.parameters)
-        or any(isinstance(constraint, IntegralConstraint) for constraint in phase.constraints)
+        or phase.rows.integrals
     )
     return not distant

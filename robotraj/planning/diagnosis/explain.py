@@ -1,8 +1,9 @@
 """Why a plan failed: the conflicts of its limits.
 
-The cheapest check comes first: slopes that are too steep and motions that are too fast for the friction, zones that a
-state must cross, ends without a configuration, then the relaxed problem on a coarse mesh with the torques that hold the
-ends. Where that has a motion but the plan has none, a finer mesh decides.
+The cheapest check comes first: slopes that are too steep and motions that are too fast for the friction, budgets below
+the work that the ends take, zones that a state must cross, ends without a configuration. Then comes the relaxed problem
+on a coarse mesh with the torques that hold the ends. Where that has a motion but the plan has none, a finer mesh
+decides.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from robotraj.planning.diagnosis.exclusions.convexity import excluded_on_finer_m
 from robotraj.planning.diagnosis.exclusions.crossed_zones import crossed_zones
 from robotraj.planning.diagnosis.exclusions.rest_to_rest import slipping_motions
 from robotraj.planning.diagnosis.exclusions.slipping import slipping_contacts
+from robotraj.planning.diagnosis.exclusions.work_budgets import exceeded_budgets
 from robotraj.planning.diagnosis.rate_limits import wider_rates
+from robotraj.planning.diagnosis.stated_values import Attempt, sufficient
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends
@@ -35,14 +38,14 @@ UNEXPLAINED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED, Status.I
 """Statuses for which the relaxed problem is solved."""
 
 
-def against_momentum(problem: Problem) -> tuple[Conflict, ...]:
-    """Return the friction that gravity and momentum alone exclude, without a solve."""
-    return slipping_contacts(problem) or slipping_motions(problem)
+def against_balances(problem: Problem) -> tuple[Conflict, ...]:
+    """Return the friction and the work that the balances of momentum and energy alone exclude, without a solve."""
+    return slipping_contacts(problem) or slipping_motions(problem) or exceeded_budgets(problem)
 
 
 def excluded(problem: Problem, near: Sequence[PhaseTrajectory] = ()) -> tuple[Conflict, ...]:
-    """Return what momentum, continuity and the ends exclude, without a solve; see ``unreached_ends`` for ``near``."""
-    return against_momentum(problem) or crossed_zones(problem) or unreached_ends(problem, near)
+    """Return what balances, continuity and the ends exclude, without a solve; see ``unreached_ends`` for ``near``."""
+    return against_balances(problem) or crossed_zones(problem) or unreached_ends(problem, near)
 
 
 def completed(
@@ -80,7 +83,7 @@ def _depends_on_rates(problem: Problem, conflict: Conflict) -> bool:
     return bool(others)
 
 
-def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> Solution:
+def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve, attempt: Attempt) -> Solution:
     """Return a failed solution with its cause: an undefined expression, conflicts of limits, or its mesh.
 
     A mesh may have no motion where the problem has one. The solver then finds it infeasible, and a motion of the
@@ -89,6 +92,8 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> So
 
     The status is ``Status.INFEASIBLE`` only where conflicts exclude every motion. A local minimum of the relaxed
     problem does not: its rows are named as what may have to give, with ``Status.NOT_FOUND``.
+
+    An ``attempt`` with the stated values tells whether they suffice; see ``stated_values``.
     """
     if solution.success:
         return solution
@@ -100,7 +105,8 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> So
         return replace(solution, conflicts=conflicts, status=Status.INFEASIBLE if conflicts else solution.status)
     if solution.status not in UNEXPLAINED:
         return solution
-    return _judged(solution if solution.conflicts else _with_cause(solution, solve_coarse, solve_finer), solve_finer)
+    judged = _judged(solution if solution.conflicts else _with_cause(solution, solve_coarse, solve_finer), solve_finer)
+    return replace(judged, conflicts=sufficient(judged.conflicts, judged.problem, attempt))
 
 
 def _with_cause(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> Solution:

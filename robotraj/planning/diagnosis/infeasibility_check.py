@@ -1,10 +1,10 @@
 """A check during a long solve whether limits exclude every motion.
 
-Motions with contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. A
-callback of the solver therefore looks at its first iteration for conflicts with momentum and gravity. It looks once for
-a conflict of limits: after many iterations, or where iterations begin again. It stops the solve where a conflict
-excludes every motion, or where two searches agree that no motion is near. The first search of configurations at the
-ends starts from the iterate. Where no conflict is found, and a solve goes on for hundreds of iterations, speed limits
+A callback of the solver looks at its first iteration for conflicts with momentum, gravity and energy. Motions with
+contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. Of these it also
+looks once for a conflict of limits: after many iterations, or where iterations begin again. It stops the solve where a
+conflict excludes every motion, or where two searches agree that no motion is near. The first search of configurations
+at the ends starts from the iterate. Where no conflict is found, and a solve goes on for hundreds of iterations, speed limits
 are narrowed step by step (``narrowed_speeds``). A motion that is found so stops the solve, which begins again from it.
 """
 
@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from robotraj.planning.diagnosis.elastic import Solve
-from robotraj.planning.diagnosis.explain import against_momentum, conflicts_of
+from robotraj.planning.diagnosis.explain import against_balances, conflicts_of
 from robotraj.planning.diagnosis.relaxation.narrowed_speeds import narrowed_speeds
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict, are_clear
@@ -62,12 +62,13 @@ class InfeasibilityCheck:
             problem, solve_coarse, solve_finer, near
         )
         self._problem, self._solve_coarse, self._show = problem, solve_coarse, show
+        self._contacts = any(phase.contacts for phase in problem.phases)
         self._last, self._count = -1, 0
         self.conflicts: tuple[Conflict, ...] = ()
         self.motion: Solution | None = None
 
     def __call__(self, iteration: Iteration) -> None:
-        """Show an iteration, and look for conflicts of momentum at first and for one of limits once.
+        """Show an iteration, and look for conflicts of balances at first and for one of limits once.
 
         Raises
         ------
@@ -77,10 +78,12 @@ class InfeasibilityCheck:
         if self._show is not None:
             self._show(iteration)
         if self._last < 0:
-            self._exclude(against_momentum(self._problem))
+            self._exclude(against_balances(self._problem))
         self._count += 1
         again = iteration.number < self._last
         self._last = iteration.number
+        if not self._contacts:
+            return
         longest = ITERATIONS_FAR if iteration.infeasibility > FAR else ITERATIONS
         if self._find is not None and (again or iteration.number >= longest):
             find, self._find = self._find, None

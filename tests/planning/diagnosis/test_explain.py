@@ -17,9 +17,9 @@ def test_limits_conflict_where_only_a_coarse_mesh_has_a_motion() -> None:
     stopped = rt.plan(jump, rt.Mesh(2), solver=rt.InteriorPoint(max_iterations=2), progress=False, check=False)
     failed = replace(stopped, status=Status.INFEASIBLE, conflicts=())
     coarse = partial(solve_relaxed, settings=stopped.settings)
-    on_this_mesh = explained(failed, coarse, coarse)
+    on_this_mesh = explained(failed, coarse, coarse, bool)
     assert on_this_mesh.status is Status.NOT_ON_THIS_MESH and not on_this_mesh.conflicts
-    in_conflict = explained(failed, coarse, partial(coarse, finer=True))
+    in_conflict = explained(failed, coarse, partial(coarse, finer=True), bool)
     assert in_conflict.status is Status.NOT_FOUND and in_conflict.conflicts
 
 
