@@ -15,6 +15,7 @@ from robotraj.guess.default import as_guess, default_guess
 from robotraj.guess.from_solution import FromSolution
 from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
+from robotraj.planning.diagnosis.exclusions.work_budgets import limits_work
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.other_solver import solved_otherwise
@@ -223,11 +224,14 @@ def _solve_once(
 def _infeasibility_check(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None
 ) -> InfeasibilityCheck | None:
-    """Return the callback that checks a first solve with budgets, or with contacts and no restarts; None for others."""
+    """Return the callback that checks a first solve with limits of work or with contacts; None for other solves.
+
+    With contacts, only a solve without restarts is checked.
+    """
     known = isinstance(guess, Solution) and guess.success
     relaxed = isinstance(settings.solver, InteriorPoint) and settings.solver.fallback is None
     contacts = any(phase.contacts for phase in problem.phases) and not settings.restarts.count
-    if known or relaxed or not (contacts or any(phase.rows.integrals for phase in problem.phases)):
+    if known or relaxed or not (contacts or any(map(limits_work, problem.phases))):
         return None
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 

@@ -48,7 +48,12 @@ class EndRow:
 
     @property
     def scale(self) -> float:
-        """Unit of the slack: the larger finite bound, else 1."""
+        """Unit of the slack: the larger finite bound, else 1; of a measured quantity at least 1 in its unit.
+
+        A small angle of a cone is relaxed as easily as the angles of an orientation.
+        """
+        if self.measure is not None:
+            return max(self.measure.value_of(1.0), 1.0)
         return max((abs(b) for b in (self.lower, self.upper) if np.isfinite(b) and b), default=1.0)
 
 

@@ -1,4 +1,4 @@
-"""Budgets of work that the motion between two given states exceeds, whatever its course.
+"""Budgets of work and limits of power that contradict the energy of two given states, whatever the motion between them.
 
 The work of the motors changes the energy of a robot E(q, v) and covers its losses. Between given states, with damping
 d, dry friction f tanh(v / v_s) and travels D_j of the joints in the time T,
@@ -8,13 +8,14 @@ d, dry friction f tanh(v / v_s) and travels D_j of the joints in the time T,
 since int v^2 dt >= D^2 / T and |v| (1 - tanh(|v| / v_s)) <= 0.2785 v_s. A rate r >= c tau' v, such as the sum of all
 |tau_j v_j|, integrates to c W at least. Drawn states and torques tell c: it is the same at all sizes of the power.
 
-The stated budget suffices for the straight motion at rest at both ends, if nothing else limits it. On a coarse mesh
-torques that oscillate between the points seem to need less, so that a solve would not find the conflict.
+Motors of limited powers P_j do the work T sum_j P_j at most. The stated values suffice for the straight motion at rest
+at both ends, if nothing else limits it. On a coarse mesh torques that oscillate between the points seem to need less,
+so that a solve would not find the conflict.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import cast
 
 import casadi as ca
@@ -26,6 +27,7 @@ from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import ForwardRigidBody, InverseRigidBody
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
+from robotraj.problem.constraints.motors.drive import MotorPower
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.problem import Problem
@@ -46,20 +48,26 @@ EXCEEDED = 1e-3
 SMOOTHED = 0.27847
 """Largest value of x (1 - tanh(x))."""
 ROOM_OF_WORK = 4e-2
-"""What a stated budget leaves beyond the work of the straight motion, since tight budgets need fine meshes."""
+"""What a stated value leaves beyond that of the straight motion, since tight ones need fine meshes."""
 TIMES = 201
-"""Number of times at which the rate along the straight motion is integrated."""
+"""Number of times at which the straight motion is evaluated."""
 
 
 def exceeded_budgets(problem: Problem) -> tuple[Conflict, ...]:
-    """Return the integrals whose bounds contradict the balance of energy, the largest relative excess first."""
+    """Return the rows of work and power that contradict the balance of energy, the largest relative excess first."""
     found = [conflict for phase in problem.phases for conflict in _exceeded(phase)]
     return tuple(sorted(found, key=lambda conflict: -conflict.relative))
 
 
+def limits_work(phase: Phase) -> bool:
+    """Whether a phase bounds an integral or powers of motors."""
+    return bool(phase.rows.integrals) or any(isinstance(each, MotorPower) for each in phase.constraints)
+
+
 def _exceeded(phase: Phase) -> Iterator[Conflict]:
-    robot, body, table = phase.robot, phase.body, phase.rows
-    if not table.integrals or robot is None or phase.contacts or phase.design or phase.path is not None:
+    robot, body = phase.robot, phase.body
+    powers = [(n, each) for n, each in enumerate(phase.rows.constraints) if isinstance(each.source, MotorPower)]
+    if not limits_work(phase) or robot is None or phase.contacts or phase.design or phase.path is not None:
         return
     size = robot.nq + robot.nv
     ends = [np.array([each.lower[:size], each.upper[:size]], dtype=float) for each in phase.joint_ends.values()]
@@ -68,30 +76,73 @@ def _exceeded(phase: Phase) -> Iterator[Conflict]:
         return
     (begin, _), (end, _) = ends
     gain, losses = _work(robot, begin, end, phase.duration_bounds[1])
-    for row in table.integrals:
-        ratios = _ratios(phase, row)
-        for sign, bound in ((1.0, row.upper), (-1.0, -row.lower)):
-            low, high = ratios if sign > 0.0 else (-ratios[1], -ratios[0])
-            if not np.isfinite(bound) or not low <= high + ALIKE * abs(high):
-                continue
-            # Every factor between both ratios bounds the rate; losses above their least need one above zero.
-            factor = high if gain + losses > 0.0 else low
-            if factor < 0.0 and np.any((robot.damping, robot.friction)):
-                continue
-            least = factor * (gain + losses)
-            if least - bound > EXCEEDED * max(abs(bound), abs(least)):
-                enough = max(least, sign * _straight(phase, row, begin, end))
-                yield _conflict(phase, row, sign * bound, sign * enough, gain, losses)
+    for row in phase.rows.integrals:
+        yield from _exceeded_budget(phase, row, begin, end, gain, losses)
+    for constraint, _ in powers:
+        rows = [row for row in phase.rows if row.constraint == constraint]
+        if _exceed_powers(robot, rows, gain, losses, phase.duration_bounds[1]):
+            yield from _needed_powers(phase, rows, begin, end, gain, losses)
 
 
-def _conflict(phase: Phase, row: PhaseRow, bound: float, enough: float, gain: float, losses: float) -> Conflict:
-    """Describe a budget, and one that suffices."""
+def _exceeded_budget(
+    phase: Phase, row: PhaseRow, begin: Array, end: Array, gain: float, losses: float
+) -> Iterator[Conflict]:
+    """Yield the conflict of a budget that the work between both ends exceeds."""
+    robot = phase.robot
+    assert robot is not None
+    ratios = _ratios(phase, row)
+    for sign, bound in ((1.0, row.upper), (-1.0, -row.lower)):
+        low, high = ratios if sign > 0.0 else (-ratios[1], -ratios[0])
+        if not np.isfinite(bound) or not low <= high + ALIKE * abs(high):
+            continue
+        # Every factor between both ratios bounds the rate; losses above their least need one above zero.
+        factor = high if gain + losses > 0.0 else low
+        if factor < 0.0 and np.any((robot.damping, robot.friction)):
+            continue
+        least = factor * (gain + losses)
+        if least - bound > EXCEEDED * max(abs(bound), abs(least)):
+            times, rates = _straight(phase, (row,), begin, end)
+            along = sign * np.trapezoid(rates[:, 0], times) if len(times) else -np.inf
+            enough = sign * max(least, float(along))
+            yield _conflict(phase, row, phase.duration_bounds[1], sign * bound, enough, _reason(gain, losses))
+
+
+def _exceed_powers(robot: Robot, rows: Sequence[PhaseRow], gain: float, losses: float, longest: float) -> bool:
+    """Whether the motors do less work within their limits of power than the ends take."""
+    of_joints = {row.joint: row.upper for row in rows if row.joint is not None}
+    each = sum(of_joints[joint] for joint in robot.actuated) if set(robot.actuated) <= set(of_joints) else np.inf
+    together = min((row.upper for row in rows if row.joint is None), default=np.inf)
+    work = gain + losses
+    too_much = work - min(each, together) * longest > EXCEEDED * abs(work)
+    lossless = not np.any((robot.damping, robot.friction))
+    return bool(too_much or (lossless and -gain - each * longest > EXCEEDED * abs(gain)))
+
+
+def _needed_powers(
+    phase: Phase, rows: Sequence[PhaseRow], begin: Array, end: Array, gain: float, losses: float
+) -> Iterator[Conflict]:
+    """Yield the limits of power that the straight motion exceeds, with those that it needs."""
+    times, powers = _straight(phase, rows, begin, end)
+    for row, along in zip(rows, powers.T, strict=True):
+        if not len(times):
+            return
+        excess = np.maximum(along - row.upper, row.lower - along)
+        worst = int(np.argmax(excess))
+        if excess[worst] > 0.0:
+            bound = row.upper if along[worst] > 0.0 else row.lower
+            yield _conflict(phase, row, float(times[worst]), bound, float(along[worst]), _reason(gain, losses))
+
+
+def _reason(gain: float, losses: float) -> str:
+    """State the energy that both ends differ by, and the losses."""
     lost = f", and friction takes at least {losses:.4g} J" if losses > EXCEEDED * abs(gain) else ""
-    more, size = ("more" if gain >= 0.0 else "less"), abs(gain)
-    reason = f"the end has {size:.4g} J {more} energy than the start{lost}"
+    return f"the end has {abs(gain):.4g} J {'more' if gain >= 0.0 else 'less'} energy than the start{lost}"
+
+
+def _conflict(phase: Phase, row: PhaseRow, time: float, bound: float, enough: float, reason: str) -> Conflict:
+    """Describe a row, and a bound that suffices."""
     needed = with_room(bound, enough, ROOM_OF_WORK)
     relative = abs(needed - bound) / max(abs(bound), EXCEEDED * abs(needed))
-    time = phase.duration_bounds[1]
     return Conflict(phase.name, row.label, time, bound, needed, row.unit, relative, False, reason, True)
 
 
@@ -144,13 +195,13 @@ def _ratios(phase: Phase, row: PhaseRow) -> tuple[float, float]:
     return (float(low[0]), float(high[0])) if alike else (np.nan, np.nan)
 
 
-def _straight(phase: Phase, row: PhaseRow, begin: Array, end: Array) -> float:
-    """Return the integral along the cubic motion from rest to rest; minus infinity where it says nothing."""
+def _straight(phase: Phase, rows: Sequence[PhaseRow], begin: Array, end: Array) -> tuple[Array, Array]:
+    """Return times (m,) and values of rows (m, rows) along the cubic motion from rest to rest; none for other ends."""
     robot, duration = phase.robot, phase.duration_bounds[1]
     assert robot is not None
     nq = robot.nq
     if robot.nu != robot.nv or begin[nq:].any() or end[nq:].any() or not np.isfinite(duration):
-        return -np.inf
+        return np.zeros(0), np.zeros((0, len(rows)))
     step = difference(robot.model, begin[:nq], end[:nq])
 
     def cubic(s: Array) -> tuple[Array, Array, Array]:
@@ -162,5 +213,4 @@ def _straight(phase: Phase, row: PhaseRow, begin: Array, end: Array) -> float:
     guess = joint_motion(phase, duration, cubic, parameters)
     s = np.linspace(0.0, 1.0, TIMES)
     values = (guess.states(s), guess.algebraic(s), guess.controls(s))
-    rates = phase.rows.sample((row,), duration * s, *values, np.array(list(parameters.values())))[:, 0]
-    return float(np.trapezoid(rates, duration * s))
+    return duration * s, phase.rows.sample(rows, duration * s, *values, np.array(list(parameters.values())))
