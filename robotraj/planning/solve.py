@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 COARSE, COARSE_STEP, FINER = 15, 6, 12
 """Intervals of a phase of the relaxed problem: without and with contacts, and by Lobatto IIIA with four points."""
-STATED, TWICE = 250, 2.0
+STATED, TWICE = 200, 2.0
 """Largest number of iterations of a solve with stated values, and the growth of the mesh for the second one."""
 PATIENCE, BRIEFLY = 700, 200
 """Largest number of iterations of the relaxed problem, and of one with contacts or limits of rates.
@@ -264,12 +264,12 @@ def solve_relaxed(
 def has_motion(problem: Problem, settings: Settings, progress: Progress | None = None) -> bool:
     """Whether a brief solve on the mesh of the settings finds a motion, and another one near it on a finer mesh."""
     own = replace(settings, solver=settings.solver.at_most(STATED), restarts=Restarts(0))
-    found = solve(problem, None, own, progress)
+    found = solve(problem, None, own, progress, _no_rounds)
     if not found.success:
         return False
     finer = tuple(evenly_finer(part.mesh, TWICE) for part in found.phases)
     near = settings.solver.from_nearby().at_most(STATED)
-    return solve(problem, found, replace(own, mesh=finer, solver=near), progress).success
+    return solve(problem, found, replace(own, mesh=finer, solver=near), progress, _no_rounds).success
 
 
 def _no_rounds(solution: Solution) -> bool:

@@ -4,8 +4,9 @@ A callback of the solver looks at its first iteration for conflicts with momentu
 contacts take hundreds of iterations, and then as many of another solver, until a failure is certain. Of these it also
 looks once for a conflict of limits: after many iterations, or where iterations begin again. It stops the solve where a
 conflict excludes every motion, or where two searches agree that no motion is near. The first search of configurations
-at the ends starts from the iterate. Where no conflict is found, and a solve goes on for hundreds of iterations, speed limits
-are narrowed step by step (``narrowed_speeds``). A motion that is found so stops the solve, which begins again from it.
+at the ends starts from the iterate. Where no conflict is found, and a solve goes on for hundreds of iterations, speed
+limits are narrowed step by step (``narrowed_speeds``). A motion that is found so stops the solve, which begins again
+from it.
 """
 
 from __future__ import annotations

@@ -21,9 +21,9 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 
-LONGER = (1.0, 1.08, 1.2, 1.4, 1.8)
+LONGER = (1.0, 1.15, 1.4)
 """Multiples of a stated duration that are tried."""
-WIDER = (1.0, 1.1, 1.3, 1.7, 2.5)
+WIDER = (1.0, 1.25, 2.0)
 """Multiples of what a stated bound gives way that are tried."""
 SHORT_OF_ENOUGH = "or more: no motion was found with it"
 """Reason of a value with which no multiple suffices."""
@@ -35,16 +35,17 @@ Attempt = Callable[[Problem], bool]
 def sufficient(conflicts: Sequence[Conflict], problem: Problem, attempt: Attempt) -> tuple[Conflict, ...]:
     """Return conflicts with values that suffice, of all rows together and of the duration alone.
 
-    Durations that do not suffice are left out. Conflicts that are certain, and those of motions with contacts, are
-    returned as they are.
+    Durations that do not suffice are left out. Conflicts that are certain, those of limits of rates, whose values were
+    found by solves, and those of motions with contacts are returned as they are.
     """
     rows = [each for each in conflicts if each.name != "duration"]
     if any(each.certain or each.reason for each in rows) or any(phase.contacts for phase in problem.phases):
         return tuple(conflicts)
     durations = [each for each in conflicts if each.name == "duration"]
     try:
-        enough = _first(rows, problem, attempt, WIDER) or [replace(each, reason=SHORT_OF_ENOUGH) for each in rows]
-        return (*enough, *(_first(durations, problem, attempt, LONGER)))
+        if not any(each.name == row.label for each in rows for phase in problem.phases for row in phase.rows.rates):
+            rows = _first(rows, problem, attempt, WIDER) or [replace(each, reason=SHORT_OF_ENOUGH) for each in rows]
+        return (*rows, *_first(durations, problem, attempt, LONGER))
     except LimitReached:
         return tuple(conflicts)
 

@@ -90,10 +90,9 @@ def _exceeded_budget(
     """Yield the conflict of a budget that the work between both ends exceeds."""
     robot = phase.robot
     assert robot is not None
-    ratios = _ratios(phase, row)
     for sign, bound in ((1.0, row.upper), (-1.0, -row.lower)):
-        low, high = ratios if sign > 0.0 else (-ratios[1], -ratios[0])
-        if not np.isfinite(bound) or not low <= high + ALIKE * abs(high):
+        low, high = _ratios(phase, row, sign) if np.isfinite(bound) else (np.nan, np.nan)
+        if not low <= high + ALIKE * abs(high):
             continue
         # Every factor between both ratios bounds the rate; losses above their least need one above zero.
         factor = high if gain + losses > 0.0 else low
@@ -163,8 +162,8 @@ def _work(robot: Robot, begin: Array, end: Array, longest: float) -> tuple[float
     return energy(end) - energy(begin), float(losses.sum())
 
 
-def _ratios(phase: Phase, row: PhaseRow) -> tuple[float, float]:
-    """Return the greatest ratio of the rate to a power below zero, and the least one to a power above zero.
+def _ratios(phase: Phase, row: PhaseRow, sign: float) -> tuple[float, float]:
+    """Return the greatest ratio of ``sign`` times the rate to a power below zero, and the least one to one above zero.
 
     Both are NaN unless they are the same for powers of all sizes.
     """
@@ -186,7 +185,7 @@ def _ratios(phase: Phase, row: PhaseRow) -> tuple[float, float]:
         columns[3] *= size
         rate, work = np.array(evaluate(*columns))
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.where(work == 0.0, np.nan, rate / work)
+            ratio = np.where(work == 0.0, np.nan, sign * rate / work)
         if not np.isfinite(ratio[work != 0.0]).all() or not (work < 0.0).any() or not (work > 0.0).any():
             return np.nan, np.nan
         found.append((ratio[work < 0.0].max(), ratio[work > 0.0].min()))

@@ -62,12 +62,13 @@ def test_a_budget_below_the_gain_of_energy_excludes_every_motion(rate: Any) -> N
     [
         lambda: lift(power, 1.01 * gain()),
         lambda: lift(power, None, 0.9 * gain()),
+        lambda: lift(positive, None, 2.0 * gain()),
         lambda: lift(lambda p: p.tau[0] ** 2 + p.tau[1] ** 2, 1e-9),
         lambda: lift(lambda p: p.tau[0] * p.v[0], 0.1),
         lambda: lift(lambda p: power(p) - p.v[0] ** 2, 0.1),
         lambda: lift(power, 0.1, end=rt.State(q=HIGH)),
     ],
-    ids=["enough", "met below", "torques", "one joint", "less than the power", "free end"],
+    ids=["enough", "met below", "more work than the gain", "torques", "one joint", "less than the power", "free end"],
 )
 def test_other_integrals_exclude_nothing(phase: Any) -> None:
     assert not found(phase())
