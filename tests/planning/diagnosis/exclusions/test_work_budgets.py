@@ -89,6 +89,24 @@ def test_friction_adds_to_the_least_work() -> None:
     assert "friction takes at least" in str(conflict)
 
 
+def test_weak_motors_cannot_lift_in_time_and_the_stated_powers_do() -> None:
+    weak = lift(power, None, 0.0).with_(constraints=[rt.constraints.MotorPower(0.1 * gain() / 1.5)])
+    conflicts = found(weak)
+    assert conflicts and all(each.certain and each.name.startswith("power limit, ") for each in conflicts)
+    stated = {each.name.removeprefix("power limit, "): abs(each.needed) for each in conflicts}
+    enough = weak.with_(constraints=[rt.constraints.MotorPower({**dict.fromkeys(weak.robot.actuated, 5.0), **stated})])
+    assert not found(enough) and rt.plan(enough).success
+
+
+def test_the_power_of_all_motors_together_is_bounded_too() -> None:
+    def limited(total: float) -> rt.Phase:
+        return lift(power, None, 0.0).with_(constraints=[rt.constraints.MotorPower(total=total)])
+
+    (conflict,) = found(limited(0.9 * gain() / 1.5))
+    assert conflict.name == "total power limit" and conflict.needed > gain() / 1.5
+    assert not found(limited(1.1 * gain() / 1.5))
+
+
 class Limited(Constraint):
     """A budget of a class of one's own."""
 
