@@ -22,7 +22,7 @@ from robotraj.planning.diagnosis.exclusions.rest_to_rest import slipping_motions
 from robotraj.planning.diagnosis.exclusions.slipping import slipping_contacts
 from robotraj.planning.diagnosis.exclusions.work_budgets import exceeded_budgets
 from robotraj.planning.diagnosis.rate_limits import wider_rates
-from robotraj.planning.diagnosis.stated_values import Attempt, sufficient
+from robotraj.planning.diagnosis.relaxation.stated_values import Attempt, sufficient
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.diagnosis.unreached_ends import unreached_ends

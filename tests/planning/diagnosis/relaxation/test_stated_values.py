@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.stated_values import LONGER, SHORT_OF_ENOUGH, WIDER, sufficient
+from robotraj.planning.diagnosis.relaxation.stated_values import LONGER, SHORT_OF_ENOUGH, WIDER, sufficient
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 
