@@ -95,7 +95,7 @@ def _with_bounds(phase: Phase, conflicts: Sequence[Conflict]) -> Phase:
 
     def widened(constraint: Constraint) -> Constraint:
         is_concerned = any(constraint is each for each in concerned)
-        return _Widened(constraint, tuple(conflicts)) if is_concerned else constraint
+        return _Stated(constraint, tuple(conflicts)) if is_concerned else constraint
 
     constraints = [widened(each) for each in phase.constraints]
     if not any(each is limit for each in concerned for limit in own):
@@ -105,7 +105,7 @@ def _with_bounds(phase: Phase, conflicts: Sequence[Conflict]) -> Phase:
 
 
 @dataclass(frozen=True)
-class _Widened(Constraint):
+class _Stated(Constraint):
     """A constraint whose rows in conflict have the stated values as bounds."""
 
     inner: Constraint
@@ -114,13 +114,13 @@ class _Widened(Constraint):
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Replace the bounds of rows in conflict."""
         bound = self.inner.bind(dynamics, parameters)
-        return replace(bound, rows=tuple(self._widened(row) for row in bound.rows))
+        return replace(bound, rows=tuple(self._stated(row) for row in bound.rows))
 
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add the variables that the constraint reads."""
         return self.inner.augment(dynamics)
 
-    def _widened(self, row: Row) -> Row:
+    def _stated(self, row: Row) -> Row:
         for conflict in self.conflicts:
             if conflict.name != row.label:
                 continue
