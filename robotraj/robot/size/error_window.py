@@ -2,8 +2,8 @@
 
 A small error of an unstable motion grows without bound in an open-loop simulation, but not over a short window. How
 short depends on the robot: gravity amplifies errors at the rate sqrt(g / l), so that a robot of 0.1 m falls three times
-as fast as one of 1 m. Windows of small robots are therefore a fixed share of their natural time sqrt(l / g). Proof and
-validation use the same windows.
+as fast as one of 1 m. Windows of small robots are therefore a fixed share of their natural time sqrt(l / g). The proof
+uses these windows, and validation up to twice as long ones for motions of many windows.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
 
 WINDOWS = 40
-"""Number of windows of a whole plan of a System. Those of robots are as long as ``error_window``."""
+"""Number of windows of a whole plan. Those of robots last between one and two times ``error_window``."""
 
 
 def windows_of(knots: Array, longest: float) -> list[list[Span]]:
@@ -55,8 +55,10 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
     whole = sum(float(planned.knots[-1] - planned.knots[0]) for planned in solution.phases)
     found = []
     for i, planned in enumerate(solution.phases):
-        robot = planned.phase.robot
-        longest = whole / WINDOWS if robot is None else error_window(robot)
+        robot, longest = planned.phase.robot, whole / WINDOWS
+        if robot is not None:
+            window = error_window(robot)
+            longest = float(np.clip(longest, window, 2.0 * window))
         knots = np.asarray(planned.knots, dtype=float)
         plant, phase = plant_of(planned), planned.phase.name
         own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]
