@@ -82,7 +82,7 @@ def transcribe(
     engine = engine or VirtualMachine()
     interval_limits = interval_limits or ConstraintGeneration()
     as_tapes = engine.separate_torques
-    meshes = _meshes(problem, mesh)
+    meshes = meshes_of(problem, mesh)
     if any(isinstance(scheme, OneStep) for m in meshes for scheme in m.given):
         from robotraj.transcription.shooting.explicit_dynamics import explicit
 
@@ -176,7 +176,14 @@ def bounds_of(
     return bounds
 
 
-def _meshes(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
+def meshes_of(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
+    """Return one mesh a phase.
+
+    Raises
+    ------
+    InputError
+        There are fewer or more meshes than phases.
+    """
     meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
     if len(meshes) != len(problem.phases):
         raise InputError(f"The problem has {len(problem.phases)} phases but {len(meshes)} meshes were given.")

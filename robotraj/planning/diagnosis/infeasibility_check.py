@@ -94,6 +94,9 @@ class InfeasibilityCheck:
             self._narrow()
 
     def _narrow(self) -> None:
+        if not any(contact.anchors for phase in self._problem.phases for contact in phase.bound_contacts):
+            # The solver finds the contacts. Wider limits lead to others.
+            return
         conflicts, self.motion = narrowed_speeds(self._problem, self._solve_coarse)
         self._exclude(conflicts)
         if self.motion is not None:

@@ -22,6 +22,7 @@ from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.integrators import RungeKutta4
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
+from robotraj.transcription.transcribe import meshes_of
 
 LONG = 60.0
 """Seconds above which a plan counts as long."""
@@ -40,9 +41,8 @@ SECONDS = 5e-8
 
 def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
     """Return the estimated processor time [s] of the phases with shooting, 0 without any."""
-    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     total = 0.0
-    for phase, own in zip(problem.phases, meshes, strict=True):
+    for phase, own in zip(problem.phases, meshes_of(problem, mesh), strict=True):
         scheme = own.schemes[0]
         if phase.robot is None or not isinstance(scheme, Shooting):
             continue
@@ -56,10 +56,9 @@ def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
 
 def hides_power(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> bool:
     """Whether a phase minimises exact works of a robot whose torques are free inside the intervals."""
-    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     return any(
         _minimises_work(phase) and any(_has_free_inner_controls(scheme) for scheme in own.given)
-        for phase, own in zip(problem.phases, meshes, strict=True)
+        for phase, own in zip(problem.phases, meshes_of(problem, mesh), strict=True)
     )
 
 
@@ -69,6 +68,11 @@ def warn_of_mesh(problem: Problem, settings: Settings) -> None:
     Warns
     -----
     UserWarning
+
+    Raises
+    ------
+    InputError
+        There are fewer or more meshes than phases.
     """
     if settings.refinement is None and hides_power(problem, settings.mesh):
         warn(

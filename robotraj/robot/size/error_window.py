@@ -15,7 +15,7 @@ from robotraj.robot.size.reach import reach
 
 WINDOW = 0.05
 """Window of robots of ``SIZE`` or larger [s]: long enough to show an error, too short for gravity to amplify it."""
-SIZE = 1.0
+SIZE = 0.5
 """Reach below which windows are shorter [m]."""
 
 

@@ -26,7 +26,7 @@ def test_the_reach_is_the_longest_path_through_the_joints() -> None:
 
 
 def test_windows_of_small_robots_are_as_much_shorter_as_their_natural_time() -> None:
-    assert error_window(chain(0.04, 0.05)) == pytest.approx(0.3 * WINDOW)
+    assert error_window(chain(0.02, 0.025)) == pytest.approx(0.3 * WINDOW)
     assert error_window(chain(1.0, 0.5)) == WINDOW
 
 
