@@ -32,8 +32,10 @@ from robotraj.transcription.refinement.error import Residuals
 
 Array = NDArray[np.float64]
 
-SHARE = 0.1
-"""Factor on the error of a window to compare it with that of an interval, which is allowed a tenth of it."""
+SHARE = 0.2
+"""Factor on the error of a window to compare it with the error of an interval.
+
+At the default goal of 1e-4 it allows half the error that ``rt.validate`` allows a window."""
 ROUNDING = 1e-9
 """Relative length by which a window may be longer, so that round-off cuts no interval of its length in two."""
 SHARE_OF_SPEEDS = 2e-3
