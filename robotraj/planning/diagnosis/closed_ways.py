@@ -15,6 +15,7 @@ from robotraj.guess.paths.geometric_path import GeometricPath
 from robotraj.guess.paths.phase_scene import scene_of
 from robotraj.guess.paths.planner import RRTConnect
 from robotraj.guess.straight_line import StraightLine
+from robotraj.planning.diagnosis.blocked_ends import SIZE
 from robotraj.problem.clearance.end_checks import distances_at_rest
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.constraints.collision_free import CollisionFree
@@ -31,8 +32,6 @@ SEARCH = RRTConnect(iterations=5_000)
 """Search without one of the obstacles. Nearly all paths that are found are found so soon."""
 STEP = 0.02
 """Largest change of a joint [rad, m] between the configurations of a path at which distances are evaluated."""
-SIZE = 0.05
-"""Distance [m] relative to which overlaps are stated where the margin is smaller."""
 
 
 def closed_ways(problem: Problem) -> tuple[Conflict, ...]:
