@@ -93,7 +93,7 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve, attem
     The status is ``Status.INFEASIBLE`` only where conflicts exclude every motion. A local minimum of the relaxed
     problem does not: its rows are named as what may have to give, with ``Status.NOT_FOUND``.
 
-    An ``attempt`` with the stated values tells whether they suffice; see ``stated_values``.
+    The stated values are those with which ``attempt`` finds a motion; see ``stated_values``.
     """
     if solution.success:
         return solution

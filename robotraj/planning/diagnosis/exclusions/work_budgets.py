@@ -6,7 +6,7 @@ d, dry friction f tanh(v / v_s) and travels D_j of the joints in the time T,
     W = int tau' v dt = E_1 - E_0 + losses,    losses >= sum_j (d_j D_j^2 / T + f_j (D_j - 0.2785 v_s T)+),
 
 since int v^2 dt >= D^2 / T and |v| (1 - tanh(|v| / v_s)) <= 0.2785 v_s. A rate r >= c tau' v, such as the sum of all
-|tau_j v_j|, integrates to c W at least. Drawn states and torques tell c: it is the same at all sizes of the power.
+|tau_j v_j|, integrates to c W at least. Drawn states and torques give c, which must be the same at all sizes of power.
 
 Motors of limited powers P_j do the work T sum_j P_j at most. The stated values suffice for the straight motion at rest
 at both ends, if nothing else limits it. On a coarse mesh torques that oscillate between the points seem to need less,
@@ -122,9 +122,9 @@ def _needed_powers(
 ) -> Iterator[Conflict]:
     """Yield the limits of power that the straight motion exceeds, with those that it needs."""
     times, powers = _straight(phase, rows, begin, end)
+    if not len(times):
+        return
     for row, along in zip(rows, powers.T, strict=True):
-        if not len(times):
-            return
         excess = np.maximum(along - row.upper, row.lower - along)
         worst = int(np.argmax(excess))
         if excess[worst] > 0.0:
