@@ -31,8 +31,7 @@ def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
     """
     robots = {id(phase.robot) for phase in problem.phases}
     robot = problem.phases[0].robot
-    footed = any(contact.anchors for phase in problem.phases for contact in phase.bound_contacts)
-    if len(robots) == 1 and robot is not None and robot.root != "fixed" and footed:
+    if len(robots) == 1 and robot is not None and robot.root != "fixed" and problem.has_footholds:
         from robotraj.guess.legs.inverted_pendulum import InvertedPendulum
 
         return InvertedPendulum()

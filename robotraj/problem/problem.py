@@ -76,6 +76,11 @@ class Problem(OneLine):
         bound = tuple(link.bind(self.phases) for link in self.links)
         return bound + running_on(self.phases, bound)
 
+    @property
+    def has_footholds(self) -> bool:
+        """Return whether some contact is held at a place, so that it says where a robot stands."""
+        return any(contact.anchors for phase in self.phases for contact in phase.bound_contacts)
+
     def with_(self, **changes: Unpack[PhaseChanges]) -> Problem:
         """Return the problem with another start, end or other field of its phase.
 

@@ -94,7 +94,7 @@ class InfeasibilityCheck:
             self._narrow()
 
     def _narrow(self) -> None:
-        if not any(contact.anchors for phase in self._problem.phases for contact in phase.bound_contacts):
+        if not self._problem.has_footholds:
             # The solver finds the contacts. Wider limits lead to others.
             return
         conflicts, self.motion = narrowed_speeds(self._problem, self._solve_coarse)

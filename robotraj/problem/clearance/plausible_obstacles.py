@@ -10,8 +10,8 @@ from robotraj._util.errors import warn
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.collision_free import CollisionFree
-from robotraj.robot.loading.notes import reach_of
 from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
 
 FAR = 20.0
 """Distance of an obstacle, or its depth, relative to the reach of the robot above which its unit is doubtful."""
@@ -38,10 +38,10 @@ def _warn_of_lengths(phase: str, obstacles: Iterable[Obstacle], robot: Robot) ->
         return
     slides = [i for i, unit in enumerate(robot.units) if unit == "m"]
     limits = robot.limits
-    reach = reach_of(robot.model) + float(
+    span = reach(robot.model) + float(
         np.sum(np.maximum(np.abs(limits.position_lower[slides]), np.abs(limits.position_upper[slides])))
     )
-    if not 0.0 < reach < np.inf:
+    if not 0.0 < span < np.inf:
         return
     base = robot.model.jointPlacements[1].translation
     found = []
@@ -50,14 +50,14 @@ def _warn_of_lengths(phase: str, obstacles: Iterable[Obstacle], robot: Robot) ->
         origin = np.zeros(3) if obstacle.frame is not None else base
         (away,) = obstacle.distance(((origin - position) @ rotation)[None, :])
         (depth,) = -obstacle.distance(np.zeros((1, 3)))
-        if away > FAR * reach:
+        if away > FAR * span:
             found.append(f"{obstacle.label!r} is {away:.4g} m away")
-        elif depth > FAR * reach:
+        elif depth > FAR * span:
             found.append(f"{obstacle.label!r} is solid for {depth:.4g} m around its centre")
     if found:
         more = f", and {len(found) - 1} more are as doubtful" if len(found) > 1 else ""
         warn(
-            f"Phase {phase!r}: the robot reaches {reach:.2g} m, and the obstacle {found[0]}{more}. Lengths and "
+            f"Phase {phase!r}: the robot reaches {span:.2g} m, and the obstacle {found[0]}{more}. Lengths and "
             "positions are in metres: 500 mm are 0.5 m."
         )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.mimic import Mimic
-from robotraj.robot.loading.planning_model import parents_of
+from robotraj.robot.size.reach import reach
 
 Array = NDArray[np.float64]
 
@@ -46,7 +45,7 @@ def weightless_note(joints: Sequence[str]) -> str:
 def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
     """Name joints whose effort limit is implausible beside the weight of the whole robot at its full reach."""
     weight = GRAVITY * sum(body.mass for body in model.inertias.tolist()[1:])
-    span = reach_of(model)
+    span = reach(model)
     strong = [
         f"{joint} ({limits.effort[i]:.4g} {'N' if unit == 'm' else 'N m'})"
         for i, (joint, unit) in enumerate(zip(limits.joints, units, strict=True))
@@ -61,18 +60,6 @@ def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuat
         f"Implausible effort limit of {strong[0]}{more}: the robot weighs {weight / GRAVITY:.3g} kg and reaches "
         f"{span:.2g} m. No motion meets such a limit; give the motors' own with limits={{'effort': ...}}."
     )
-
-
-def reach_of(model: pin.Model) -> float:
-    """Return a bound on the distance of the bodies' masses from the first joint [m], by their radii of gyration."""
-    reach = [
-        math.hypot(*body.lever) + math.sqrt(max(body.inertia.trace() / (2.0 * body.mass), 0.0)) if body.mass else 0.0
-        for body in model.inertias.tolist()
-    ]
-    placements, parents = model.jointPlacements.tolist(), parents_of(model)
-    for i in range(model.njoints - 1, 0, -1):
-        reach[parents[i]] = max(reach[parents[i]], math.hypot(*placements[i].translation) + reach[i])
-    return max((reach[i] for i in range(1, model.njoints) if parents[i] == 0), default=0.0)
 
 
 def renamed_frames_note(names: Sequence[str]) -> str:

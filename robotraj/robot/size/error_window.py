@@ -15,10 +15,10 @@ from robotraj.robot.size.reach import reach
 
 WINDOW = 0.05
 """Window of robots of ``SIZE`` or larger [s]: long enough to show an error, too short for gravity to amplify it."""
-SIZE = 0.5
+SIZE = 0.35
 """Reach below which windows are shorter [m]."""
 
 
 def error_window(robot: Robot) -> float:
     """Return the length of a window [s]; nothing amplifies the errors of a body without reach."""
-    return WINDOW * float(np.sqrt(min(1.0, (reach(robot) or SIZE) / SIZE)))
+    return WINDOW * float(np.sqrt(min(1.0, (reach(robot.model) or SIZE) / SIZE)))

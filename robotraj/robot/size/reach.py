@@ -1,19 +1,19 @@
-"""How far a robot reaches."""
+"""How far the masses of a robot reach from its first joint."""
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
-from robotraj.robot.robot import Robot
+import pinocchio as pin
 
 
-def reach(robot: Robot) -> float:
-    """Return the longest path through joints and links from the first one to a frame or a centre of mass [m]."""
-    model = robot.model
-    paths = np.zeros(model.njoints)
-    for joint in range(1, model.njoints):
-        above = model.parents[joint]
-        paths[joint] = paths[above] + np.linalg.norm(model.jointPlacements[joint].translation)
-    masses = [paths[i] + np.linalg.norm(body.lever) for i, body in enumerate(model.inertias) if body.mass > 0.0]
-    frames = [paths[frame.parentJoint] + np.linalg.norm(frame.placement.translation) for frame in model.frames]
-    return float(max([*masses, *frames], default=0.0))
+def reach(model: pin.Model) -> float:
+    """Return a bound on the distance of the bodies' masses from the first joint [m], by their radii of gyration."""
+    farthest = [
+        math.hypot(*body.lever) + math.sqrt(max(body.inertia.trace() / (2.0 * body.mass), 0.0)) if body.mass else 0.0
+        for body in model.inertias.tolist()
+    ]
+    placements, parents = model.jointPlacements.tolist(), [int(parent) for parent in model.parents]
+    for i in range(model.njoints - 1, 0, -1):
+        farthest[parents[i]] = max(farthest[parents[i]], math.hypot(*placements[i].translation) + farthest[i])
+    return max((farthest[i] for i in range(1, model.njoints) if parents[i] == 0), default=0.0)
