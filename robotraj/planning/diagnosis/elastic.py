@@ -47,6 +47,8 @@ SMALL = 1e-3
 """Slacks, relative to the row's scale, that count as zero."""
 LONGEST = 30.0
 """Longest duration that is tried, relative to the longest allowed one."""
+ALONE, TOGETHER = "alone suffices", "the stated durations alone suffice"
+"""Reasons of a duration, and of those of several phases, with which every row holds."""
 ENDED = (Status.ITERATION_LIMIT, Status.INTERRUPTED)
 """Statuses after which no further rows are relaxed."""
 KEPT = (Where.RATE,)
@@ -125,34 +127,44 @@ def motion_near(problem: Problem, solve: Solve, guess: InitialGuess | Solution |
     return found, _meets_rows(found, slacks)
 
 
-def sufficient_duration(problem: Problem, solve: Solve, motion: Solution) -> Conflict | None:
-    """Return the least duration [s] with which the rows of a single phase hold; None if none was found.
+def sufficient_durations(problem: Problem, solve: Solve, motion: Solution | None) -> tuple[Conflict, ...]:
+    """Return the durations [s] of the least sum with which the rows hold; empty if none were found.
+
+    Those of motions with contacts are not looked for, since a gait of other durations has other footholds.
 
     Parameters
     ----------
     problem : Problem
     solve : callable
         ``solve(problem, guess)``.
-    motion : Solution
+    motion : Solution or None
         Solution of the relaxed problem, the guess for a longer one.
     """
-    phase = problem.phases[0]
-    longest = phase.duration_bounds[1]
-    if len(problem.phases) > 1 or not np.isfinite(longest) or longest <= 0.0:
-        return None
+    longest = [phase.duration_bounds[1] for phase in problem.phases]
+    bounded = all(0.0 < each < np.inf for each in longest)
+    if not bounded or any(phase.contacts for phase in problem.phases):
+        return ()
     try:
-        longer = phase.with_(duration=(longest, LONGEST * longest), objective=Duration())
-        found = solve(Problem([longer], problem.links), motion)
+        longer = [
+            phase.with_(duration=(least, LONGEST * least), objective=Duration())
+            for phase, least in zip(problem.phases, longest, strict=True)
+        ]
+        found = solve(Problem(longer, problem.links), motion)
     except RobotrajError:
-        return None
+        return ()
     if not found.success:
-        return None
-    needed = found.duration
-    relative = needed / longest - 1.0
-    if relative < SMALL:
-        return None
-    enough = with_room(longest, needed, ROOM_OF_DURATION)
-    return Conflict(phase.name, "duration", enough, longest, enough, "s", relative, True, "alone suffices")
+        return ()
+    given_way = [
+        (phase.name, least, part.duration)
+        for phase, least, part in zip(problem.phases, longest, found.phases, strict=True)
+        if part.duration / least - 1.0 >= SMALL
+    ]
+    reason = ALONE if len(given_way) == 1 else TOGETHER
+    listed = []
+    for name, least, needed in given_way:
+        enough = with_room(least, needed, ROOM_OF_DURATION)
+        listed.append(Conflict(name, "duration", enough, least, enough, "s", needed / least - 1.0, True, reason))
+    return tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
 
 def _demands_first(

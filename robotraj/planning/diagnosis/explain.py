@@ -15,7 +15,14 @@ import casadi as ca
 
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.planning.diagnosis.blocked_ends import blocked_ends
-from robotraj.planning.diagnosis.elastic import Solve, relaxed_again, relaxed_motion, sufficient_duration
+from robotraj.planning.diagnosis.elastic import (
+    ALONE,
+    TOGETHER,
+    Solve,
+    relaxed_again,
+    relaxed_motion,
+    sufficient_durations,
+)
 from robotraj.planning.diagnosis.exclusions.convexity import excluded_on_finer_mesh
 from robotraj.planning.diagnosis.exclusions.crossed_zones import crossed_zones
 from robotraj.planning.diagnosis.exclusions.rest_to_rest import slipping_motions
@@ -51,9 +58,9 @@ def excluded(problem: Problem, near: Sequence[PhaseTrajectory] = ()) -> tuple[Co
 def completed(
     problem: Problem, conflicts: tuple[Conflict, ...], motion: Solution | None, solve_coarse: Solve
 ) -> tuple[Conflict, ...]:
-    """Add the least duration that suffices, and prefer a limit of jerks or of rates of torques that must give less.
+    """Add the durations that suffice, and prefer a limit of jerks or of rates of torques that must give less.
 
-    Without a motion, the relaxed problem was not solved. A longer duration may suffice where no limit in conflict is
+    Without a motion, the relaxed problem was not solved. Longer durations may suffice where no limit in conflict is
     one of positions alone.
     """
     if motion is not None and not conflicts:
@@ -62,11 +69,11 @@ def completed(
     if rates and all(rates[0].relative < conflict.relative for conflict in conflicts[:1]):
         conflicts, motion = rates, wider
     if motion is None:
-        return conflicts
+        # Where the equations have no motion within the duration, no limit gives way.
+        return conflicts or sufficient_durations(problem, solve_coarse, None)
     if not all(_depends_on_rates(problem, conflict) for conflict in conflicts):
         return conflicts
-    longer = sufficient_duration(problem, solve_coarse, motion)
-    return conflicts if longer is None else (*conflicts, longer)
+    return (*conflicts, *sufficient_durations(problem, solve_coarse, motion))
 
 
 def _depends_on_rates(problem: Problem, conflict: Conflict) -> bool:
@@ -106,7 +113,17 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve, attem
     if solution.status not in UNEXPLAINED:
         return solution
     judged = _judged(solution if solution.conflicts else _with_cause(solution, solve_coarse, solve_finer), solve_finer)
-    return replace(judged, conflicts=sufficient(judged.conflicts, judged.problem, attempt))
+    conflicts = _with_enough_time(judged.conflicts, judged.problem, solve_coarse)
+    return replace(judged, conflicts=sufficient(conflicts, judged.problem, attempt))
+
+
+def _with_enough_time(conflicts: tuple[Conflict, ...], problem: Problem, solve_coarse: Solve) -> tuple[Conflict, ...]:
+    """Replace durations that mean speeds exclude, and those speeds, by durations with which a motion was found."""
+    of_ends = [each for each in conflicts if each.name == "duration" and each.reason not in (ALONE, TOGETHER)]
+    if not of_ends:
+        return conflicts
+    longer = sufficient_durations(problem, solve_coarse, None)
+    return tuple(replace(each, certain=True) for each in longer) or conflicts
 
 
 def _with_cause(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> Solution:
