@@ -59,8 +59,13 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
         if not isinstance(given, State | None):
             raise InputError(f"The {which} of phase {phase!r} must be an rt.State or None; got {given!r}.")
     if objective is not None and not isinstance(objective, Objective):
+        advice = ""
+        if isinstance(objective, list | tuple):
+            advice = " Add its terms with +."
+        elif callable(objective) and not isinstance(objective, type):
+            advice = " Give a function to rt.Lagrange or rt.Mayer."
         raise InputError(
-            f"The objective of phase {phase!r} must be an objective such as rt.Effort(); got {objective!r}."
+            f"The objective of phase {phase!r} must be an objective such as rt.Effort(); got {objective!r}.{advice}"
         )
 
 

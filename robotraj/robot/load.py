@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from robotraj._util.errors import InputError
 from robotraj.robot.limits import Limits, MagnitudeLimits, PositionLimits
 from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
@@ -66,9 +67,9 @@ def load(
     Raises
     ------
     InputError
-        The name is unknown or the file unreadable. The URDF is not a tree, is too large, or has numbers that are
-        missing, NaN or infinite. A moving body has an indefinite inertia, or a joint several degrees of freedom. A
-        joint or link has a reserved name of the root. No joint moves. The limits are impossible.
+        The name is unknown, the file unreadable, or the robot loaded already. The URDF is not a tree, is too large,
+        or has numbers that are missing, NaN or infinite. A moving body has an indefinite inertia, or a joint several
+        degrees of freedom. A joint or link has a reserved name of the root. No joint moves. The limits are impossible.
 
     Warns
     -----
@@ -83,6 +84,10 @@ def load(
     to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
     limits.
     """
+    if isinstance(source, Robot):
+        raise InputError(
+            f"rt.load got {source.name!r}, a robot that is loaded. Load its file or name with all options."
+        )
     robot = assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root)
     if gravity is None and base is None and rotors is None:
         return robot

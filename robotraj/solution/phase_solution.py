@@ -20,7 +20,7 @@ from robotraj.dynamics.variable import Named, Variable
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
-from robotraj.solution.sample import Sample, Times
+from robotraj.solution.sample import Sample, Times, as_times
 from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -124,9 +124,9 @@ class PhaseSolution(OneLine):
         Raises
         ------
         InputError
-            A time outside the phase.
+            A time outside the phase, or no time.
         """
-        times = np.asarray(t, dtype=float)
+        times = as_times(t)
         slack = 1e-9 * max(1.0, self.duration)
         outside = (times < self.t0 - slack) | (times > self.t0 + self.duration + slack) | np.isnan(times)
         if np.any(outside):
@@ -135,8 +135,6 @@ class PhaseSolution(OneLine):
                 f"t = {bad:g} s lies outside phase {self.phase.name!r}, which runs from {self.t0:g} s to "
                 f"{self.t0 + self.duration:g} s."
             )
-        if times.ndim > 1:
-            raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
         count = len(self.knots) - 1
         if interval is not None and not np.all((np.asarray(interval) >= 0) & (np.asarray(interval) < count)):
             raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
@@ -16,6 +17,23 @@ from robotraj.dynamics.variable import Named
 Array = NDArray[np.float64]
 Times: TypeAlias = float | Sequence[float] | Array
 """One time [s], or several."""
+
+
+def as_times(t: Times) -> Array:
+    """Return one time or a vector of times as an array.
+
+    Raises
+    ------
+    InputError
+        They are no numbers, none at all, or have several axes.
+    """
+    try:
+        times = np.asarray(t, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"Times must be a number or a vector [s]; got {t!r}.") from error
+    if times.ndim > 1 or not times.size:
+        raise InputError(f"Times must be a number or a vector of one or more; got shape {times.shape}.")
+    return times
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
-from robotraj.solution.sample import Sample, Times, join
+from robotraj.solution.sample import Sample, Times, as_times, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
@@ -170,14 +170,14 @@ class Solution(OneLine):
             ``.q .v .a .tau`` for robots, ``.x .u .z`` by name for Systems; (n,) for one time, (m, n) for m times. Times
             in several phases give the variables that all of these have; forces are 0 where a contact is not held.
         """
-        times = np.asarray(t, dtype=float)
+        times = as_times(t)
         starts = np.array([phase.t0 for phase in self.phases])
         owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(self.phases) - 1)
         if times.ndim == 0:
             return self.phases[int(owner)].at(float(times)).with_contacts(self._contacts)
         used = np.unique(owner)
-        if len(used) <= 1:
-            return self.phases[int(used[0]) if len(used) else 0].at(times).with_contacts(self._contacts)
+        if len(used) == 1:
+            return self.phases[int(used[0])].at(times).with_contacts(self._contacts)
         parts = [np.flatnonzero(owner == i) for i in used]
         samples = [
             self.phases[int(i)].at(times[part]).with_contacts(self._contacts)

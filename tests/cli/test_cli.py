@@ -135,6 +135,8 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["robots", "zzz"], "contains 'zzz'"),
         (["validate", "absent.npz"], "no file 'absent.npz'"),
         (["replay", "absent.npz"], "no file 'absent.npz'"),
+        (["plan", "ur6"], "no robot named 'ur6'. Did you mean 'ur5'"),
+        (["plan", "block"], "--to is missing"),
         (["plan", "ur5", "--to", "elbo=1"], "Did you mean 'elbow_joint'"),
         (["plan", "ur5", "--to", "1,2"], "takes 6 values"),
         (["plan", "block", "--to", "x"], "--to has 'x', which is no number"),

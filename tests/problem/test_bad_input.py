@@ -413,6 +413,12 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["objective of phase 'phase'", "rt.Effort()"],
     ),
+    "objectives in a list": (lambda: block(objective=[rt.Duration()]), rt.InputError, ["Add its terms with +"]),
+    "objective that is a function": (
+        lambda: block(objective=lambda point: point.u["u"] ** 2),
+        rt.InputError,
+        ["Give a function to rt.Lagrange or rt.Mayer"],
+    ),
     "objective without parentheses": (
         lambda: block(objective=rt.Duration),
         rt.InputError,

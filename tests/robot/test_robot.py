@@ -256,6 +256,7 @@ def wide_model(joint):
 BAD_LOADS = {
     "unknown robot": (lambda path: rt.load("ur55"), ["'ur55'", "'ur5'", "path of a URDF"]),
     "missing file": (lambda path: rt.load("nowhere/arm.urdf"), ["no URDF file", "nowhere/arm.urdf"]),
+    "loaded robot": (lambda path: rt.load(rt.load("pendulum")), ["'pendulum', a robot that is loaded"]),
     "folder": (lambda path: rt.load(path), ["no URDF file"]),
     "number": (lambda path: rt.load(3), ["pin.Model", "got int"]),
     "none": (lambda path: rt.load(None), ["got NoneType"]),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -79,6 +81,13 @@ def test_at_a_joint_the_later_phase_is_used_and_either_can_be_asked(joined: rt.S
     before, after = back.at(back.knots[2], interval=1), back.at(back.knots[2])
     assert before.x["x"] == pytest.approx(after.x["x"], abs=1e-9)
     assert abs(before.u["u"] - after.u["u"]) > 1e-6
+
+
+@pytest.mark.parametrize("times", ["end", [], [[0.1, 0.2]], None])
+def test_what_is_no_time_is_refused(joined: rt.Solution, times: Any) -> None:
+    for part in (joined, joined.phases[0]):
+        with pytest.raises(rt.InputError, match=r"Times must be|t = nan s lies outside"):
+            part.at(times)
 
 
 def test_parameters_are_read_by_name() -> None:

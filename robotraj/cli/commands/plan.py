@@ -104,12 +104,12 @@ def plan_motion(
         outputs = {"html": html, "save": save, "plot": plot}
         plan_problem_file(robot, outputs, {"memory_limit": memory_limit, "watch": watch}, time_limit, as_json)
         return
+    mover = load(robot)
     if to is None:
         raise InputError(
             f"--to is missing: the last configuration of {robot!r}, as in --to 0,1.57,0. "
             f"'robotraj init {robot}' writes a problem file to start from."
         )
-    mover = load(robot)
     phase = rest_to_rest(
         mover,
         objective,

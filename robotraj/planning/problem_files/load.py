@@ -24,6 +24,7 @@ from robotraj.problem.problem import Problem
 from robotraj.replay_page.options import ReplayOptions, check_options
 from robotraj.replay_page.write import replay
 from robotraj.robot.robot import Robot
+from robotraj.solvers.checks import above_zero
 from robotraj.witness.validation import ValidationOptions, validate
 
 if TYPE_CHECKING or sys.version_info >= (3, 11):
@@ -72,8 +73,11 @@ def load_problem(path: str | os.PathLike[str]) -> ProblemFile:
     source = Path(path).expanduser().absolute()
     try:
         text = source.read_bytes().decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"The problem file {str(path)!r} cannot be read: {error}.") from error
+    except OSError as error:
+        raise InputError(f"The problem file {str(path)!r} cannot be read: {error.strerror or error}.") from error
+    except UnicodeDecodeError as error:
+        number = 1 + source.read_bytes()[: error.start].count(b"\n")
+        raise InputError(f"{source.name}, line {number}: this is no UTF-8 text; save the file as UTF-8.") from error
     text = text.replace("\r\n", "\n")
     try:
         data = tomllib.loads(text)
@@ -97,15 +101,17 @@ def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
     reader = Reader(source.parent, defined, {})
     robots = robots_of(data, reader)
     reader = replace(reader, robots=robots)
-    if ("phases" in data) == ("gait" in data):
-        raise Misplaced((), "a problem has either [[phases]] or a [gait].")
+    if "phases" in data and "gait" in data:
+        raise Misplaced(("gait",), "a problem has either [[phases]] or a [gait]; remove one of them.")
+    if "phases" not in data and "gait" not in data:
+        raise Misplaced((), "states no motion: add [[phases]] with duration, start and end, or a [gait].")
     problem = _gait(_table(data, "gait"), reader, robots) if "gait" in data else _problem(data, reader, robots)
     only = next(iter(robots.values())) if len(robots) == 1 else None
     reader = replace(reader, robot=only)
     return ProblemFile(
         source,
         problem,
-        cast("PlanOptions", reader.arguments(plan, _table(data, "plan"), ("plan",), without=OF_CALLERS)),
+        narrowed(lambda table: _plan(table, reader), _table(data, "plan"), ("plan",)),
         cast(
             "ValidationOptions",
             reader.arguments(validate, _table(data, "validate"), ("validate",), without=("solution",)),
@@ -113,6 +119,16 @@ def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:
         narrowed(lambda table: _replay(table, reader), _table(data, "replay"), ("replay",)),
         _output(_table(data, "output"), source.parent),
     )
+
+
+def _plan(table: dict[str, Data], reader: Reader) -> PlanOptions:
+    """Read the options of ``rt.plan`` and check its limits before the plan."""
+    options = cast("PlanOptions", reader.arguments(plan, table, ("plan",), without=OF_CALLERS))
+    if options.get("time_limit") is not None:
+        above_zero("time_limit", options["time_limit"], "s")
+    if options.get("memory_limit") is not None:
+        above_zero("memory_limit", options["memory_limit"], "MB")
+    return options
 
 
 def _replay(table: dict[str, Data], reader: Reader) -> ReplayOptions:

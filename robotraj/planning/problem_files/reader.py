@@ -133,7 +133,8 @@ class Reader:
             return self.value(self.defined[text], accepted, ("define", text))
         names = names_for(accepted)
         if text not in names:
-            near = str(unknown_name("value or type", text, [*self.defined, *names])) if names else ""
+            advice = "Values of your own stand in [define]."
+            near = str(unknown_name("value or type", text, [*self.defined, *names], advice)) if names else ""
             raise Misplaced(place, near or f"takes {described(accepted)}; got {text!r}.")
         kind = KINDS[text]
         if accepted.has("Callable") and any(each.required for each in parameters_of(kind).values()):

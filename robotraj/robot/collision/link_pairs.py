@@ -44,7 +44,7 @@ def read_srdf(path: str | os.PathLike[str]) -> Pairs:
         The file cannot be read, or an entry names no two links.
     """
     pairs = []
-    for entry in read_xml(Path(path).expanduser()).iter("disable_collisions"):
+    for entry in read_xml(Path(path).expanduser(), "SRDF").iter("disable_collisions"):
         first, second = entry.get("link1"), entry.get("link2")
         if not first or not second:
             raise InputError(f"{str(path)!r}: an entry <disable_collisions> names no link1 and link2; complete it.")

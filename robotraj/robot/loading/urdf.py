@@ -19,8 +19,8 @@ MAX_ATTRIBUTES = 100
 """Largest number of attributes of an element; an <inertia> has six. The parser compares each with all others."""
 
 
-def read_xml(path: Path) -> ElementTree.Element:
-    """Return the root element of a URDF file, whose contents are not checked.
+def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
+    """Return the root element of a URDF or SRDF file, whose contents are not checked; ``kind`` is for messages.
 
     Raises
     ------
@@ -29,11 +29,11 @@ def read_xml(path: Path) -> ElementTree.Element:
         attributes.
     """
     if not path.is_file():
-        raise InputError(f"There is no URDF file {str(path)!r}; give the path of an existing file.")
+        raise InputError(f"There is no {kind} file {str(path)!r}; give the path of an existing file.")
     size = path.stat().st_size
     if size > MAX_BYTES:
         raise InputError(
-            f"{str(path)!r} has {size / 1e6:.0f} MB; a URDF of at most {MAX_BYTES / 1e6:.0f} MB can be read."
+            f"{str(path)!r} has {size / 1e6:.0f} MB; a {kind} of at most {MAX_BYTES / 1e6:.0f} MB can be read."
         )
     try:
         root = ElementTree.parse(path).getroot()
@@ -55,9 +55,11 @@ def read_xml(path: Path) -> ElementTree.Element:
                 )
         xacro = xacro or "ros.org/wiki/xacro" in element.tag
     if root.tag != "robot":
-        raise InputError(f"{str(path)!r} is no URDF: its root is <{root.tag}>, not <robot>. Convert it to URDF first.")
+        raise InputError(
+            f"{str(path)!r} is no {kind}: its root is <{root.tag}>, not <robot>. Convert it to {kind} first."
+        )
     if xacro:
-        raise InputError(f"{str(path)!r} is a xacro macro, not a URDF: expand it with the xacro command first.")
+        raise InputError(f"{str(path)!r} is a xacro macro, not a {kind}: expand it with the xacro command first.")
     return root
 
 

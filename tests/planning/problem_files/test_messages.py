@@ -111,7 +111,21 @@ def test_a_file_that_is_no_toml_is_reported_with_its_line(tmp_path: Path) -> Non
 
 def test_a_file_without_a_robot_or_a_motion_says_what_is_missing(tmp_path: Path) -> None:
     assert "names no robot: add [robot]" in message_of("[plan]\n", tmp_path)
-    assert "either [[phases]] or a [gait]" in message_of('[robot]\nsource = "block"\n', tmp_path)
+    assert "states no motion: add [[phases]]" in message_of('[robot]\nsource = "block"\n', tmp_path)
+    assert "line 5, gait: a problem has either [[phases]] or a [gait]" in message_of(
+        '[robot]\nsource = "block"\n[[phases]]\nduration = 1.0\n[gait]\ntype = "walk"\n', tmp_path
+    )
+
+
+def test_a_time_limit_of_no_time_is_found_in_its_line(tmp_path: Path) -> None:
+    found = message_of(UR5.replace("[plan]", "[plan]\ntime_limit = -5"), tmp_path)
+    assert "plan.time_limit: time_limit must be above 0 s" in found
+
+
+def test_a_file_of_another_encoding_is_reported_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "problem.toml").write_bytes('[robot]\nsource = "größe.urdf"\n'.encode("latin-1"))
+    with pytest.raises(rt.InputError, match=r"problem\.toml, line 2: this is no UTF-8 text"):
+        rt.load_problem(tmp_path / "problem.toml")
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:

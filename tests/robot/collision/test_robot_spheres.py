@@ -109,6 +109,11 @@ def test_an_srdf_disables_pairs(tmp_path: Path) -> None:
     assert pairs == {("base", "hand"), ("upper", "hand")}
 
 
+def test_a_missing_srdf_is_called_one(tmp_path: Path) -> None:
+    with pytest.raises(rt.InputError, match=r"There is no SRDF file '.*none\.srdf'"):
+        read_srdf(tmp_path / "none.srdf")
+
+
 def test_distances_between_links_are_those_of_their_spheres(tmp_path: Path) -> None:
     robot = arm(tmp_path)
     spheres, q = robot_spheres(robot), np.random.default_rng(0).uniform(-2, 2, size=(4, 3))
