@@ -16,6 +16,7 @@ from robotraj._util.splines import through
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.legs.footsteps import Footsteps
+from robotraj.guess.legs.given_ends import GivenEnds
 from robotraj.guess.legs.schedule import schedule_of
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.support import support
@@ -98,17 +99,17 @@ class _ScheduledMotion(InitialGuess):
     def _keys(self) -> list[Array]:
         """Return the configurations of every phase, (KEYS, nq) each."""
         q, found = self.steps.home, []
-        robot = self._stance.robot
+        robot, given = self._stance.robot, GivenEnds(self.steps)
         for i in range(len(self.steps.problem.phases)):
             rows = []
             for t in np.linspace(self.steps.schedule.times[i], self.steps.schedule.times[i + 1], KEYS):
                 places, lifts = self.steps.feet(float(t))
-                com = self.steps.com(float(t))
+                com = given.com(float(t))
                 if robot.root == "planar":
                     com[1] = np.nan
                 near = np.array(q)
                 near[0] += com[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
-                posture = self.steps.posture(float(t))
+                posture = given.posture(float(t))
                 if self.steps.heading(1.0):
                     near[QUATERNION] = posture[QUATERNION]
                 q = self._stance.reach(near, places, com, lifts, posture)

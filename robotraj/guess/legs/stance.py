@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
+Errors = Callable[[Array], tuple[Array, Array]]
+"""Errors (m,) of rows in a configuration (nq,), and their slopes (m, nv)."""
 
 FOOT, MASS, TILT, JOINT = 100.0, 10.0, 3.0, 0.3
 """Weights of the errors of feet, centre of mass [1/m], root attitude and joints [1/rad], in order of priority."""
@@ -119,7 +121,13 @@ class BalancedStance:
         return rows.copy(), slope.T @ rate_matrix(self.robot.model, q)
 
     def reach(
-        self, near: Array, feet: Mapping[str, float], com: ArrayLike, lifts: Mapping[str, float], posture: Array
+        self,
+        near: Array,
+        feet: Mapping[str, float],
+        com: ArrayLike,
+        lifts: Mapping[str, float],
+        posture: Array,
+        further: Errors | None = None,
     ) -> Array:
         """Return a configuration (nq,) near ``near`` with given feet, centre of mass and posture.
 
@@ -137,14 +145,16 @@ class BalancedStance:
             Height of feet above the ground [m] by contact; others are 0.
         posture : ndarray (nq,)
             Reference of joints and root.
+        further : callable, optional
+            Further rows, as important as the feet.
         """
         robot, raised = self.robot, self.lifted(lifts)
         q, damping = self.inside(near), 1e-6
-        error, slope = self._errors(q, feet, np.asarray(com, dtype=float), raised, posture)
+        error, slope = self._errors(q, feet, np.asarray(com, dtype=float), raised, posture, further)
         for _ in range(STEPS):
             step = self._step(q, slope, error, damping)
             trial = self.inside(pin.integrate(robot.model, q, step))
-            after, next_slope = self._errors(trial, feet, np.asarray(com, dtype=float), raised, posture)
+            after, next_slope = self._errors(trial, feet, np.asarray(com, dtype=float), raised, posture, further)
             gain = error @ error - after @ after
             if gain > 0:
                 q, error, slope, damping = trial, after, next_slope, max(0.2 * damping, 1e-9)
@@ -181,7 +191,13 @@ class BalancedStance:
         return np.asarray(-np.linalg.solve(held.T @ held + damping * np.eye(held.shape[1]), held.T @ error))
 
     def _errors(
-        self, q: Array, feet: Mapping[str, float], com: Array, raised: Array, posture: Array
+        self,
+        q: Array,
+        feet: Mapping[str, float],
+        com: Array,
+        raised: Array,
+        posture: Array,
+        further: Errors | None,
     ) -> tuple[Array, Array]:
         robot, n = self.robot, ROOT_FREEDOMS[self.robot.root]
         rows, slope = self.places(q, feet)
@@ -194,7 +210,11 @@ class BalancedStance:
         error = np.concatenate(
             [FOOT * (rows - raised), MASS * (np.array(self.data.com[0]) - com)[known], (weights * away)[kept]]
         )
-        return error, np.vstack([FOOT * slope, MASS * jacobian[known], np.diag(weights)[kept]])
+        slopes = [FOOT * slope, MASS * jacobian[known], np.diag(weights)[kept]]
+        if further is None:
+            return error, np.vstack(slopes)
+        missed, slope = further(q)
+        return np.concatenate([error, FOOT * missed]), np.vstack([*slopes, FOOT * slope])
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:

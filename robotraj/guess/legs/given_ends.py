@@ -1,0 +1,126 @@
+"""Postures that bounds and rows of positions determine at the ends of phases, and the motion between them.
+
+A robot that reaches with a hand, crouches or stands up ends elsewhere than in its standing configuration. Inverse
+kinematics finds that end, and the posture and the centre of mass move there smoothly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.lazy_values import cached_property
+from robotraj._util.splines import hermite
+from robotraj._util.values import dataclass
+from robotraj.guess.ends import default_parameters
+from robotraj.problem.constraints.base import Where
+from robotraj.robot.tangent import rate_matrix
+
+if TYPE_CHECKING:
+    from robotraj.guess.legs.footsteps import Footsteps
+    from robotraj.guess.legs.stance import Errors
+    from robotraj.problem.phase import Phase
+
+Array = NDArray[np.float64]
+
+LEAST = 1e-3
+"""Distance of a given joint from the standing configuration [rad, m] below which the end is that configuration."""
+
+
+@dataclass(frozen=True, eq=False)
+class GivenEnds:
+    """The ends of phases of a motion that does not repeat.
+
+    Attributes
+    ----------
+    steps : Footsteps
+    """
+
+    steps: Footsteps
+
+    def posture(self, t: float) -> Array:
+        """Return the reference (nq,) of joints and root at a time [s]."""
+        return self._moved(t, self._change(t)[: self.steps.stance.robot.nv])
+
+    def com(self, t: float) -> Array:
+        """Return the centre of mass (3,) at a time [m]."""
+        return self.steps.com(t) + self._change(t)[-3:]
+
+    def _moved(self, t: float, change: Array) -> Array:
+        q = self.steps.posture(t)
+        return np.array(pin.integrate(self.steps.stance.robot.model, q, change)) if change.any() else q
+
+    @cached_property
+    def _change(self) -> Callable[[float], Array]:
+        """Return the changes of the posture (nv,) and of the centre of mass (3,), as a function of time."""
+        steps = self.steps
+        known = [self._at(k) for k in range(len(steps.schedule.times))] if steps.schedule.repeat is None else []
+        places = [k for k, change in enumerate(known) if change is not None]
+        nothing = np.zeros(steps.stance.robot.nv + 3)
+        if not places:
+            return lambda t: nothing
+        times, values = [steps.schedule.times[k] for k in places], [known[k] for k in places]
+        if places[0] > 0:
+            times, values = [0.0, *times], [nothing, *values]
+        if len(times) == 1:
+            return lambda t: np.asarray(values[0])
+        columns = [hermite(np.array(times), column, np.zeros(len(times))) for column in np.array(values).T]
+        last = times[-1]
+        return lambda t: np.array([float(column(min(t, last))) for column in columns])
+
+    def _at(self, k: int) -> Array | None:
+        """Return the change (nv + 3,) at the start of phase k, or at the end of the last one; None if none is given."""
+        steps, phases = self.steps, self.steps.problem.phases
+        t, model = steps.schedule.times[k], steps.stance.robot.model
+        ends = [(phase, end) for phase, end in ((k - 1, Where.END), (k, Where.START)) if 0 <= phase < len(phases)]
+        q = standing = steps.posture(t)
+        for phase, end in ends:
+            bounds = phases[phase].joint_ends[end]
+            low, high = bounds.lower[: len(q)], bounds.upper[: len(q)]
+            q = np.where(low == high, low, q)
+        further = _rows(tuple((phases[phase], end) for phase, end in ends), t)
+        joints = slice(len(q) - len(steps.stance.bounds[0]), None)
+        if further is None and np.all(np.abs(q - standing)[joints] < LEAST):
+            return None
+        com = steps.com(t)
+        aim = np.array([com[0], com[1] if steps.stance.robot.root == "floating" else np.nan, np.nan])
+        places, lifts = steps.feet(t)
+        q = steps.stance.reach(q, places, aim, lifts, q, further)
+        moved = np.array(pin.centerOfMass(model, steps.stance.data, q)) - com
+        return np.concatenate([pin.difference(model, standing, q), moved])
+
+
+def _rows(ends: tuple[tuple[Phase, Where], ...], time: float) -> Errors | None:
+    """Return the errors of rows on positions that apply at one end alone; None without such rows."""
+    robot = ends[0][0].robot
+    assert robot is not None
+    q, model = ca.SX.sym("q", robot.nq), robot.model
+    values, lower, upper = [], [], []
+    for phase, end in ends:
+        t, x, z, u, p = phase.rows.symbols
+        rows, others = phase.rows.at(end), ca.vertcat(x[robot.nq :], z, u)
+        known = default_parameters(phase)
+        numbers = ca.DM([time, *(known[name] for name in phase.parameter_names)])
+        for row, value in zip(rows, phase.rows.expressions(rows), strict=True):
+            if ca.depends_on(value, x[: robot.nq]) and not ca.depends_on(value, others):
+                values.append(ca.substitute(ca.substitute(value, ca.vertcat(t, p), numbers), x[: robot.nq], q))
+                lower.append(row.lower)
+                upper.append(row.upper)
+    if not values:
+        return None
+    column = ca.vertcat(*values)
+    function = ca.Function("end_rows", [q], [ca.densify(column), ca.densify(ca.jacobian(column, q))])
+    least, most = np.array(lower), np.array(upper)
+
+    def errors(q: Array) -> tuple[Array, Array]:
+        value, slope = (np.array(part) for part in function(q))
+        missed = value[:, 0] - np.clip(value[:, 0], least, most)
+        active = (missed != 0.0) | (least == most)
+        return missed, (slope @ rate_matrix(model, q)) * active[:, None]
+
+    return errors
