@@ -152,7 +152,7 @@ def proof_data(solution: Solution, report: Validation | None = None) -> Data:
         ],
         "times": {name: round(seconds, 4) for name, seconds in solution.times.items()},
         "message": solution.message,
-        "conflicts": [str(conflict) for conflict in solution.conflicts],
+        "conflicts": [solution.in_phase(conflict) for conflict in solution.conflicts],
         "problem": str(solution.problem),
         "settings": "" if solution.settings is None else str(solution.settings),
         "report": "" if report is None else TERMINAL_COLOUR.sub("", str(report)),

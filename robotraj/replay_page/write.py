@@ -252,5 +252,5 @@ def _heading(cycles: Sequence[GaitCycles], judged: Verdict, labels: Sequence[str
         facts[0] = ("Duration", f"{cycles[0].periods} × {cycles[0].period:.4g} s")
     facts.append(("Iterations", str(solution.iterations)))
     # The first limit that must give is the largest one.
-    facts += [("In conflict", str(conflict)) for conflict in solution.conflicts[:1]]
+    facts += [("In conflict", solution.in_phase(conflict)) for conflict in solution.conflicts[:1]]
     return Heading(title or _name(first), shown, judged.text, judged.colour, tuple(facts))

@@ -10,6 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.replay_page.verdict import figures, proof_data, verdict
+from robotraj.solution.conflict import Conflict
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.records import MeshStep
 from robotraj.solution.violation import Violation
@@ -89,3 +90,11 @@ def test_every_mesh_of_a_refinement_is_listed(solution: rt.Solution) -> None:
     (given,) = proof_data(solution)["meshes"]
     assert (given["intervals"], given["error"]) == (6, None)
     assert data["problem"].startswith("phase 'reach'") and "solver" in data["settings"]
+
+
+def test_conflicts_of_several_phases_name_theirs(solution: rt.Solution) -> None:
+    longer = Conflict("reach", "duration", 2.0, 1.0, 2.0, "s", 1.0)
+    failed = replace(solution, conflicts=(longer,))
+    assert proof_data(failed)["conflicts"] == ["duration: 1 s may have to become 2 s"]
+    twice = replace(failed, phases=solution.phases * 2)
+    assert proof_data(twice)["conflicts"] == ["duration: 1 s may have to become 2 s (phase 'reach')"]
