@@ -108,7 +108,7 @@ def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...], t
     file = repr(str(entry.urdf))
     check_structure(file, root)
     findings = check_numbers(file, root)
-    model = read_model(entry.urdf)
+    model = read_model(root, entry.urdf)
     check_bodies(file, model)
     return Description(
         entry.name or model.name or entry.urdf.stem,

@@ -22,6 +22,8 @@ MAX_ATTRIBUTES = 100
 def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
     """Return the root element of a URDF or SRDF file, whose contents are not checked; ``kind`` is for messages.
 
+    Blanks around the texts of attributes are removed.
+
     Raises
     ------
     InputError
@@ -53,6 +55,8 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
                     f"{str(path)!r}: the attribute {key[:80]!r} of <{element.tag[:80]}> has {len(text)} characters; at "
                     f"most {MAX_TEXT} can be read."
                 )
+            # The parser behind Pinocchio replaces a number that a blank follows by 0, or refuses the file.
+            attributes[key] = text.strip()
         xacro = xacro or "ros.org/wiki/xacro" in element.tag
     if root.tag != "robot":
         raise InputError(
@@ -63,8 +67,8 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
     return root
 
 
-def read_model(path: Path) -> pin.Model:
-    """Build Pinocchio's model of the URDF with its root link fixed, mimic joints independent.
+def read_model(root: ElementTree.Element, path: Path) -> pin.Model:
+    """Build Pinocchio's model of a URDF with its root link fixed, mimic joints independent; ``path`` is for messages.
 
     Raises
     ------
@@ -72,7 +76,7 @@ def read_model(path: Path) -> pin.Model:
         Pinocchio cannot read it; the URDF parser prints the reason on the console.
     """
     try:
-        return pin.buildModelFromUrdf(str(path))
+        return pin.buildModelFromXML(ElementTree.tostring(root, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise InputError(
             f"Pinocchio cannot read the URDF {str(path)!r}: {error} The URDF parser printed why above."

@@ -64,6 +64,10 @@ def _joint_faults(joint: Element) -> Iterator[str]:
     yield from _origin_faults(joint, f"joint {name!r}")
     if joint.find("limit") is None and kind in ("revolute", "prismatic"):
         yield f"the {kind} joint {name!r} has no <limit>; give its effort and velocity"
+    limit = joint.find("limit")
+    for key in ("effort", "velocity") if limit is not None and kind in MOVING else ():
+        if limit is not None and key not in limit.attrib:
+            yield f"joint {name!r} has a <limit> without {key}; give it"
     axis = joint.find("axis")
     if axis is not None and kind in MOVING and not any(numbers(axis.get("xyz", ""), 3) or ()):
         yield f"joint {name!r} has the axis {axis.get('xyz')!r}; give three numbers, not all zero"
