@@ -22,6 +22,7 @@ from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import has_motion, solve, solve_relaxed
 from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.links.unlinked_phases import warn_of_unlinked_phases
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -210,6 +211,7 @@ def plan(
         from robotraj.planning.diagnosis.mesh_warnings import warn_of_mesh
 
         warn_of_mesh(problem, settings)
+    warn_of_unlinked_phases(problem)
     first = problem.phases[0]
     if any(each.avoids_collisions for each in first.constraints):
         from robotraj.problem.clearance.end_checks import check_moving_obstacles
