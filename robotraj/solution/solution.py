@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+STOPPED = (Status.TIME_LIMIT, Status.MEMORY_LIMIT, Status.INTERRUPTED)
+"""Statuses of plans that end before their motion is proved."""
+
 
 @dataclass(frozen=True, eq=False)
 class Solution(OneLine):
@@ -263,11 +266,13 @@ class Solution(OneLine):
     def cause(self) -> str:
         """Why no solution was found: the first limit to relax, else the worst violated row, else the message.
 
-        The cause of a motion that is not proved is the worst violation between its points, else its error.
+        The cause of a motion that is not proved, also since a limit of the plan was reached, is the worst violation
+        between its points, else its error.
         """
         if self.conflicts:
             return self.in_phase(self.conflicts[0])
-        if self.status is Status.NOT_PROVED and self.proof is not None:
+        stopped = self.status in STOPPED and not self.violation_list
+        if (self.status is Status.NOT_PROVED or stopped) and self.proof is not None:
             between = [*self.interval_violations, *self.control_interval_violations]
             worst = max(between, key=lambda violation: violation.relative, default=None)
             if worst is not None and worst.relative > self.proof.goals.excess:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.solution.proof import Goals, Proof
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 
@@ -81,6 +83,15 @@ def test_at_a_joint_the_later_phase_is_used_and_either_can_be_asked(joined: rt.S
     before, after = back.at(back.knots[2], interval=1), back.at(back.knots[2])
     assert before.x["x"] == pytest.approx(after.x["x"], abs=1e-9)
     assert abs(before.u["u"] - after.u["u"]) > 1e-6
+
+
+def test_the_cause_of_a_plan_that_is_stopped_is_what_was_not_proved(swing: rt.Solution) -> None:
+    """The message is that of the last solve, which may have succeeded on its mesh."""
+    proof = Proof(1e-6, 0.2, 1e-5, 1e-5, Goals())
+    stopped = replace(swing, status=rt.solvers.Status.TIME_LIMIT, message="solved; the time limit was reached")
+    assert stopped.cause == stopped.message
+    unproved = replace(stopped, proof=proof, interval_violations=(), control_interval_violations=())
+    assert unproved.cause == "time limit, the excess over limits is 2.0e-01 (allowed 1e-03)"
 
 
 @pytest.mark.parametrize("times", ["end", [], [[0.1, 0.2]], None])
