@@ -61,8 +61,8 @@ def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple
     Returns
     -------
     conflicts : tuple of Conflict
-        The row that is used most in the motion with the least factor. Otherwise the relaxed rows of the motion within
-        the widest limits. Empty where the problem has no such limits.
+        The row of every phase that is used most in the motion with the least factor, largest first. Otherwise the
+        relaxed rows of the motion within the widest limits. Empty where the problem has no such limits.
     motion : Solution or None
         None without conflicts.
     """
@@ -73,10 +73,12 @@ def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple
         motion, meets_rows = motion_near(_widened(problem, factor), solve, guess)
         return motion if meets_rows else None
 
-    enough, motion = 1.0, None
-    while motion is None and enough < WIDEST:
+    enough, motion = 2.0, motion_with(2.0)
+    # Where the widest limits do not suffice, all narrower ones would be tried in vain.
+    widest = motion_with(WIDEST) if motion is None else None
+    while motion is None and widest is not None:
         enough *= 2.0
-        motion = motion_with(enough)
+        motion = motion_with(enough) if enough < WIDEST else widest
     if motion is None:
         motion, others = relaxed_motion(_widened(problem, WIDEST), solve, guess)
         return others, motion
@@ -88,8 +90,12 @@ def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple
             too_little = middle
         else:
             enough, motion = middle, found
-    # Wherever the motion with the least factor is at a limit, that limit must give.
-    return (max(_used(problem, motion, enough), key=lambda conflict: conflict.relative),), motion
+    # Wherever the motion with the least factor is at a limit, that limit must give; so must others that it exceeds.
+    worst: dict[str, Conflict] = {}
+    for used in sorted(_used(problem, motion, enough), key=lambda conflict: -conflict.relative):
+        if not worst or used.relative > 0.0:
+            worst.setdefault(used.phase, used)
+    return tuple(worst.values()), motion
 
 
 def _widened(problem: Problem, factor: float) -> Problem:

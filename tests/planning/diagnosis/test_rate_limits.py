@@ -54,3 +54,19 @@ def test_rows_that_must_give_whatever_the_rates_are_named() -> None:
     phase = rt.Phase(robot, 0.5, *ends, rt.Effort(), limits=robot.limits.with_(effort=0.2), constraints=[slow])
     conflicts = rt.plan(phase, check=False).conflicts
     assert conflicts and conflicts[0].name.startswith("effort limit")
+
+
+def test_every_phase_names_a_rate_that_would_do() -> None:
+    """The value of one phase alone did not suffice where limits of several must give."""
+
+    def problem(first: float, second: float) -> rt.Problem:
+        whole = reach()
+        limits = [rt.constraints.JointJerk(rt.between(-most, most)) for most in (first, second)]
+        there = whole.with_(duration=0.5, end=rt.State(q=[0.7, 0.5], v=0), constraints=[limits[0]], name="there")
+        on = whole.with_(duration=0.7, start=None, constraints=[limits[1]], name="on")
+        return rt.Problem([there, on], [rt.Continuity(0, 1)])
+
+    rates = [each for each in rt.plan(problem(6, 6), check=False).conflicts if each.name.startswith("jerk limit")]
+    assert {each.phase for each in rates} == {"there", "on"}
+    needed = {each.phase: 1.01 * abs(each.needed) for each in rates}
+    assert rt.plan(problem(needed["there"], needed["on"])).success
