@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj.guess.from_solution import FromSolution
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.solution.solution import Solution
@@ -14,7 +15,7 @@ from robotraj.solution.violation import Violation
 from robotraj.transcription.nlp import Nlp
 
 if TYPE_CHECKING:
-    from robotraj.transcription.clearance.clearance_rows import Clearances, Raised
+    from robotraj.transcription.clearance.clearance_rows import Clearances
     from robotraj.transcription.clearance.proof import Shortfalls
     from robotraj.transcription.clearance.supporting_planes import Array, Motion
 
@@ -40,7 +41,8 @@ class Clearing:
     """The rows on distances of one NLP, from solve to solve.
 
     A row keeps two shapes on both sides of a plane. A known motion fixes the planes: the guess, then each solution that
-    penetrates no shape by more than ``DEEP``. The planes preserve the homotopy class of the guess. On a given path
+    penetrates no shape by more than ``DEEP``. The planes preserve the homotopy class of the guess. A finer mesh hardly
+    moves a solution on another one, so that few pairs have rows there, unless this proves wrong. On a given path
     (``FollowPath``) distances are proved only, since no row can change it.
 
     Parameters
@@ -53,6 +55,7 @@ class Clearing:
 
     def __init__(self, nlp: Nlp, guess: InitialGuess) -> None:
         self._every: list[Clearances] = []
+        self._stays_near = isinstance(guess, FromSolution)
         self._on_paths: list[Clearances] = []
         if any(each.avoids_collisions for phase in nlp.problem.phases for each in phase.constraints):
             from robotraj.transcription.clearance.clearance_rows import clearances
@@ -64,8 +67,7 @@ class Clearing:
         if self._every:
             start = guess.prepared(nlp.problem)
             self._motions = [_guessed(start, nlp.problem.phases, own) for own in self._every]
-        self._kept: list[dict[tuple[int, int], Raised]] = [{} for _ in self._every]
-        self._round = 0
+        self._kept: list[dict[tuple[int, int], float]] = [{} for _ in self._every]
         self._found: list[tuple[Clearances, Shortfalls]] = []
         self._found_on_paths: list[tuple[Clearances, Shortfalls]] = []
         self._objectives: list[float] = []
@@ -84,24 +86,32 @@ class Clearing:
         """Add rows on the pairs that are near along the known motion, or were near along an earlier one."""
         if not self._every:
             return nlp
-        from robotraj.transcription.clearance.clearance_rows import (
-            Raised,
-            near_pairs,
-            nearest_along,
-            with_clearance_rows,
-        )
+        from robotraj.transcription.clearance.clearance_rows import with_clearance_rows
+        from robotraj.transcription.clearance.near_pairs import NEAR, NEAR_SOLUTION, near_pairs, nearest_along
 
         found = [
-            nearest_along(own, nlp.layouts[own.phase], motion)
+            nearest_along(own.pairs, nlp.layouts[own.phase], motion)
             for own, motion in zip(self._every, self._motions, strict=True)
         ]
+        near = NEAR_SOLUTION if self._stays_near else NEAR
         for own, nearest, kept in zip(self._every, found, self._kept, strict=True):
-            for interval, pair in near_pairs(own, nearest).tolist():
-                kept.setdefault((interval, pair), Raised(0.0, self._round))
-        self._round += 1
+            for interval, pair in near_pairs(own.pairs, nearest, near).tolist():
+                kept.setdefault((interval, pair), 0.0)
         longer = with_clearance_rows(nlp, self._every, self._kept, self._motions, found)
         self._count = len(longer.rows) - len(nlp.rows)
         return longer
+
+    def widen(self, solution: Solution) -> bool:
+        """Return whether ``rows`` adds more pairs now, since a solution of few rows penetrates shapes deeply."""
+        if not (self._every and self._stays_near and solution.success):
+            return False
+        from robotraj.transcription.clearance.proof import shortfalls
+
+        self._stays_near = all(
+            shortfalls(own.pairs, solution.phases[own.phase].joint_states).least > own.pairs.margin - DEEP
+            for own in self._every
+        )
+        return not self._stays_near
 
     def binds(self, nlp: Nlp, w: Array) -> bool:
         """Whether a row on a distance is active at w (n_w,)."""
@@ -122,7 +132,7 @@ class Clearing:
         if not self._every and not self._on_paths:
             return
         self._objectives.append(solution.objective if bound else -np.inf)
-        from robotraj.transcription.clearance.clearance_rows import Raised
+        from robotraj.transcription.clearance.near_pairs import nearest_of_links
         from robotraj.transcription.clearance.proof import shortfalls
 
         self._found, self._found_on_paths = (
@@ -130,11 +140,16 @@ class Clearing:
             for group in (self._every, self._on_paths)
         )
         for i, (own, found) in enumerate(self._found):
-            for interval, pair, distance in zip(found.intervals, found.pairs, found.distances, strict=True):
+            near = nearest_of_links(own.pairs, found)
+            for interval, pair, distance, is_near in zip(
+                found.intervals, found.pairs, found.distances, near, strict=True
+            ):
                 place = int(interval), int(pair)
                 amount = min(max(MORE * (own.pairs.margin - float(distance)), LEAST), MOST)
-                known = self._kept[i].get(place)
-                self._kept[i][place] = Raised(known.amount + amount, known.since) if known else Raised(0.0, self._round)
+                if place in self._kept[i]:
+                    self._kept[i][place] += amount
+                elif is_near:
+                    self._kept[i][place] = 0.0
             if solution.success and found.least > own.pairs.margin - DEEP:
                 self._motions[i] = _solved(solution, own)
 

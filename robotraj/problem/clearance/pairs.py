@@ -194,6 +194,15 @@ class ClearancePairs(OneLine):
         return factors
 
     @cached_property
+    def of_links(self) -> Indices:
+        """Number (n,) of the link and the obstacle, or of the two links, to which the shapes of each pair belong."""
+        link = self.spheres.link
+        obstacle = np.arange(len(self)) < self.against
+        other = np.where(obstacle, self.second, len(self.obstacles) + link[np.where(obstacle, 0, self.second)])
+        _, numbers = np.unique(np.column_stack([link[self.first], other]), axis=0, return_inverse=True)
+        return numbers.ravel()
+
+    @cached_property
     def _joint_of_rate(self) -> Indices:
         """Joint of each entry of v."""
         joints = [np.full(joint.nv, number) for number, joint in enumerate(self.robot.model.joints) if number]

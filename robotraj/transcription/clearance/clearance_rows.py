@@ -1,4 +1,4 @@
-"""Rows on distances: the pairs that are near on intervals of a known motion, and the NLP with their rows.
+"""Rows on distances: the NLP with rows on the pairs that are near on intervals of a known motion.
 
 A pair that comes near on an interval has rows at all places of the interval. Their lower bound is the margin plus a
 small slack, plus the shortfall of the proof on the interval.
@@ -6,7 +6,7 @@ small slack, plus the shortfall of the proof on the interval.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,6 +24,7 @@ from robotraj.transcription.clearance.distance_functions import (
     function_of,
     key_of,
 )
+from robotraj.transcription.clearance.near_pairs import Nearest
 from robotraj.transcription.clearance.state_places import StatePlaces, state_places
 from robotraj.transcription.clearance.supporting_planes import Motion, heights, in_axes, in_world, planes
 from robotraj.transcription.collocation.ends import widen
@@ -34,14 +35,8 @@ from robotraj.transcription.scalar_table import Entry, ScalarTable
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
-SAMPLES = 5
-"""Number of places of an interval at which a known motion is evaluated."""
-FURTHER = 0.02
-"""Largest distance by which a sphere with rows may be further than the nearest sphere of its link [m]."""
 SIDE = 2e-3
 """Distance beyond the margin that a known motion must keep from the plane of another place [m]."""
-NEAR = 0.05
-"""Distance beyond the margin below which a pair has rows [m]."""
 SLACK = 5e-4
 """Distance beyond the margin that rows impose, so that a proof between the points succeeds [m]."""
 
@@ -82,50 +77,8 @@ def clearances(nlp: Nlp) -> list[Clearances]:
     return found
 
 
-class Nearest(NamedTuple):
-    """Where each pair is nearest on each interval along a motion: fractions of the phase and distances [m], (K, n)."""
-
-    fractions: Array
-    distances: Array
-
-
-def nearest_along(own: Clearances, layout: PhaseLayout, motion: Motion) -> Nearest:
-    """Return the least distance of each pair on each interval along a motion."""
-    knots = layout.fractions
-    at = knots[:-1, None] + np.diff(knots)[:, None] * np.linspace(0.0, 1.0, SAMPLES)
-    distances = own.pairs.distances(*motion(at.ravel())).reshape(*at.shape, -1)
-    where = distances.argmin(axis=1)
-    least = np.take_along_axis(distances, where[:, None], axis=1)[:, 0]
-    return Nearest(np.take_along_axis(at, where, axis=1), least)
-
-
-def near_pairs(own: Clearances, nearest: Nearest) -> Indices:
-    """Return (interval, pair) of pairs that come near along a motion, (k, 2).
-
-    Of the spheres of a link near one obstacle or link, only those within ``FURTHER`` of the nearest are returned.
-    """
-    found, pairs, spheres = nearest.distances, own.pairs, own.pairs.spheres
-    against = np.arange(len(pairs)) < pairs.against
-    other = np.where(against, pairs.second, len(pairs.obstacles) + spheres.link[np.where(against, 0, pairs.second)])
-    _, group = np.unique(np.column_stack([spheres.link[pairs.first], other]), axis=0, return_inverse=True)
-    numbers = group.ravel()
-    least = np.full((int(numbers.max(initial=-1)) + 1, len(found)), np.inf)
-    np.minimum.at(least, numbers, found.T)
-    return np.argwhere((found < pairs.margin + NEAR) & (found < least[numbers].T + FURTHER))
-
-
-class Raised(NamedTuple):
-    """Raise of the bound of a pair on an interval beyond its slack [m], and the round in which its rows were added.
-
-    Rows of earlier rounds come first, so that they keep their numbers from round to round.
-    """
-
-    amount: float
-    since: int
-
-
-RaisedPairs = Mapping[tuple[int, int], Raised]
-"""Raises by (interval, pair), for all pairs with rows."""
+RaisedPairs = Mapping[tuple[int, int], float]
+"""Raise of the bound beyond its slack [m] by (interval, pair), for all pairs with rows, the earlier ones first."""
 
 
 def with_clearance_rows(
@@ -151,20 +104,9 @@ def with_clearance_rows(
     table = ScalarTable.after(nlp.rows)
     blocks: list[Block] = []
     for own, raised, motion, least in zip(every, kept, motions, nearest, strict=True):
-        if not raised:
-            continue
-        layout = nlp.layouts[own.phase]
-        places = state_places(layout)
-        groups: dict[object, list[_Row]] = {}
-        for (interval, pair), (amount, since) in raised.items():
-            for place in range(int(places.first[interval]), int(places.last[interval]) + 1):
-                row = _Row(place, pair, float(least.fractions[interval, pair]), amount)
-                groups.setdefault((since, key_of(own.pairs, pair)), []).append(row)
-        for group in groups.values():
-            blocks += _block(nlp, own, layout, places, group, motion, table)
-    if not blocks:
-        return nlp
-    return with_distances(nlp, blocks, table)
+        if raised:
+            blocks += _blocks(nlp, own, raised, motion, least, table)
+    return with_distances(nlp, blocks, table) if blocks else nlp
 
 
 def with_distances(nlp: Nlp, blocks: Sequence[Block], table: ScalarTable) -> Nlp:
@@ -195,13 +137,62 @@ def with_distances(nlp: Nlp, blocks: Sequence[Block], table: ScalarTable) -> Nlp
     )
 
 
-class _Row(NamedTuple):
-    """A row: its place, its pair, the fraction of the phase where the pair is nearest, and its raise [m]."""
+class _PlaceRows(NamedTuple):
+    """Rows as arrays (n,): their places, pairs, bounds, and the fractions of the phase where the pairs are nearest."""
 
-    place: int
-    pair: int
-    nearest: float
-    raised: float
+    places: Indices
+    pairs: Indices
+    lower: Array
+    nearest: Array
+
+    def chosen(self, which: Indices) -> _PlaceRows:
+        """Return some of the rows."""
+        return _PlaceRows(self.places[which], self.pairs[which], self.lower[which], self.nearest[which])
+
+
+def _place_rows(own: Clearances, raised: RaisedPairs, nearest: Nearest, places: StatePlaces) -> _PlaceRows:
+    """Return the rows of pairs at all places of their intervals, in the order of ``raised``."""
+    intervals, pairs = np.array(list(raised)).T
+    first = places.first[intervals]
+    counts = places.last[intervals] - first + 1
+    which = np.repeat(np.arange(len(pairs)), counts)
+    before = np.cumsum(counts) - counts
+    at = first[which] + np.arange(len(which)) - before[which]
+    lower = own.pairs.margin + own.slack[pairs] + np.array(list(raised.values()))
+    return _PlaceRows(at, pairs[which], lower[which], nearest.fractions[intervals, pairs][which])
+
+
+def _blocks(
+    nlp: Nlp, own: Clearances, raised: RaisedPairs, motion: Motion, nearest: Nearest, table: ScalarTable
+) -> list[Block]:
+    """Return one block for each point function, and add its rows to the table in the order of ``raised``."""
+    layout = nlp.layouts[own.phase]
+    clock, places = layout.clock(0), state_places(layout)
+    free = (clock.base.column is not None, clock.span.column is not None)
+    rows = _place_rows(own, raised, nearest, places)
+    distinct, which = np.unique(rows.pairs, return_inverse=True)
+    alike: dict[Hashable, list[int]] = {}
+    for number, pair in enumerate(distinct.tolist()):
+        alike.setdefault(key_of(own.pairs, pair), []).append(number)
+    parts: list[tuple[DistanceFunction, Indices, Indices]] = []
+    for numbers in alike.values():
+        function = function_of(own.pairs, int(distinct[numbers[0]]), free)
+        group = np.flatnonzero(np.isin(which, numbers))
+        columns = places.columns[rows.places[group]][:, function.positions]
+        is_free = np.any(nlp.variables.lower[columns] < nlp.variables.upper[columns], axis=1)
+        if is_free.any():
+            parts.append((function, group[is_free], columns[is_free]))
+    if not parts:
+        return []
+    kept = np.sort(np.concatenate([group for _, group, _ in parts]))
+    entries = [Entry(own.phase, "clearance", own.pairs.label(pair), "m") for pair in distinct.tolist()]
+    meaning, at = table.numbers(entries)[which.ravel()], places.fractions[rows.places]
+    rank = np.zeros(len(which), dtype=int)
+    rank[kept] = table.add_above(meaning[kept], at[kept], rows.lower[kept])
+    return [
+        _block(nlp, own, layout, places, rows.chosen(group), function, columns, rank[group], motion)
+        for function, group, columns in parts
+    ]
 
 
 def _block(
@@ -209,41 +200,27 @@ def _block(
     own: Clearances,
     layout: PhaseLayout,
     places: StatePlaces,
-    group: Sequence[_Row],
+    rows: _PlaceRows,
+    function: DistanceFunction,
+    columns: Indices,
+    numbers: Indices,
     motion: Motion,
-    table: ScalarTable,
-) -> list[Block]:
-    """Return the block of rows with one point function in a list, which is empty if all their states are fixed."""
-    clock = layout.clock(0)
-    free = (clock.base.column is not None, clock.span.column is not None)
-    function = function_of(own.pairs, group[0].pair, free)
-    every = places.columns[[row.place for row in group]][:, function.positions]
-    chosen = np.any(nlp.variables.lower[every] < nlp.variables.upper[every], axis=1)
-    columns, rows = every[chosen], [row for row, is_free in zip(group, chosen.tolist(), strict=True) if is_free]
-    if not rows:
-        return []
-    pairs = np.array([row.pair for row in rows])
-    at_places, nearest = places.fractions[[row.place for row in rows]], np.array([row.nearest for row in rows])
-    given = _planes(own, function, pairs, nearest, at_places, motion)
-    constants = np.column_stack([constants_of(own.pairs, pairs), given])
+) -> Block:
+    """Return the block of rows with one point function."""
+    given = _planes(own, function, rows.pairs, rows.nearest, places.fractions[rows.places], motion)
+    constants = np.column_stack([constants_of(own.pairs, rows.pairs), given])
     if function.timed:
-        columns, constants = _with_clock(layout, places, rows, columns, constants)
-    distinct, which = np.unique(pairs, return_inverse=True)
-    entries = [Entry(own.phase, "clearance", own.pairs.label(pair), "m") for pair in distinct.tolist()]
-    lower = own.pairs.margin + own.slack[pairs] + np.array([row.raised for row in rows])
-    numbers = table.add_above(table.numbers(entries)[which.ravel()], at_places, lower)
+        columns, constants = _with_clock(layout, places, rows.places, columns, constants)
     gather, scatter = Triplets(), Triplets()
     gather.add(np.arange(columns.size), columns.ravel(), 1.0)
-    scatter.add(numbers, np.arange(len(rows)), 1.0)
-    return [
-        Block(
-            function.stage,
-            gather.matrix((columns.size, len(nlp.variables))),
-            np.ascontiguousarray(constants.T),
-            scatter.matrix((int(numbers.max()) + 1, len(rows))),
-            np.zeros(len(rows)),
-        )
-    ]
+    scatter.add(numbers, np.arange(len(numbers)), 1.0)
+    return Block(
+        function.stage,
+        gather.matrix((columns.size, len(nlp.variables))),
+        np.ascontiguousarray(constants.T),
+        scatter.matrix((int(numbers.max()) + 1, len(numbers))),
+        np.zeros(len(numbers)),
+    )
 
 
 def _planes(
@@ -278,16 +255,15 @@ def _planes(
 
 
 def _with_clock(
-    layout: PhaseLayout, places: StatePlaces, rows: Sequence[_Row], columns: Indices, constants: Array
+    layout: PhaseLayout, places: StatePlaces, at: Indices, columns: Indices, constants: Array
 ) -> tuple[Indices, Array]:
     """Append the columns of free clocks, and prepend tau and the fixed scalars of clocks to the constants."""
     more, before = [], []
-    for row in rows:
-        interval = int(places.intervals[row.place])
-        clock = layout.clock(interval)
+    for place in at.tolist():
+        clock = layout.clock(int(places.intervals[place]))
         scalars = (clock.base, clock.span)
         more.append([scalar.column for scalar in scalars if scalar.column is not None])
-        tau = clock.start + clock.length * float(places.taus[row.place])
+        tau = clock.start + clock.length * float(places.taus[place])
         before.append([tau, *(scalar.value for scalar in scalars if scalar.column is None)])
-    both = np.column_stack([columns, np.array(more, dtype=int).reshape(len(rows), -1)])
+    both = np.column_stack([columns, np.array(more, dtype=int).reshape(len(at), -1)])
     return both, np.column_stack([np.array(before), constants])

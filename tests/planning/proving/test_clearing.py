@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.guess.default import as_guess
 from robotraj.planning.proving.clearing import Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
 from robotraj.solvers import interior_point
@@ -104,3 +105,17 @@ def test_an_objective_that_rows_increased_is_not_settled() -> None:
     for objectives, expected in histories.items():
         clearing._objectives = list(objectives)
         assert (clearing.settled, clearing.settled_after_rise) == expected
+
+
+def test_few_pairs_have_rows_along_a_solution_unless_it_moves_far() -> None:
+    """A motion that penetrates the box has left what a few rows describe."""
+    box = rt.obstacles.Box((0.1, 0.1, 0.3), (0.52, 0.07, 0.47))
+    problem = rt.Problem([reach(box)])
+    blocked = rt.plan(reach(box).with_(constraints=[]), mesh=rt.Mesh(10))
+    nlp = nlp_of(problem, rt.Mesh(12))
+    clearing = Clearing(nlp, as_guess(blocked))
+    few = len(clearing.rows(nlp).rows)
+    assert clearing.widen(blocked)
+    many = len(clearing.rows(nlp).rows)
+    assert few < many
+    assert not clearing.widen(blocked)
