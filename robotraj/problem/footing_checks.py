@@ -1,4 +1,8 @@
-"""Check that contacts hold where the ends of a phase are fixed."""
+"""Check that contacts hold where the ends of a phase are fixed, and that a robot without contacts falls between them.
+
+Without contacts gravity is the only outer force on a robot whose root moves. Its centre of mass gains the speed
+v_1 - v_0 = g T within the duration T, whatever the motors do.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +10,12 @@ from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.kinematics import KinematicBody
 from robotraj.problem.constraints.base import Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import SLACK, Ends
@@ -18,12 +25,19 @@ from robotraj.robot.root import QUATERNION
 
 STANDING = 3
 """Number of held frames from which on half a turn of the root is refused."""
+FALL = 1e-2
+"""Difference of speeds [m/s] above which ends contradict a free fall."""
 
 
 def check_contacts(
-    table: RowTable, robot: Robot, contacts: Sequence[BoundContact], parameters: Bounds, ends: Ends
+    table: RowTable,
+    robot: Robot,
+    contacts: Sequence[BoundContact],
+    parameters: Bounds,
+    ends: Ends,
+    durations: tuple[float, float],
 ) -> None:
-    """Refuse a fixed end at which a contact does not hold.
+    """Refuse a fixed end at which a contact does not hold, and fixed ends that no free fall joins without contacts.
 
     A foothold whose parameters are not fixed is taken from the first end that fixes the configuration.
 
@@ -35,13 +49,18 @@ def check_contacts(
     parameters : Bounds
         Bounds of ``table.parameters``.
     ends : mapping of Where to Bounds
+    durations : (float, float)
+        Least and greatest duration [s].
 
     Raises
     ------
     InputError
         A contact does not hold at an end, or the root must turn by more than half a turn while several feet are held.
-        The message names the contact, the row with its value, and the end.
+        The message names the contact, the row with its value, and the end. Without contacts, gravity gives the robot
+        another speed than the ends have.
     """
+    if not contacts and not isinstance(table.body, KinematicBody):
+        _check_fall(table.phase, robot, durations, ends)
     if not any(contact.holds for contact in contacts):
         return
     _check_turn(table.phase, robot, contacts, ends)
@@ -85,3 +104,31 @@ def _check_turn(phase: str, robot: Robot, contacts: Sequence[BoundContact], ends
             f"{len(frames)} feet are held. A quaternion and its negative are one attitude, a full turn apart. Negate "
             "the end quaternion to select the nearer one, or turn the robot in a phase without these contacts."
         )
+
+
+def _check_fall(phase: str, robot: Robot, durations: tuple[float, float], ends: Ends) -> None:
+    """Refuse ends whose centres of mass have other speeds than a free fall of an allowed duration gives."""
+    size = robot.nq + robot.nv
+    fixed = all(np.array_equal(each.lower[:size], each.upper[:size]) for each in ends.values())
+    if robot.root == "fixed" or not fixed:
+        return
+    gained = _speed(robot, ends[Where.END].lower) - _speed(robot, ends[Where.START].lower)
+    gravity = np.array(robot.model.gravity.linear)
+    squared = float(gravity @ gravity)
+    nearest = float(np.clip(float(gained @ gravity) / squared if squared else 0.0, *durations))
+    fallen = gravity * nearest
+    if float(np.linalg.norm(gained - fallen)) <= FALL:
+        return
+    falls, stated = (f"({', '.join(f'{entry + 0.0:.3g}' for entry in each.round(6))})" for each in (fallen, gained))
+    raise InputError(
+        f"Phase {phase!r}: no contact holds {robot.name!r}, so its centre of mass gains the speed {falls} m/s within "
+        f"{nearest:.3g} s, but the ends give it {stated} m/s. Give contacts=[rt.PointContact(frame), ...] if it "
+        "stands, else free the speed at an end."
+    )
+
+
+def _speed(robot: Robot, state: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the velocity of the centre of mass [m/s] in the world."""
+    data = robot.model.createData()
+    pin.centerOfMass(robot.model, data, state[: robot.nq], state[robot.nq : robot.nq + robot.nv])
+    return np.array(data.vcom[0])

@@ -140,7 +140,7 @@ class Phase(OneLine):
                 check_path(self.name, self.constraints, self.robot, self.path.curve)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body, ends)
-            check_contacts(self.rows, self.robot, self.bound_contacts, known, ends)
+            check_contacts(self.rows, self.robot, self.bound_contacts, known, ends, self.duration_bounds)
         if isinstance(self.limits, Limits):
             check_durations(self.name, self.robot, self.limits, longest, ends)
 

@@ -101,6 +101,8 @@ def carrying(robot: Robot, *bodies: CarriedBody) -> Robot:
     """
     model = robot.model.copy()
     for body in bodies:
+        if not isinstance(body, CarriedBody):
+            raise InputError(f"{robot.name!r} carries rt.robot.CarriedBody(frame, mass) values; got {body!r}.")
         frame = model.frames[robot.frame(body.frame)]
         if frame.parentJoint == 0:
             raise InputError(

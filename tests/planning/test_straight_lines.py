@@ -226,4 +226,5 @@ def test_a_standing_robot_cannot_end_a_full_turn_away() -> None:
     with pytest.raises(rt.InputError, match="Negate the end quaternion"):
         rt.Phase(robot, 0.5, *ends, rt.Effort(), contacts=contacts)
     # A jump has room for it: no foot is held.
-    rt.Phase(robot, 0.5, *ends, rt.Effort())
+    up = robot.velocity({"root_vz": 0.25 * 9.81})
+    rt.Phase(robot, 0.5, rt.State(q=stand, v=up), rt.State(q=end, v=-up), rt.Effort())

@@ -109,3 +109,8 @@ def test_one_motion_serves_every_payload(arm, tmp_path):
 def test_bodies_that_are_none_are_refused(make, words):
     with pytest.raises(rt.InputError, match=words):
         make()
+
+
+def test_a_robot_carries_bodies_alone() -> None:
+    with pytest.raises(rt.InputError, match=r"'ur5' carries rt\.robot\.CarriedBody\(frame, mass\) values; got 3\.0"):
+        rt.robot.carrying(rt.load("ur5"), 3.0)  # type: ignore[arg-type]

@@ -1,0 +1,48 @@
+"""A robot that no contact holds falls: its fixed ends must allow it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+G = 9.81
+
+
+def flight(duration: float | tuple[float, float], speed: float, root: str = "floating", g: float = G) -> rt.Phase:
+    """Pose a phase without contacts, whose root rises with a speed and has the opposite one at the end."""
+    leg = rt.load("monopod", root=root, gravity=(0, 0, -g))
+    q, up = leg.configuration({"root_z": 1.0}), leg.velocity({"root_vz" if root == "floating" else "root_z": speed})
+    return rt.Phase(leg, duration, rt.State(q=q, v=up), rt.State(q=q, v=-up), rt.Effort())
+
+
+@pytest.mark.parametrize("root", ["planar", "floating"])
+def test_a_robot_that_stands_without_contacts_is_refused(root: str) -> None:
+    """It was planned until the time limit, and the balance of the root named as violated."""
+    with pytest.raises(
+        rt.InputError, match=r"no contact holds 'monopod'.*\(0, 0, -4\.91\) m/s within 0\.5 s.*contacts="
+    ):
+        flight(0.5, 0.0, root)
+
+
+@pytest.mark.parametrize("duration", [0.5, (0.1, 2.0), (0.1, np.inf)])
+def test_a_flight_of_the_right_speeds_is_allowed(duration: float | tuple[float, float]) -> None:
+    flight(duration, 0.25 * G)
+
+
+def test_a_flight_of_another_duration_is_refused() -> None:
+    with pytest.raises(rt.InputError, match=r"-3\.92\) m/s within 0\.4 s, but the ends give it \(0, 0, -4\.9"):
+        flight((0.1, 0.4), 0.25 * G)
+
+
+def test_without_gravity_the_speed_stays() -> None:
+    flight(1.0, 0.0, g=0.0)
+    with pytest.raises(rt.InputError, match="no contact holds"):
+        flight(1.0, 1.0, g=0.0)
+
+
+def test_an_end_whose_speed_is_free_is_not_checked() -> None:
+    leg = rt.load("monopod", root="floating")
+    q = leg.configuration({"root_z": 1.0})
+    rt.Phase(leg, 0.3, rt.State(q=q, v=0), rt.State(q=q), rt.Effort())
