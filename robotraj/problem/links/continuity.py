@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
@@ -61,6 +62,14 @@ class Jump(Link):
     first: int
     second: int
     jumps: Mapping[str, Interval] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.jumps, Mapping):
+            raise InputError(
+                f"jumps of Jump({self.first}, {self.second}) must map names of states to their jumps, such as "
+                f"{{'v': -1.0}}; got {self.jumps!r}."
+            )
+        super().__post_init__()
 
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Write one row of time and one per state that is not free to jump."""

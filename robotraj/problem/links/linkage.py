@@ -42,6 +42,14 @@ class Linkage(Link):
     name: str = "linkage"
     unit: str = ""
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.phases, Sequence) or isinstance(self.phases, str):
+            raise InputError(
+                f"Linkage: phases is {self.phases!r}; it must be a sequence of phases, such as (0, 1). The expression "
+                "follows it: Linkage((0, 1), lambda a, b: ...)."
+            )
+        super().__post_init__()
+
     def bind(self, phases: Sequence[Phase]) -> BoundLink:
         """Try the expression on symbols and pair its rows with bounds."""
         chosen = [phase_at(phases, i, f"linkage {self.name!r}") for i in self.phases]

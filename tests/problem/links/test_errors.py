@@ -56,6 +56,16 @@ def test_a_period_of_a_phase_by_its_number_is_an_error_that_names_the_remedy(pus
     assert "Phases are named by first= and last=" in refused([push.phase()], rt.Periodic(0))  # type: ignore[arg-type]
 
 
+def test_phases_that_are_no_sequence_show_how_a_linkage_is_written() -> None:
+    with pytest.raises(rt.InputError, match=r"phases is 0; it must be a sequence .* Linkage\(\(0, 1\), lambda a, b"):
+        rt.links.Linkage(0, 1, lambda a, b: 0)  # type: ignore[arg-type]
+
+
+def test_jumps_that_are_no_mapping_show_how_they_are_written() -> None:
+    with pytest.raises(rt.InputError, match=r"jumps of Jump\(0, 1\) must map names .*; got 3"):
+        rt.links.Jump(0, 1, 3)  # type: ignore[arg-type]
+
+
 def test_a_parameter_that_a_phase_lacks_names_the_phase(push: Any) -> None:
     phases = [push.phase(parameters={"mass": 1.0}), push.phase(name="coast", parameters={"drag": 1.0})]
     message = refused(phases, rt.links.SameParameter("mass", (0, 1)), rt.UnknownName)
