@@ -43,7 +43,7 @@ class Linkage(Link):
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.phases, Sequence) or isinstance(self.phases, str):
+        if not isinstance(self.phases, Sequence):
             raise InputError(
                 f"Linkage: phases is {self.phases!r}; it must be a sequence of phases, such as (0, 1). The expression "
                 "follows it: Linkage((0, 1), lambda a, b: ...)."
