@@ -27,6 +27,7 @@ from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
 
 LEVEL = Flat()
 LEAPING = Upright(least_height=0.4, greatest_height=np.inf)
@@ -34,13 +35,15 @@ CROUCH = 2.5
 """Default duration of either stance, in sqrt(h / g): a person crouches and rises in 0.7 s.
 
 In 0.3 s five_link, talos_legs and monopod ended at their limits of torque and speed, or without a motion."""
+RISE = 0.1
+"""Default rise of the centre of mass, relative to the reach of the robot."""
 
 
 def jump(
     robot: Robot,
     *,
     length: float = 0.0,
-    height: float = 0.1,
+    height: float | None = None,
     push: float | Sequence[float] | Between | None = None,
     land: float | Sequence[float] | Between | None = None,
     feet: Sequence[str] | None = None,
@@ -60,7 +63,8 @@ def jump(
     robot : Robot
         With ``root="planar"`` or ``"floating"``.
     length, height : float
-        Displacement and rise of the centre of mass [m].
+        Displacement and rise of the centre of mass [m]. By default it rises by a tenth of the robot's reach, from its
+        root to the end of its longest limb.
     push, land : float or (float, float), optional
         Durations of both stances [s], by default 2.5 sqrt(h / g) with the height h of the centre of mass. Free
         durations, (least, greatest), take many more iterations.
@@ -78,7 +82,8 @@ def jump(
     names = feet_of(robot, feet)
     check_options(None, upright)
     number(length, "rt.gait.jump(length)")
-    if not number(height, "rt.gait.jump(height)") > 0.0:
+    height = RISE * reach(robot.model) if height is None else number(height, "rt.gait.jump(height)")
+    if not height > 0.0:
         raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     kind = on_ground(contact, ground)

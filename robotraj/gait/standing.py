@@ -18,7 +18,7 @@ from robotraj.robot.robot import Robot
 Array = NDArray[np.float64]
 
 HEIGHT_TOLERANCE = 1e-2
-"""Largest difference of the centre of mass from the given height [m]."""
+"""Largest difference of the centre of mass from the given height, relative to the reach of the robot."""
 FOOT_TOLERANCE = 1e-6
 """Largest distance of a foot from its foothold [m, rad]."""
 
@@ -60,7 +60,7 @@ def stand(
     if height is not None:
         com = pin.centerOfMass(robot.model, robot.model.createData(), q)
         found = height_above(stance, stance.locate(q), com)
-        if abs(found - height) > HEIGHT_TOLERANCE:
+        if abs(found - height) > HEIGHT_TOLERANCE * stance.size:
             raise InputError(
                 f"{robot.name!r} cannot stand with its centre of mass {height:g} m above {', '.join(names)}: "
                 f"the nearest height found is {found:.4g} m. Give another height=."

@@ -37,6 +37,8 @@ Array = NDArray[np.float64]
 
 OBJECTIVE_SIZES = 1.0, 1e5
 """Least and greatest size of the objective of a solver, whose tolerance of 1e-8 is absolute."""
+NEGLIGIBLE = 1e-6
+"""Objective at the guess that counts as zero, relative to that one unit of every scaled variable away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +118,8 @@ class Nlp(OneLine):
     def objective_scale(self, start: float) -> float:
         """Return the factor that scales the objective so that a solver's absolute tolerance is relative to it.
 
-        The size is the objective at the guess. Where that is below the least size, as for efforts that start from zero,
-        it is the objective one unit of every scaled variable away. The factor is 1 inside ``OBJECTIVE_SIZES``.
+        The size is the objective at the guess. For objectives that start from zero, such as efforts of a robot at
+        rest, it is the objective one unit of every scaled variable away. The factor is 1 inside ``OBJECTIVE_SIZES``.
 
         Parameters
         ----------
@@ -129,7 +131,8 @@ class Nlp(OneLine):
         if size < least:
             away = np.clip(self.guess + self.scale, self.variables.lower, self.variables.upper)
             with np.errstate(all="ignore"):
-                size = max(size, abs(self.objective(away)))
+                other = abs(self.objective(away))
+            size = size if size > NEGLIGIBLE * other else other
         return float(np.clip(size, least, greatest) / size) if np.isfinite(size) and size > 0.0 else 1.0
 
     def values(self, w: Array, outputs: Sequence[Array] | None = None) -> Array:

@@ -88,3 +88,35 @@ def test_knees_at_their_limits_bend_further_so_that_legs_can_extend() -> None:
     q, free = gait.stand(robot), gait.stand(rt.load("solo12", root="floating"))
     knees = [7 + robot.joint_names.index(name) - 1 for name in bent]
     assert np.all(np.abs(q[knees]) > 1.65) and np.all(np.abs(free[knees]) < 1.65)
+
+
+def sized(name: str, root: str, factor: float) -> rt.Robot:
+    """Return a robot with all lengths times a factor, made of the same material."""
+    model = rt.load(name).model.copy()
+    for i in range(model.njoints):
+        place, body = model.jointPlacements[i], model.inertias[i]
+        model.jointPlacements[i] = pin.SE3(place.rotation, factor * place.translation)
+        model.inertias[i] = pin.Inertia(factor**3 * body.mass, factor * body.lever, factor**5 * body.inertia)
+    for frame in model.frames:
+        frame.placement = pin.SE3(frame.placement.rotation, factor * frame.placement.translation)
+    model.upperEffortLimit = factor**4 * model.upperEffortLimit
+    model.lowerEffortLimit = factor**4 * model.lowerEffortLimit
+    return rt.load(model, root=root)
+
+
+@pytest.mark.filterwarnings("ignore:.*Implausible effort limit")
+@pytest.mark.parametrize(("name", "root"), [("five_link", "planar"), ("solo12", "floating"), ("bolt", "floating")])
+@pytest.mark.parametrize("factor", [0.05, 2.0])
+def test_a_robot_of_another_size_stands_in_the_same_posture(name: str, root: str, factor: float) -> None:
+    one, other = (gait.stand(sized(name, root, size)) for size in (1.0, factor))
+    lengths = slice(0, 2 if root == "planar" else 3)
+    other[lengths] /= factor
+    np.testing.assert_allclose(other, one, atol=1e-5)
+
+
+def test_the_defaults_of_lengths_follow_the_size_of_the_robot() -> None:
+    small = sized("five_link", "planar", 0.1)
+    air = [float(gait.jump(each).phases[1].duration) for each in (sized("five_link", "planar", 1.0), small)]
+    assert air[1] == pytest.approx(np.sqrt(0.1) * air[0])
+    # A margin of 3 cm would leave no room on treads of 4 cm.
+    gait.stairs(small, start=0.02, run=0.04, rise=0.01, count=1)

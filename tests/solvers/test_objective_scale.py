@@ -7,6 +7,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.solvers.objective_scale import FINE, LEAST, SHARE, objective_scale
+from tests.programs import nlp_of
 
 SOLVER = rt.InteriorPoint(fallback=None, threads=1)
 START, GOAL = [-1.1, -1.8, 1.6, -1.2, -1.57, 0.0], [1.1, -0.8, 0.6, -0.6, -0.6, 1.2]
@@ -45,6 +46,14 @@ def test_an_objective_in_larger_units_takes_the_same_iterations_to_the_same_moti
     assert one.multipliers is not None and other.multipliers is not None
     size = np.abs(one.multipliers.rows).max()
     np.testing.assert_allclose(other.multipliers.rows / weight, one.multipliers.rows, atol=1e-4 * size)
+
+
+@pytest.mark.parametrize("weight", [1e-3, 1e-6, 1e-12])
+def test_an_objective_in_smaller_units_has_the_same_size_for_the_solver(weight: float) -> None:
+    """Efforts of a robot of 5 cm are 1e-11 of those of a robot of 1 m."""
+    nlp = nlp_of(rt.Problem([reach(weight)]), rt.Mesh(20))
+    first = nlp.objective(nlp.guess + 0.1 * nlp.scale)
+    assert nlp.objective_scale(first) * first == pytest.approx(1.0)
 
 
 def test_iterations_hardly_grow_with_the_mesh() -> None:

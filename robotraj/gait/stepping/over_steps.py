@@ -19,12 +19,15 @@ from robotraj.gait.stepping.footholds import LEVEL, Step, StepOptions, steps
 from robotraj.gait.stepping.rest_to_rest import alternating
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 SAFE = 0.03
-"""Default distance of a foot from an edge [m]."""
+"""Default distance of a foot from an edge, relative to the reach of the robot."""
+RAMP = 0.04
+"""Length along x of the ramp that replaces a riser, relative to the reach of the robot."""
 
 
 def stairs(
@@ -35,13 +38,14 @@ def stairs(
     rise: float,
     count: int,
     step_length: float | None = None,
-    margin: float = SAFE,
+    margin: float | None = None,
     **options: Unpack[StepOptions],
 ) -> Problem:
     """Return a walk over equal stairs along x from rest to rest, downwards if the rise is negative.
 
     Bipeds move one foot a step, quadrupeds the diagonal pairs of feet in turn. Footholds lie ``step_length`` apart, and
-    those near an edge are moved onto the nearest tread. The ground of the motion is ``rt.terrain.Steps.stairs``.
+    those near an edge are moved onto the nearest tread. The ground of the motion is ``rt.terrain.Steps.stairs``, with
+    ramps of 4 percent of the robot's reach.
 
     Parameters
     ----------
@@ -54,8 +58,9 @@ def stairs(
         Number of stairs.
     step_length : float, optional
         Displacement of the root in a step [m]; by default ``run``.
-    margin : float
-        Least distance of feet from edges [m].
+    margin : float, optional
+        Least distance of feet from edges [m]; by default 3 percent of the robot's reach, from its root to the end of
+        its longest limb.
     **options
         Of ``rt.gait.steps``, without ground.
 
@@ -67,7 +72,7 @@ def stairs(
     """
     if not isinstance(count, int) or count < 1:
         raise InputError(f"rt.gait.stairs(count) is {count!r}; give at least 1 stair.")
-    ground = Steps.stairs(start, run, rise, count)
+    ground = Steps.stairs(start, run, rise, count, RAMP * reach(robot.model))
     treads = [(low, high) for low, high, _ in ground.treads]
     return _over(robot, ground, treads, run if step_length is None else step_length, margin, "stairs", options)
 
@@ -78,7 +83,7 @@ def gap(
     start: float,
     width: float,
     step_length: float,
-    margin: float = SAFE,
+    margin: float | None = None,
     **options: Unpack[StepOptions],
 ) -> Problem:
     """Return a walk on level ground across a gap along x, from rest to rest; no foot stands in the gap.
@@ -112,7 +117,7 @@ def _over(
     ground: Ground,
     treads: Sequence[tuple[float, float]],
     step_length: float,
-    margin: float,
+    margin: float | None,
     what: str,
     options: StepOptions,
 ) -> Problem:
@@ -120,35 +125,36 @@ def _over(
     length = number(step_length, f"rt.gait.{what}(step_length)")
     if not length > 0.0:
         raise InputError(f"rt.gait.{what}(step_length) is {step_length!r}; give a positive length [m].")
+    margin = SAFE * reach(robot.model) if margin is None else number(margin, f"rt.gait.{what}(margin)")
     if "ground" in options:
         raise InputError(f"rt.gait.{what} sets its own ground; omit ground=, or use rt.gait.steps.")
     options = {**options, "ground": ground}
     groups, home = alternating(robot, options)
     kind = on_ground(options.get("contact", PointContact), ground)
-    reach = {foot: _reach(foot_contact(kind, foot).bound_to(robot)) for foot in home}
+    extents = {foot: _extent(foot_contact(kind, foot).bound_to(robot)) for foot in home}
     shortest = min(high - low for low, high in treads)
-    if shortest < max(sum(each) for each in reach.values()) + 2.0 * margin:
+    if shortest < max(sum(each) for each in extents.values()) + 2.0 * margin:
         raise InputError(
             f"rt.gait.{what}: the shortest level tread is {shortest:.3g} m, too short for a foot and its margin of "
-            f"{margin:g} m. Decrease margin= or the size of the foot."
+            f"{margin:.3g} m. Decrease margin= or the size of the foot."
         )
 
     def landing(foot: str, x: float) -> float:
         """Return the place nearest to x where the whole foot lies on a tread."""
-        back, front = reach[foot]
+        back, front = extents[foot]
         inside = [float(np.clip(x, low + margin + back, high - margin - front)) for low, high in treads]
         return min(inside, key=lambda place: abs(place - x))
 
     offs = {foot: float(place[0]) - landing(foot, float(place[0])) for foot, place in home.items()}
     foot = max(offs, key=lambda name: abs(offs[name]))
     if abs(offs[foot]) > 1e-9:
-        ends = [home[foot][0] + side for side in (-reach[foot][0], reach[foot][1])]
+        ends = [home[foot][0] + side for side in (-extents[foot][0], extents[foot][1])]
         advice = f"Increase start= by {offs[foot]:.3g} m" if offs[foot] > 0.0 else "Decrease start="
         raise InputError(
             f"rt.gait.{what}: at the beginning {foot!r} covers x = {ends[0]:.3g} to {ends[1]:.3g} m, less than "
-            f"{margin:g} m from an edge. {advice}, or decrease margin=."
+            f"{margin:.3g} m from an edge. {advice}, or decrease margin=."
         )
-    rear = min(home[foot][0] - margin - reach[foot][0] for foot in home)
+    rear = min(home[foot][0] - margin - extents[foot][0] for foot in home)
     count = max(int(np.ceil((treads[-1][0] - rear) / length - 1e-9)), 1)
     places = {foot: float(spot[0]) for foot, spot in home.items()}
     written: list[Step] = []
@@ -161,7 +167,7 @@ def _over(
     return steps(robot, written, **options)
 
 
-def _reach(contact: BoundContact) -> tuple[float, float]:
+def _extent(contact: BoundContact) -> tuple[float, float]:
     """Return the extent of a foot behind and before its foothold along x [m]."""
     along = np.array([offset for _, offset in contact.outline()])
     sole = along - along.mean(axis=0)

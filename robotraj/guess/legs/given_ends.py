@@ -23,7 +23,7 @@ from robotraj.robot.tangent import rate_matrix
 
 if TYPE_CHECKING:
     from robotraj.guess.legs.footsteps import Footsteps
-    from robotraj.guess.legs.stance import Errors
+    from robotraj.guess.legs.stance import BalancedStance, Errors
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ class GivenEnds:
             bounds = phases[phase].joint_ends[end]
             low, high = bounds.lower[: len(q)], bounds.upper[: len(q)]
             q = np.where(low == high, low, q)
-        further = _rows(tuple((phases[phase], end) for phase, end in ends), t)
+        further = _rows(steps.stance, tuple((phases[phase], end) for phase, end in ends), t)
         joints = slice(len(q) - len(steps.stance.bounds[0]), None)
         if further is None and np.all(np.abs(q - standing)[joints] < LEAST):
             return None
@@ -95,12 +95,11 @@ class GivenEnds:
         return np.concatenate([pin.difference(model, standing, q), moved])
 
 
-def _rows(ends: tuple[tuple[Phase, Where], ...], time: float) -> Errors | None:
+def _rows(stance: BalancedStance, ends: tuple[tuple[Phase, Where], ...], time: float) -> Errors | None:
     """Return the errors of rows on positions that apply at one end alone; None without such rows."""
-    robot = ends[0][0].robot
-    assert robot is not None
+    robot = stance.robot
     q, model = ca.SX.sym("q", robot.nq), robot.model
-    values, lower, upper = [], [], []
+    values, units, lower, upper = [], [], [], []
     for phase, end in ends:
         t, x, z, u, p = phase.rows.symbols
         rows, others = phase.rows.at(end), ca.vertcat(x[robot.nq :], z, u)
@@ -109,13 +108,15 @@ def _rows(ends: tuple[tuple[Phase, Where], ...], time: float) -> Errors | None:
         for row, value in zip(rows, phase.rows.expressions(rows), strict=True):
             if ca.depends_on(value, x[: robot.nq]) and not ca.depends_on(value, others):
                 values.append(ca.substitute(ca.substitute(value, ca.vertcat(t, p), numbers), x[: robot.nq], q))
+                units.append(row.unit)
                 lower.append(row.lower)
                 upper.append(row.upper)
     if not values:
         return None
-    column = ca.vertcat(*values)
+    scales = stance.scales(units)
+    column = ca.vertcat(*values) / ca.DM(scales)
     function = ca.Function("end_rows", [q], [ca.densify(column), ca.densify(ca.jacobian(column, q))])
-    least, most = np.array(lower), np.array(upper)
+    least, most = np.array(lower) / scales, np.array(upper) / scales
 
     def errors(q: Array) -> tuple[Array, Array]:
         value, slope = (np.array(part) for part in function(q))

@@ -16,6 +16,7 @@ from robotraj.dynamics.contact_expressions import anchors
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.problem.constraints.base import symbols_of
+from robotraj.robot.size.reach import reach
 from robotraj.robot.tangent import rate_matrix
 
 if TYPE_CHECKING:
@@ -27,7 +28,10 @@ Errors = Callable[[Array], tuple[Array, Array]]
 """Errors (m,) of rows in a configuration (nq,), and their slopes (m, nv)."""
 
 FOOT, MASS, TILT, JOINT = 100.0, 10.0, 3.0, 0.3
-"""Weights of the errors of feet, centre of mass [1/m], root attitude and joints [1/rad], in order of priority."""
+"""Weights of the errors of feet, centre of mass, root attitude and joints, in order of priority.
+
+Angles are in rad. Lengths are divided by the reach of the robot, so that robots of all sizes stand alike.
+"""
 STEPS = 60
 """Largest number of damped steps."""
 TOLERANCE = 1e-10
@@ -78,6 +82,15 @@ class BalancedStance:
     def data(self) -> pin.Data:
         """Return the workspace of Pinocchio's algorithms."""
         return self.robot.model.createData()
+
+    @cached_property
+    def size(self) -> float:
+        """Return the length to which errors are compared: the reach of the robot [m]."""
+        return reach(self.robot.model) or 1.0
+
+    def scales(self, units: Sequence[str]) -> Array:
+        """Return the size for every unit of length and 1 for every other one."""
+        return np.where(np.array(units, dtype=str) == "m", self.size, 1.0)
 
     @cached_property
     def _efforts(self) -> ca.Function:
@@ -146,7 +159,7 @@ class BalancedStance:
         posture : ndarray (nq,)
             Reference of joints and root.
         further : callable, optional
-            Further rows, as important as the feet.
+            Further rows, as important as the feet, with lengths relative to ``size``.
         """
         robot, raised = self.robot, self.lifted(lifts)
         q, damping = self.inside(near), 1e-6
@@ -204,13 +217,15 @@ class BalancedStance:
         jacobian = pin.jacobianCenterOfMass(robot.model, self.data, q)
         known = np.isfinite(com)
         away = pin.difference(robot.model, posture, q)
-        weights = np.full(robot.nv, JOINT)
+        weights = JOINT / self.scales(robot.units)
         weights[:n] = np.where(np.array(robot.units[:n]) == "rad", TILT, 0.0)
         kept = weights > 0
+        foot = FOOT / self.scales([row.unit for contact in self.contacts for row in contact.holds])
+        mass = MASS / self.size
         error = np.concatenate(
-            [FOOT * (rows - raised), MASS * (np.array(self.data.com[0]) - com)[known], (weights * away)[kept]]
+            [foot * (rows - raised), mass * (np.array(self.data.com[0]) - com)[known], (weights * away)[kept]]
         )
-        slopes = [FOOT * slope, MASS * jacobian[known], np.diag(weights)[kept]]
+        slopes = [foot[:, None] * slope, mass * jacobian[known], np.diag(weights)[kept]]
         if further is None:
             return error, np.vstack(slopes)
         missed, slope = further(q)

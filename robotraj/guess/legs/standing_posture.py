@@ -20,13 +20,13 @@ Array = NDArray[np.float64]
 REPEATS = 5
 """Number of repetitions with the last solution as posture, for a given height."""
 BEND = 0.6
-"""Angle by which a joint at a bound is bent inwards [rad]."""
+"""Distance by which a joint at a bound is bent inwards, at most to the middle of its range: [rad], or of the reach."""
 AT_BOUND = 0.05
-"""Distance of a joint from a bound below which it is bent inwards [rad, m]."""
+"""Distance of a joint from a bound below which it is bent inwards: [rad], or of the robot's reach."""
 MOVING = 1e-6
-"""Least speed of a foot, relative to that of a joint, with which the joint moves it [m]."""
+"""Least speed of a foot, relative to that of a joint, with which the joint moves it, relative to the reach."""
 NEAR_HEIGHT = 1e-3
-"""Distance of the centre of mass from a given height beyond which other bends of the knees are tried [m]."""
+"""Distance of the centre of mass from a given height beyond which other bends of the knees are tried, of the reach."""
 ONE_SIDED = 0.1
 """Fraction of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
 
@@ -69,7 +69,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
     lower, upper = stance.bounds
     straight = bool(np.max(np.abs(slope[up][:, n:]), initial=0.0) < 1e-2 * abs(com[2])) or _stretched(
-        slope[:, n:], q[len(q) - len(lower) :], lower, upper
+        stance, slope[:, n:], q[len(q) - len(lower) :]
     )
     start = np.array(q)
     anchors_by_axis = (
@@ -79,13 +79,13 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     ground = float(com[2] - height_above(stance, feet, com))
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
-        start = _bent(stance, start, AT_BOUND)
+        start = _bent(stance, start, AT_BOUND * stance.scales(robot.units[n:]))
     com = np.array([*middle, ground + target])
     found = stance.reach(start, feet, com, {}, start if straight else q)
     if height is None:
         return found
     found = _at_height(stance, found, feet, com)
-    if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT:
+    if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT * stance.size:
         # The nearest bend of a knee may lead to its limit.
         start = _bent(stance, q, ONE_SIDED * (upper - lower))
         other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com)
@@ -93,10 +93,12 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     return found
 
 
-def _stretched(slope: Array, joints: Array, lower: Array, upper: Array) -> bool:
+def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
     """Whether a joint that moves the feet is at a bound, so that a leg cannot extend, or bend to one side."""
-    moving = np.max(np.abs(slope), axis=0, initial=0.0) > MOVING
-    return bool(np.any(moving & (np.minimum(joints - lower, upper - joints) < AT_BOUND)))
+    lower, upper = stance.bounds
+    scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
+    moving = scales * np.max(np.abs(slope), axis=0, initial=0.0) > MOVING * stance.size
+    return bool(np.any(moving & (np.minimum(joints - lower, upper - joints) < AT_BOUND * scales)))
 
 
 def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array) -> Array:
@@ -106,12 +108,13 @@ def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com:
     return q
 
 
-def _bent(stance: BalancedStance, q: Array, near: Array | float) -> Array:
+def _bent(stance: BalancedStance, q: Array, near: Array) -> Array:
     """Bend joints inwards that are within ``near`` of one bound."""
     lower, upper = stance.bounds
     q = np.array(q)
     joints = q[len(q) - len(lower) :]
-    joints += np.where(joints - lower < near, BEND, np.where(upper - joints < near, -BEND, 0.0))
+    bend = np.minimum(BEND * stance.scales(stance.robot.units[-len(lower) :]), 0.5 * (upper - lower))
+    joints += np.where(joints - lower < near, bend, np.where(upper - joints < near, -bend, 0.0))
     return stance.inside(q)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEVER = 0.05
-"""Length [m] that weighs moments against forces: the order of the lever arm of a force on a sole."""
+"""Length that weighs moments against forces, relative to the reach of the robot: the order of half a sole."""
 SHARE = 0.1
 """Least normal force of a standing foot, relative to an equally shared weight."""
 INSIDE = 0.7
@@ -47,10 +47,12 @@ def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: 
     forces = np.zeros(len(columns))
     if columns:
         idle = ~robot.actuation.any(axis=1)
-        weights = np.array([1.0 if f.unit == "N" else LEVER for f in _forces(stance, held)])
-        balance = jacobian[idle] * weights
+        weights = np.array([1.0 if f.unit == "N" else LEVER * stance.size for f in _forces(stance, held)])
+        # Moments on the root are divided by the size of the robot.
+        rows = stance.scales(["rad" if unit == "m" else "m" for unit in np.array(robot.units)[idle]])[:, None]
+        balance = jacobian[idle] * weights / rows
         # With redundant contacts, the least norm shares the load evenly.
-        forces = weights * (np.linalg.pinv(balance, rcond=1e-6) @ needed[idle])
+        forces = weights * (np.linalg.pinv(balance, rcond=1e-6) @ (needed[idle] / rows[:, 0]))
         weight = pin.computeTotalMass(model) * float(np.linalg.norm(model.gravity.linear))
         forces = inside(stance, held, forces, SHARE * weight / max(len(held), 1))
     torque = needed - jacobian @ forces
@@ -70,12 +72,12 @@ def inside(stance: BalancedStance, held: Sequence[str], forces: Array, least: fl
         axes = [force.name.rsplit(".", 1)[-1] for force in contact.forces]
         if "z" in axes and hasattr(contact.contact, "friction"):
             own = forces[first : first + len(axes)]
-            _shrink(contact, axes, own, least)
+            _shrink(contact, axes, own, least, LEVER * stance.size)
         first += len(axes)
     return forces
 
 
-def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float) -> None:
+def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float, lever: float) -> None:
     up = max(own[axes.index("z")], least)
     own[axes.index("z")] = up
     along = [i for i, axis in enumerate(axes) if axis in "xy"]
@@ -84,4 +86,4 @@ def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float
     if size > allowed:
         own[along] *= allowed / size
     about = [i for i, axis in enumerate(axes) if axis.startswith("m")]
-    own[about] = np.clip(own[about], -0.2 * LEVER * up, 0.2 * LEVER * up)
+    own[about] = np.clip(own[about], -0.2 * lever * up, 0.2 * lever * up)
