@@ -124,7 +124,7 @@ class PhaseSolution(OneLine):
         Raises
         ------
         InputError
-            A time outside the phase, or no time.
+            A time outside the phase, or what is no time.
         """
         times = as_times(t)
         slack = 1e-9 * max(1.0, self.duration)

@@ -25,14 +25,14 @@ def as_times(t: Times) -> Array:
     Raises
     ------
     InputError
-        They are no numbers, none at all, or have several axes.
+        They are no numbers or have several axes.
     """
     try:
         times = np.asarray(t, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"Times must be a number or a vector [s]; got {t!r}.") from error
-    if times.ndim > 1 or not times.size:
-        raise InputError(f"Times must be a number or a vector of one or more; got shape {times.shape}.")
+    if times.ndim > 1:
+        raise InputError(f"Times must be a number or a vector; got shape {times.shape}.")
     return times
 
 

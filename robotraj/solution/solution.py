@@ -179,8 +179,8 @@ class Solution(OneLine):
         if times.ndim == 0:
             return self.phases[int(owner)].at(float(times)).with_contacts(self._contacts)
         used = np.unique(owner)
-        if len(used) == 1:
-            return self.phases[int(used[0])].at(times).with_contacts(self._contacts)
+        if len(used) <= 1:
+            return self.phases[int(used[0]) if len(used) else 0].at(times).with_contacts(self._contacts)
         parts = [np.flatnonzero(owner == i) for i in used]
         samples = [
             self.phases[int(i)].at(times[part]).with_contacts(self._contacts)
