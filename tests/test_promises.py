@@ -69,4 +69,7 @@ def test_a_plan_on_one_mesh_prints_its_error_between_the_knots(solution: rt.Solu
 
 
 def test_no_times_give_no_rows(solution: rt.Solution) -> None:
+    pendulum = rt.Phase(rt.load("pendulum"), 1.5, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+    proved = rt.plan(pendulum)
     assert solution.at([]).q.shape == (0, 2)
+    assert proved.at([]).q.shape == proved.at([]).tau.shape == (0, 1)

@@ -63,8 +63,8 @@ def jump(
     robot : Robot
         With ``root="planar"`` or ``"floating"``.
     length, height : float
-        Displacement and rise of the centre of mass [m]. By default it rises by a tenth of the robot's reach, from its
-        root to the end of its longest limb.
+        Displacement and rise of the centre of mass [m]. By default it rises by a tenth of the robot's reach, the
+        farthest that its masses can be from its first joint.
     push, land : float or (float, float), optional
         Durations of both stances [s], by default 2.5 sqrt(h / g) with the height h of the centre of mass. Free
         durations, (least, greatest), take many more iterations.

@@ -82,8 +82,11 @@ class DrivenInputs(OneLine):
 
     def at(self, t: Array, interval: int | Indices | None = None) -> tuple[Array, Array]:
         """Evaluate at times."""
-        curves = (self.trajectory.x, self.trajectory.z, self.trajectory.u)
         times = np.atleast_1d(t)
+        if not len(times):
+            # The functions of the equations need a point.
+            return PlannedInputs(self.trajectory).at(times)
+        curves = (self.trajectory.x, self.trajectory.z, self.trajectory.u)
         z, u = self._solved(times, *(np.reshape(curve(t, interval), (len(times), -1)) for curve in curves))
         return z.reshape(*np.shape(t), -1), u.reshape(*np.shape(t), -1)
 

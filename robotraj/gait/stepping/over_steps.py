@@ -59,8 +59,8 @@ def stairs(
     step_length : float, optional
         Displacement of the root in a step [m]; by default ``run``.
     margin : float, optional
-        Least distance of feet from edges [m]; by default 3 percent of the robot's reach, from its root to the end of
-        its longest limb.
+        Least distance of feet from edges [m]; by default 3 percent of the robot's reach, the farthest that its
+        masses can be from its first joint.
     **options
         Of ``rt.gait.steps``, without ground.
 
