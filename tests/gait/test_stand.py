@@ -120,3 +120,13 @@ def test_the_defaults_of_lengths_follow_the_size_of_the_robot() -> None:
     assert air[1] == pytest.approx(np.sqrt(0.1) * air[0])
     # A margin of 3 cm would leave no room on treads of 4 cm.
     gait.stairs(small, start=0.02, run=0.04, rise=0.01, count=1)
+
+
+def test_a_crouch_is_one_of_the_legs_alone() -> None:
+    feet = ("left_ankle_roll_link", "right_ankle_roll_link")
+    robot = rt.load("g1", root="floating")
+    low = gait.stand(robot, feet, rt.FlatFoot, height=0.55)
+    others = [7 + i for i, name in enumerate(robot.joint_names[1:]) if name.startswith("waist")]
+    assert len(others) == 3 and np.all(np.abs(low[others]) < 0.1)
+    # A twisted torso would need unlike legs.
+    np.testing.assert_allclose(low[[10, 16]], low[10], atol=0.01)

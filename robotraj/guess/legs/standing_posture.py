@@ -84,11 +84,11 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     found = stance.reach(start, feet, com, {}, start if straight else q)
     if height is None:
         return found
-    found = _at_height(stance, found, feet, com)
+    found = _at_height(stance, found, feet, com, q)
     if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT * stance.size:
         # The nearest bend of a knee may lead to its limit.
         start = _bent(stance, q, ONE_SIDED * (upper - lower))
-        other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com)
+        other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com, q)
         found = min(found, other, key=lambda each: abs(_com_height(stance, each) - com[2]))
     return found
 
@@ -97,14 +97,27 @@ def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
     """Whether a joint that moves the feet is at a bound, so that a leg cannot extend, or bend to one side."""
     lower, upper = stance.bounds
     scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
-    moving = scales * np.max(np.abs(slope), axis=0, initial=0.0) > MOVING * stance.size
-    return bool(np.any(moving & (np.minimum(joints - lower, upper - joints) < AT_BOUND * scales)))
+    near = np.minimum(joints - lower, upper - joints) < AT_BOUND * scales
+    return bool(np.any(_move_feet(stance, slope) & near))
 
 
-def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array) -> Array:
-    """Return a configuration at a centre of mass, which has priority over the posture."""
+def _move_feet(stance: BalancedStance, slope: Array) -> NDArray[np.bool_]:
+    """Return which joints move the feet, from the slopes (m, joints) of the feet's rows."""
+    scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
+    return np.asarray(scales * np.max(np.abs(slope), axis=0, initial=0.0) > MOVING * stance.size)
+
+
+def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array, home: Array) -> Array:
+    """Return a configuration at a centre of mass, which has priority over the posture of the legs.
+
+    The other joints keep near those of ``home``. They would lower the centre of mass as well: a torso would roll aside.
+    """
+    joints = slice(len(q) - len(stance.bounds[0]), None)
+    legs = _move_feet(stance, stance.places(q, feet)[1][:, ROOT_FREEDOMS[stance.robot.root] :])
     for _ in range(REPEATS):
-        q = stance.reach(q, feet, com, {}, upright(stance.robot, q))
+        posture = upright(stance.robot, q)
+        posture[joints] = np.where(legs, q[joints], home[joints])
+        q = stance.reach(q, feet, com, {}, posture)
     return q
 
 
