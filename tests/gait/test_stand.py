@@ -125,7 +125,8 @@ def test_the_defaults_of_lengths_follow_the_size_of_the_robot() -> None:
 def test_a_crouch_is_one_of_the_legs_alone() -> None:
     feet = ("left_ankle_roll_link", "right_ankle_roll_link")
     robot = rt.load("g1", root="floating")
-    low = gait.stand(robot, feet, rt.FlatFoot, height=0.55)
+    sole = partial(rt.FlatFoot, length=0.15, width=0.05, offset=(0.03, 0, -0.03))
+    low = gait.stand(robot, feet, sole, height=0.55)
     others = [7 + i for i, name in enumerate(robot.joint_names[1:]) if name.startswith("waist")]
     assert len(others) == 3 and np.all(np.abs(low[others]) < 0.1)
     # A twisted torso would need unlike legs.
