@@ -53,10 +53,10 @@ def test_the_last_step_is_the_problem_itself(arm: rt.Robot) -> None:
 
 def test_effort_before_absolute_power(arm: rt.Robot) -> None:
     phase = reach(arm, objective=rt.objectives.AbsolutePower(), constraints=[])
-    staged = rt.plan(phase, mesh=rt.Mesh(14), continuation=[rt.planning.ContinuationStep(objective=rt.Effort())])
-    effort = rt.plan(reach(arm, constraints=[]), mesh=rt.Mesh(14))
+    staged = rt.plan(phase, mesh=rt.Mesh(30), continuation=[rt.planning.ContinuationStep(objective=rt.Effort())])
+    effort = rt.plan(reach(arm, constraints=[]), mesh=rt.Mesh(30))
     assert staged.continuation[0].objective == pytest.approx(effort.objective, rel=1e-9)
-    assert staged.objective == pytest.approx(rt.plan(phase, mesh=rt.Mesh(14)).objective, rel=1e-4)
+    assert staged.objective == pytest.approx(rt.plan(phase, mesh=rt.Mesh(30)).objective, rel=1e-4)
 
 
 def test_limits_and_objective_can_be_dropped_for_a_step(arm: rt.Robot) -> None:
