@@ -78,7 +78,7 @@ class Problem(OneLine):
 
     @property
     def has_footholds(self) -> bool:
-        """Return whether some contact is held at a place, so that it says where a robot stands."""
+        """Return whether a contact of some phase has a foothold."""
         return any(contact.anchors for phase in self.phases for contact in phase.bound_contacts)
 
     def with_(self, **changes: Unpack[PhaseChanges]) -> Problem:
