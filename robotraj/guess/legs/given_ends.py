@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.splines import hermite
 from robotraj._util.values import dataclass
-from robotraj.guess.ends import default_parameters
+from robotraj.guess.reaching.position_rows import of_positions, values_at_rest
 from robotraj.problem.constraints.base import Where
 from robotraj.robot.tangent import rate_matrix
 
@@ -45,15 +45,12 @@ class GivenEnds:
 
     def posture(self, t: float) -> Array:
         """Return the reference (nq,) of joints and root at a time [s]."""
-        return self._moved(t, self._change(t)[: self.steps.stance.robot.nv])
+        q, change = self.steps.posture(t), self._change(t)[: self.steps.stance.robot.nv]
+        return np.array(pin.integrate(self.steps.stance.robot.model, q, change)) if change.any() else q
 
     def com(self, t: float) -> Array:
         """Return the centre of mass (3,) at a time [m]."""
         return self.steps.com(t) + self._change(t)[-3:]
-
-    def _moved(self, t: float, change: Array) -> Array:
-        q = self.steps.posture(t)
-        return np.array(pin.integrate(self.steps.stance.robot.model, q, change)) if change.any() else q
 
     @cached_property
     def _change(self) -> Callable[[float], Array]:
@@ -99,24 +96,14 @@ def _rows(stance: BalancedStance, ends: tuple[tuple[Phase, Where], ...], time: f
     """Return the errors of rows on positions that apply at one end alone; None without such rows."""
     robot = stance.robot
     q, model = ca.SX.sym("q", robot.nq), robot.model
-    values, units, lower, upper = [], [], [], []
-    for phase, end in ends:
-        t, x, z, u, p = phase.rows.symbols
-        rows, others = phase.rows.at(end), ca.vertcat(x[robot.nq :], z, u)
-        known = default_parameters(phase)
-        numbers = ca.DM([time, *(known[name] for name in phase.parameter_names)])
-        for row, value in zip(rows, phase.rows.expressions(rows), strict=True):
-            if ca.depends_on(value, x[: robot.nq]) and not ca.depends_on(value, others):
-                values.append(ca.substitute(ca.substitute(value, ca.vertcat(t, p), numbers), x[: robot.nq], q))
-                units.append(row.unit)
-                lower.append(row.lower)
-                upper.append(row.upper)
-    if not values:
+    parts = [(phase, of_positions(phase, phase.rows.at(end), robot.nq)) for phase, end in ends]
+    rows = [row for _, own in parts for row in own]
+    if not rows:
         return None
-    scales = stance.scales(units)
-    column = ca.vertcat(*values) / ca.DM(scales)
+    scales = stance.scales([row.unit for row in rows])
+    column = ca.vertcat(*(values_at_rest(phase, own, q, time) for phase, own in parts)) / ca.DM(scales)
     function = ca.Function("end_rows", [q], [ca.densify(column), ca.densify(ca.jacobian(column, q))])
-    least, most = np.array(lower) / scales, np.array(upper) / scales
+    least, most = (np.array([getattr(row, side) for row in rows]) / scales for side in ("lower", "upper"))
 
     def errors(q: Array) -> tuple[Array, Array]:
         value, slope = (np.array(part) for part in function(q))

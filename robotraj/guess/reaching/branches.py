@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.guess.reaching.open_end import OpenEnd
+from robotraj.guess.reaching.position_rows import of_positions
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.phase_row import Kind
@@ -118,15 +118,8 @@ def _at(node: Node, time: float) -> OpenEnd | Array | None:
 def _rows_of_positions(phase: Phase, where: Where) -> tuple[PhaseRow, ...]:
     """Return the rows that apply at an end and depend on the positions of the robot alone."""
     table, n = phase.rows, len(phase.body.states) // 2
-    rows = (*table.at(where), *(row for row in table.path if row.where is Where.THROUGHOUT and row.kind is Kind.PATH))
-    _, x, z, u, _ = table.symbols
-    others = ca.vertcat(x[n:], z, u)
-    expressions = table.expressions(rows)
-    return tuple(
-        row
-        for row, value in zip(rows, expressions, strict=True)
-        if ca.depends_on(value, x[:n]) and not ca.depends_on(value, others)
-    )
+    throughout = (row for row in table.path if row.where is Where.THROUGHOUT and row.kind is Kind.PATH)
+    return of_positions(phase, (*table.at(where), *throughout), n)
 
 
 def _fastest_chain(phase: Phase, nodes: Sequence[OpenEnd | Array | None], branch: int) -> list[Array]:

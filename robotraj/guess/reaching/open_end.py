@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
-from robotraj.guess.ends import default_parameters
+from robotraj.guess.reaching.position_rows import values_at_rest
 from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
 
 if TYPE_CHECKING:
@@ -166,15 +166,7 @@ class OpenEnd:
     @cached_property
     def _function(self) -> ca.Function:
         """The function q -> values (rows,) and slopes (rows, nq) of the rows, at rest."""
-        n = len(self.lower)
-        q = ca.SX.sym("q", n)
-        values = []
-        for phase, rows in self.parts:
-            t, x, _, _, p = phase.rows.symbols
-            known = default_parameters(phase)
-            numbers = ca.DM([self.time, *(known[name] for name in phase.parameter_names)])
-            rest = ca.vertcat(q, ca.DM.zeros(x.numel() - n))
-            column = ca.vertcat(*phase.rows.expressions(rows))
-            values.append(ca.substitute(column, ca.vertcat(x, t, p), ca.vertcat(rest, numbers)))
+        q = ca.SX.sym("q", len(self.lower))
+        values = [values_at_rest(phase, rows, q, self.time) for phase, rows in self.parts]
         column = ca.vertcat(*values)
         return ca.Function("open_end", [q], [ca.densify(column), ca.densify(ca.jacobian(column, q))])
