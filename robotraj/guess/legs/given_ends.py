@@ -76,14 +76,15 @@ class GivenEnds:
         t, model = steps.schedule.times[k], steps.stance.robot.model
         ends = [(phase, end) for phase, end in ((k - 1, Where.END), (k, Where.START)) if 0 <= phase < len(phases)]
         q = standing = steps.posture(t)
+        fixed = np.zeros(len(q), dtype=bool)
         for phase, end in ends:
             bounds = phases[phase].joint_ends[end]
             low, high = bounds.lower[: len(q)], bounds.upper[: len(q)]
-            q = np.where(low == high, low, q)
+            q, fixed = np.where(low == high, low, q), fixed | (low == high)
         further = _rows(steps.stance, tuple((phases[phase], end) for phase, end in ends), t)
         joints = slice(len(q) - len(steps.stance.bounds[0]), None)
         if further is None and np.all(np.abs(q - standing)[joints] < LEAST):
-            return None
+            return np.zeros(steps.stance.robot.nv + 3) if fixed[joints].all() else None
         com = steps.com(t)
         aim = np.array([com[0], com[1] if steps.stance.robot.root == "floating" else np.nan, np.nan])
         places, lifts = steps.feet(t)

@@ -62,6 +62,18 @@ def test_the_joints_of_a_given_end_are_reached(robot: rt.Robot) -> None:
     np.testing.assert_allclose(last[7:], low[7:], atol=0.02)
 
 
+def test_a_second_phase_returns_to_its_given_end(robot: rt.Robot) -> None:
+    home = gait.stand(robot, feet=FEET)
+    aim = place(robot, "base_link", home) - [0.0, 0.0, 0.05]
+    down = stance(robot, constraints=[rt.AtEnd(rt.constraints.FramePosition("base_link", aim))])
+    feet = [rt.PointContact(foot) for foot in FEET]
+    up = rt.Phase(robot, 0.6, end=rt.State(q=home, v=0), contacts=feet)
+    problem = rt.Problem([down, up], [rt.Continuity(0, 1)])
+    low, back = default_guess(problem).prepared(problem).of(up, 1).states(np.array([0.0, 1.0]))[:, : robot.nq]
+    np.testing.assert_allclose(place(robot, "base_link", low), aim, atol=2e-3)
+    np.testing.assert_allclose(back, home, atol=1e-5)
+
+
 def test_a_reach_of_the_end_is_planned_in_few_iterations(robot: rt.Robot) -> None:
     home = gait.stand(robot, feet=FEET)
     aim = place(robot, "base_link", home) + [0.02, 0.0, -0.06]
