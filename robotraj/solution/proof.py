@@ -51,7 +51,7 @@ class Proof(OneLine):
     excess : float
         Largest excess over a limit or path constraint, relative to its bound; in its unit where all bounds are 0.
     quadrature : float
-        Relative difference between the objective's integral along the motion and the minimised sum.
+        Relative difference between the objective's integral along the motion and its sum at the points.
     unsettled : float
         Relative decrease of the objective to expect on finer meshes, estimated from the last meshes.
     goals : Goals

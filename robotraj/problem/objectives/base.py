@@ -103,6 +103,10 @@ class Integral(Term):
     def rate(self, point: AnyPoint) -> Scalar:
         """Integrand at a point, a scalar."""
 
+    def rate_of_motion(self, point: AnyPoint) -> Scalar:
+        """Integrand of the motion alone: variables that the term has added have their least values."""
+        return self.rate(point)
+
 
 class EndCost(Term):
     """An elementary Mayer term: a function of the phase's two end points."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -39,7 +39,8 @@ class MechanicalWork(Integral):
     Only powers at collocation points count. A torque with a free mid-point can oscillate between them, and the optimum
     of a coarse mesh exploits this. Torques that are linear between knots cannot, and the default call plans arms with
     these. On a mesh of your own, use ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh
-    requires, or give ``tolerance=``. To check a plan, integrate |tau v| on a dense grid.
+    requires, or give ``tolerance=``. ``solution.objective`` has the least slacks at the points, and
+    ``solution.proof.quadrature`` is its error between them. To check another plan, integrate |tau v| on a dense grid.
 
     Sources: Srinivasan and Ruina, Nature 439 (2006), for the objective; Betts, Practical Methods for Optimal
     Control (2010), section 1.16, for slacks in place of absolute values.
@@ -71,11 +72,18 @@ class MechanicalWork(Integral):
 
     def rate(self, point: RobotPoint) -> Scalar:
         """Weighted cost of the powers [W]."""
+        return self._rate(point, lambda control, power: point.extra[_slack(control)])
+
+    def rate_of_motion(self, point: RobotPoint) -> Scalar:
+        """Weighted cost of the powers, each slack with its least value max(-P, 0) [W]."""
+        return self._rate(point, lambda control, power: ca.fmax(-power, 0.0))
+
+    def _rate(self, point: RobotPoint, slack: Callable[[str, Scalar], Scalar]) -> Scalar:
         total = ca.SX(0)
         for weight, (control, speed) in self._weighed(tuple(point.u)):
             power = point.u[control] * point.x[speed]
             if self.smoothing is None:
-                total += weight * (power + (1.0 + self.braking) * point.extra[_slack(control)])
+                total += weight * (power + (1.0 + self.braking) * slack(control, power))
             else:
                 size = ca.sqrt(power**2 + self.smoothing**2) - self.smoothing
                 total += 0.5 * weight * ((1.0 + self.braking) * size + (1.0 - self.braking) * power)

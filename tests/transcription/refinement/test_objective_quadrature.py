@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+from robotraj.transcription.refinement.objective_quadrature import quadrature_errors, surplus
 
 
 def test_the_error_is_the_difference_to_the_integral_along_the_motion() -> None:
@@ -39,3 +39,23 @@ def test_the_error_of_a_rate_of_time() -> None:
     errors = quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.inputs)
     assert errors.sum() == pytest.approx(solution.objective - 12.0 - 1.0 / 7.0, abs=1e-8)
     assert errors.sum() > 1e-4
+
+
+def test_slacks_have_their_least_values_in_the_objective_and_in_its_error() -> None:
+    """Solutions of large barriers differ from the optimum, and their slacks from the least ones."""
+    cart = rt.System(["x", "v"], ["F"], lambda point: [point.x["v"], point.u["F"]])
+    work = rt.objectives.AbsolutePower(speeds={"F": "v"})
+    phase = rt.Phase(cart, 1.0, rt.State([0, 0]), rt.State([1, 0]), work, controls={"F": rt.between(-20, 20)})
+    solution = rt.plan(phase, rt.Mesh(40, rt.schemes.RadauIIA(3)), solver=rt.InteriorPoint(tolerance=1e-2))
+    (part,) = solution.phases
+    scheme, total, true = part.mesh.schemes[0], 0.0, 0.0
+    for k, (first, last) in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
+        nodes = part.at(first + (last - first) * scheme.nodes, interval=k)
+        total += (last - first) * float(scheme.objective_weights @ np.abs(nodes.u["F"] * nodes.x["v"]))
+        t = np.linspace(first, last, 2001)
+        motion = part.at(t, interval=k)
+        true += float(np.trapezoid(np.abs(motion.u["F"] * motion.x["v"]), t))
+    assert solution.objective == pytest.approx(total, rel=1e-9)
+    assert surplus(phase, part.trajectory, part.mesh.schemes) > 1e-2 * total
+    errors = quadrature_errors(phase, part.trajectory, part.mesh.schemes, part.inputs)
+    assert errors.sum() == pytest.approx(total - true, rel=0.05)  # Gauss's rule, across kinks
