@@ -47,11 +47,23 @@ class BalancedStance:
     ----------
     robot : Robot
     contacts : tuple of BoundContact
-        Contacts of all feet, standing or swinging.
+        Contacts of all feet, standing or swinging, and other contacts, such as a hand that holds a rail.
     """
 
     robot: Robot
     contacts: tuple[BoundContact, ...]
+
+    @cached_property
+    def feet(self) -> tuple[BoundContact, ...]:
+        """Return the contacts with a foothold on the ground."""
+        return tuple(contact for contact in self.contacts if contact.anchors)
+
+    @cached_property
+    def upward(self) -> list[int]:
+        """Return the indices of the rows for the heights of the feet among those of all contacts."""
+        names = {contact.name for contact in self.feet}
+        rows = [(contact.name, row.name) for contact in self.contacts for row in contact.holds]
+        return [j for j, (contact, row) in enumerate(rows) if contact in names and row.endswith(".z")]
 
     @cached_property
     def _names(self) -> list[str]:

@@ -62,18 +62,16 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     if n:
         # The root first moves vertically until the feet are on the ground on average.
         rows, _ = stance.places(q, feet)
-        up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
-        q[1 if robot.root == "planar" else 2] -= float(np.mean(rows[up]))
+        q[1 if robot.root == "planar" else 2] -= float(np.mean(rows[stance.upward]))
     com = pin.centerOfMass(model, data, q)
     _, slope = stance.places(q, feet)
-    up = [j for j, row in enumerate(r for c in stance.contacts for r in c.holds) if row.name.endswith(".z")]
     lower, upper = stance.bounds
-    straight = bool(np.max(np.abs(slope[up][:, n:]), initial=0.0) < 1e-2 * abs(com[2])) or _stretched(
+    straight = bool(np.max(np.abs(slope[stance.upward][:, n:]), initial=0.0) < 1e-2 * abs(com[2])) or _stretched(
         stance, slope[:, n:], q[len(q) - len(lower) :]
     )
     start = np.array(q)
     anchors_by_axis = (
-        [feet[a.name] for c in stance.contacts for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"
+        [feet[a.name] for c in stance.feet for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"
     )
     middle = [float(np.mean(values or [0.0])) for values in anchors_by_axis]
     ground = float(com[2] - height_above(stance, feet, com))
@@ -138,7 +136,7 @@ def _com_height(stance: BalancedStance, q: Array) -> float:
 def mean_ground(stance: BalancedStance, feet: Mapping[str, float]) -> float:
     """Return the mean height of the ground under the feet [m]."""
     heights = []
-    for contact in stance.contacts:
+    for contact in stance.feet:
         ground = contact.contact.ground  # type: ignore[attr-defined]
         heights.append(float(ground.height(feet.get(f"{contact.name}.x", 0.0), feet.get(f"{contact.name}.y", 0.0))))
     return float(np.mean(heights))

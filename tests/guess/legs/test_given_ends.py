@@ -84,3 +84,17 @@ def test_a_reach_of_the_end_is_planned_in_few_iterations(robot: rt.Robot) -> Non
         objective=gait.gait_objective(robot, home),
     )
     assert rt.plan(phase, rt.Mesh(4)).iterations < 20
+
+
+def test_a_foot_that_holds_a_rail_stays_there_and_does_not_count_as_standing(robot: rt.Robot) -> None:
+    home = gait.stand(robot, feet=FEET)
+    root = place(robot, "base_link", home)
+    rail = place(robot, "FL_FOOT", home) + [0.02, 0.01, 0.05]
+    grip = rt.contacts.LoopClosure("FL_FOOT", "universe", offset_b=tuple(rail))
+    above = rt.AtEnd(rt.constraints.FramePosition("base_link", root + [0.0, 0.0, -0.02]))
+    contacts = [grip, *(rt.PointContact(foot) for foot in FEET[1:])]
+    guess = guessed(rt.Phase(robot, 0.6, end=rt.State(v=0), constraints=[above], contacts=contacts))
+    for q in guess.states(np.array([0.0, 0.5, 1.0]))[:, : robot.nq]:
+        np.testing.assert_allclose(place(robot, "FL_FOOT", q), rail, atol=1e-6)
+        np.testing.assert_allclose([place(robot, foot, q)[2] for foot in FEET[1:]], 0.0, atol=1e-6)
+    np.testing.assert_allclose(place(robot, "base_link", q)[2], root[2] - 0.02, atol=5e-3)
