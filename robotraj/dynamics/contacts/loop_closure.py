@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -25,16 +26,21 @@ from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, scale, subtract
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.variable import Scalar
+from robotraj.robot.configuration import UNIT
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
+Quaternion: TypeAlias = tuple[float, float, float, float]
+
+UNTURNED: Quaternion = (0.0, 0.0, 0.0, 1.0)
+"""The rotation by no angle."""
 
 
 @dataclass(frozen=True)
 class LoopClosure(Contact):
-    """Two points fixed in frames coincide (three rows); optionally the frames' axes coincide too (six rows).
+    """Two points fixed in frames coincide (three rows); optionally the frames do not turn either (six rows).
 
     World axes along or about which the frames cannot move relative to each other have no rows and no forces. A
     linkage in a plane therefore has two rows. The rows of orientation are half the sum over the axes of b_i x a_i, the
@@ -46,16 +52,19 @@ class LoopClosure(Contact):
     frame_a, frame_b : str
         One may be ``"universe"``, the world.
     rigid : bool
-        Whether the frames' axes coincide too.
+        Whether the frames' axes coincide too, up to ``rotation_b``.
     name : str, optional
         ``"<frame_a>-<frame_b>"`` where none is given.
     offset_a, offset_b : sequence of 3 float
         The points in the frames' axes [m].
+    rotation_b : sequence of 4 float
+        Quaternion (x, y, z, w) from b's axes to those that coincide with a's, where the loop is rigid.
 
     Raises
     ------
     InputError
-        The frames are the same. On binding: a frame does not exist, or the relative motion does not span the rows.
+        The frames are the same, or a loop that is not rigid has a rotation. On binding: a frame does not exist, or the
+        relative motion does not span the rows.
     """
 
     frame_a: str
@@ -64,6 +73,7 @@ class LoopClosure(Contact):
     name: str | None = None
     offset_a: Triple = (0.0, 0.0, 0.0)
     offset_b: Triple = (0.0, 0.0, 0.0)
+    rotation_b: Quaternion = UNTURNED
 
     def __post_init__(self) -> None:
         what = f"LoopClosure {self.label!r}"
@@ -71,6 +81,42 @@ class LoopClosure(Contact):
         keep(self, offset_a=offset_of(self.offset_a, what), offset_b=offset_of(self.offset_b, what))
         if self.frame_a == self.frame_b:
             raise InputError(f"LoopClosure joins frame {self.frame_a!r} to itself; give two frames.")
+        turn = np.asarray(self.rotation_b, dtype=float)
+        size = float(np.linalg.norm(turn))
+        if turn.shape != (4,) or not abs(size - 1.0) <= UNIT:
+            raise InputError(
+                f"rotation_b of {what} is {self.rotation_b!r}; give a quaternion (x, y, z, w) of length 1. The "
+                "identity is (0, 0, 0, 1), w last."
+            )
+        keep(self, rotation_b=tuple((turn / size).tolist()))
+        if not self.rigid and self.rotation_b != UNTURNED:
+            raise InputError(f"{what} has a rotation_b, but its frames turn freely; give rigid=True.")
+
+    @classmethod
+    def closed_at(
+        cls, robot: Robot, q: ArrayLike, frame_a: str, frame_b: str, rigid: bool = True, name: str | None = None
+    ) -> LoopClosure:
+        """Return the loop that is closed in a configuration, such as of two hands that hold one body.
+
+        The point is the origin of ``frame_a``.
+
+        Parameters
+        ----------
+        robot : Robot
+        q : array_like (nq,)
+            Configuration in which the frames are where the loop holds them.
+        frame_a, frame_b, rigid, name
+            As for ``LoopClosure``.
+
+        Examples
+        --------
+        >>> rod = rt.contacts.LoopClosure.closed_at(pair, start, "left_tool0", "right_tool0")
+        """
+        configuration = robot.configuration(q, "q of LoopClosure.closed_at")
+        (at, axes), (origin, rotation) = (Spot(frame).placed(robot, configuration) for frame in (frame_a, frame_b))
+        offset = tuple((rotation.T @ (at - origin)).tolist())
+        turn = tuple(pin.Quaternion(rotation.T @ axes).coeffs().tolist()) if rigid else UNTURNED
+        return cls(frame_a, frame_b, rigid, name, offset_b=offset, rotation_b=turn)
 
     @property
     def label(self) -> str:
@@ -101,15 +147,18 @@ class LoopClosure(Contact):
         rows = [*axes, *(3 + i for i in about)]
         require_rank(robot, lambda q: relative(q)[rows], len(rows), f"LoopClosure {self.label!r}")
         forces, holds = force_variables(self.label, axes, about), held_rows(self.label, axes, about, "rz")
-        return BoundLoopClosure(self, self.label, self.frame_a, forces, (), holds, (), (), *ends, axes, about)
+        x, y, z, w = self.rotation_b
+        turn = np.array(pin.Quaternion(w, x, y, z).toRotationMatrix())
+        return BoundLoopClosure(self, self.label, self.frame_a, forces, (), holds, (), (), *ends, turn, axes, about)
 
 
 @dataclass(frozen=True, eq=False)
 class BoundLoopClosure(BoundContact):
-    """Two spots held together by a wrench between them."""
+    """Two spots held together by a wrench between them; a's axes are those of b after the rotation ``turn``."""
 
     first: Spot
     second: Spot
+    turn: Array
     axes: tuple[int, ...]
     about: tuple[int, ...]
 
@@ -144,8 +193,10 @@ class BoundLoopClosure(BoundContact):
 
     def _rotation(self, point: FramePoint) -> list[Scalar]:
         """Rotation from b to a in world axes, to first order (3) [rad]."""
-        a, b = point.frame(self.first.frame).rotation, point.frame(self.second.frame).rotation
-        turns = [cross([b[j, i] for j in range(3)], [a[j, i] for j in range(3)]) for i in range(3)]
+        a = point.frame(self.first.frame).rotation
+        turns = [
+            cross(self.second.axis(point, self.turn[:, i].tolist()), [a[j, i] for j in range(3)]) for i in range(3)
+        ]
         return scale(0.5, add(*turns))
 
     def _spread(self, forces: Sequence[Scalar]) -> list[Scalar]:

@@ -56,11 +56,11 @@ def close(
     mujoco = load_mujoco()
     for loop in loops:
         ends = []
-        for side, spot in (("a", loop.first), ("b", loop.second)):
+        for side, spot, turn in (("a", loop.first, np.eye(3)), ("b", loop.second, loop.turn)):
             frame = course.robot.model.frames[course.robot.frame(spot.frame)]
             name = f"{loop.name} {side}"
             place = frame.placement.act(np.array(spot.offset))
-            bodies[frame.parentJoint].add_site(name=name, pos=place, quat=wxyz(frame.placement.rotation))
+            bodies[frame.parentJoint].add_site(name=name, pos=place, quat=wxyz(frame.placement.rotation @ turn))
             ends.append(name)
         kind = mujoco.mjtEq.mjEQ_WELD if loop.about else mujoco.mjtEq.mjEQ_CONNECT
         equality = spec.add_equality(

@@ -105,6 +105,11 @@ CASES: dict[str, Callable[[], Case]] = {
         LoopClosure(SOLE, "right_sole_link", True, offset_a=(0.1, 0.0, 0.02), offset_b=(0.0, 0.1, 0.0)),
         6,
     ),
+    "loop of two placements that are turned to each other": lambda: Case(
+        load("talos_legs", "floating"),
+        LoopClosure(SOLE, "right_sole_link", True, offset_b=(0.0, 0.1, 0.0), rotation_b=(0.5, -0.5, 0.1, 0.7)),
+        6,
+    ),
     "arm held by the world": lambda: Case(
         load("ur5", "fixed"), LoopClosure("tool0", "universe", offset_b=(0.4, 0.2, 0.4)), 3
     ),

@@ -56,6 +56,14 @@ ALONE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: LineContact("foot", 0.1, direction=(0, 0, 0)),
         "direction of LineContact 'foot'",
     ),
+    "loop with a rotation of another length": (
+        lambda: LoopClosure("hand", "other", rigid=True, rotation_b=(0.0, 0.0, 1.0, 1.0)),
+        r"rotation_b of LoopClosure 'hand-other' is \(0.0, 0.0, 1.0, 1.0\); give a quaternion",
+    ),
+    "free loop with a rotation": (
+        lambda: LoopClosure("hand", "other", rotation_b=(1.0, 0.0, 0.0, 0.0)),
+        "its frames turn freely; give rigid=True",
+    ),
     "loop of one frame": (lambda: LoopClosure("foot", "foot"), "joins frame 'foot' to itself"),
 }
 

@@ -51,6 +51,37 @@ def test_a_linkage_stays_closed_between_the_knots_and_its_simulation_agrees() ->
     assert rt.validate(plans[-1]).passed
 
 
+def test_two_arms_that_face_each_other_carry_one_thing() -> None:
+    ur5 = rt.load("ur5")
+    turned = {"right": ((1.1, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))}
+    pair = rt.robot.join({"left": ur5, "right": ur5}, at=turned)
+    start = np.tile([0.0, -1.3, 1.9, -0.6, 1.57, 0.0], 2)
+    hands = rt.contacts.LoopClosure.closed_at(pair, start, "left_tool0", "right_tool0")
+    assert np.abs(hands.rotation_b) == pytest.approx([0.0, 1.0, 0.0, 0.0], abs=1e-2)
+
+    def between(q: np.ndarray) -> pin.SE3:
+        data = pair.model.createData()
+        pin.framesForwardKinematics(pair.model, data, q)
+        left, right = (data.oMf[pair.frame(f"{side}_tool0")] for side in ("left", "right"))
+        return right.inverse() * left
+
+    goal = rt.AtEnd(rt.FramePosition("left_tool0", (0.55, 0.15, 0.3)))
+    lift = rt.Phase(
+        pair,
+        (0.1, 5),
+        rt.State(q=start, v=0),
+        rt.State(v=0),
+        rt.Duration() + 1e-3 * rt.Effort(),
+        [goal],
+        contacts=[hands],
+    )
+    plan = rt.plan(lift)
+    assert plan.proof is not None and plan.proof.holds and rt.validate(plan).passed
+    held = between(start)
+    for q in plan.at(np.linspace(0.0, plan.duration, 31)).q:
+        assert np.abs(pin.log6(held.inverse() * between(q)).vector).max() < 1e-4
+
+
 @pytest.mark.parametrize(
     ("start", "end", "message"),
     [
