@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.kinematics import KinematicBody
 from robotraj.problem.constraints.base import Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
@@ -22,6 +23,8 @@ from robotraj.problem.feasibility import SLACK, Ends
 from robotraj.problem.rows import RowTable
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
+
+Array = NDArray[np.float64]
 
 STANDING = 3
 """Number of held frames from which on half a turn of the root is refused."""
@@ -74,6 +77,7 @@ def check_contacts(
         if not fixed[:size].all():
             continue
         state = np.where(fixed, bounds.lower[: fixed.size], 0.0)
+        _check_loops(table.phase, robot, contacts, end, state[:size])
         if not located:
             found = {k: v for c in contacts for k, v in c.locate(robot, state[:size]).items()}
             stands, located = {**stands, **{k: v for k, v in found.items() if k not in known}}, True
@@ -84,10 +88,23 @@ def check_contacts(
         values = np.array(ca.Function("held", [x, p], [held])(state, [stands[name] for name in names])).ravel()
         worst = int(np.argmax(np.where(moving, 0.0, np.abs(values))))
         if not moving[worst] and abs(values[worst]) > SLACK:
+            loops = {contact.name for contact in contacts if isinstance(contact, BoundLoopClosure)}
+            hint = " rt.contacts.LoopClosure.closed_at closes a loop as it is." if rows[worst].label in loops else ""
             raise InputError(
                 f"Phase {table.phase!r}: at the {end.value}, contact {rows[worst].label!r} does not hold: its row "
                 f"{rows[worst].name} is {values[worst]:.3g} {rows[worst].unit} instead of 0. Move the {end.value}, "
-                "free some of it, or end the contact before."
+                f"free some of it, or end the contact before.{hint}"
+            )
+
+
+def _check_loops(phase: str, robot: Robot, contacts: Sequence[BoundContact], end: Where, q: Array) -> None:
+    """Refuse a rigid loop whose frames are about half a turn apart, where its rows are zero too."""
+    for contact in contacts:
+        if isinstance(contact, BoundLoopClosure) and contact.is_turned_over(robot, q):
+            raise InputError(
+                f"Phase {phase!r}: at the {end.value}, the axes of {contact.first.frame!r} and "
+                f"{contact.second.frame!r} are turned over, but the loop {contact.name!r} holds them to each other. "
+                "Give rotation_b=, or close the loop as it is there with rt.contacts.LoopClosure.closed_at."
             )
 
 

@@ -162,6 +162,11 @@ class BoundLoopClosure(BoundContact):
     axes: tuple[int, ...]
     about: tuple[int, ...]
 
+    def is_turned_over(self, robot: Robot, q: Array) -> bool:
+        """Whether the axes are far apart in a configuration (nq,), as at half a turn, where the rows are zero too."""
+        (_, a), (_, b) = self.first.placed(robot, q), self.second.placed(robot, q)
+        return bool(self.about) and float(np.trace(a.T @ b @ self.turn)) < 1.0
+
     def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Displacement from b to a [m], then the rotation from b to a [rad near zero]."""
         gap = subtract(self.first.position(point), self.second.position(point))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -80,6 +81,21 @@ def test_two_arms_that_face_each_other_carry_one_thing() -> None:
     held = between(start)
     for q in plan.at(np.linspace(0.0, plan.duration, 31)).q:
         assert np.abs(pin.log6(held.inverse() * between(q)).vector).max() < 1e-4
+
+
+def test_a_rigid_loop_of_frames_half_a_turn_apart_is_refused() -> None:
+    robot = rt.load("talos_legs", root="fixed")
+    turned = (1.0, 0.0, 0.0, 0.0)
+    soles = rt.contacts.LoopClosure.closed_at(robot, robot.neutral, "left_sole_link", "right_sole_link")
+    assert np.abs(soles.rotation_b) == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=1e-6)
+    start = rt.State(q=robot.neutral, v=0)
+    rt.Phase(robot, 1.0, start, None, rt.Effort(), contacts=[soles], limits=None)
+    over = replace(soles, rotation_b=turned)
+    with pytest.raises(rt.InputError, match="'left_sole_link' and 'right_sole_link' are turned over.*closed_at"):
+        rt.Phase(robot, 1.0, start, None, rt.Effort(), contacts=[over], limits=None)
+    aside = replace(soles, offset_b=(0.0, 0.3, 0.0))
+    with pytest.raises(rt.InputError, match="is .* m instead of 0.*LoopClosure.closed_at closes a loop as it is"):
+        rt.Phase(robot, 1.0, start, None, rt.Effort(), contacts=[aside], limits=None)
 
 
 @pytest.mark.parametrize(
