@@ -152,6 +152,15 @@ def _floats(phase: Phase) -> bool:
     return phase.robot is not None and phase.robot.root == "floating"
 
 
+def _is_arm(phase: Phase) -> bool:
+    """Whether a robot on a fixed root has a motor at every joint, alone or in closed loops."""
+    robot, contacts = phase.robot, phase.bound_contacts
+    if not contacts:
+        return is_exact(phase, (HermiteSimpson(),))
+    fixed = robot is not None and robot.root == "fixed" and robot.nu == robot.nv
+    return fixed and not any(contact.anchors for contact in contacts)
+
+
 def _has_passive_joints(phase: Phase) -> bool:
     """Whether a robot on a fixed root has a joint without a motor, such as a cart-pole."""
     return phase.robot is not None and phase.robot.root == "fixed" and phase.robot.nu < phase.robot.nv
@@ -164,6 +173,7 @@ EXACT = Condition(
     "fully actuated",
     lambda case: all(is_exact(phase, (HermiteSimpson(),)) for phase in case.problem.phases),
 )
+ARMS = Condition("arms", lambda case: all(map(_is_arm, case.problem.phases)))
 ON_PATH = Condition("a path", _follows_path)
 STICKING = Condition("friction", lambda case: needs_softening(case.problem))
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)

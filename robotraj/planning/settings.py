@@ -85,7 +85,7 @@ RULES: tuple[Rule, ...] = (
     _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
     _rule("mesh", when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
     _rule(
-        "mesh", when.PROVED, when.EXACT, when.STICKING, when.FREE_RATES, graded(FEW, STICKING), "joints stop anywhere"
+        "mesh", when.PROVED, when.ARMS, when.STICKING, when.FREE_RATES, graded(FEW, STICKING), "joints stop anywhere"
     ),
     _rule(
         "mesh",
@@ -162,7 +162,7 @@ RULES: tuple[Rule, ...] = (
     _rule(
         "refinement",
         when.PROVED,
-        when.EXACT,
+        when.ARMS,
         when.STICKING,
         Equidistribute(second=3.0, finest=400, slope=0.3),
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",

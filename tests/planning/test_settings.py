@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -259,3 +260,19 @@ def test_what_has_limited_rates_does_not_jump_at_the_knots(options: dict[str, fl
     mesh = resolve(rt.Problem([phase]), dict(options)).mesh
     assert isinstance(mesh, rt.Mesh) and {type(scheme) for scheme in mesh.schemes} == {rt.HermiteSimpson}
     assert rt.plan(phase, mesh).success
+
+
+def test_arms_with_dry_friction_in_a_closed_loop_are_planned_as_arms_alone() -> None:
+    z1 = rt.load("z1", locked={"jointGripper": 0.0})
+    pair = rt.robot.join({"left": z1, "right": z1}, at={"right": (0.0, -0.5, 0.0)})
+    hands = rt.contacts.LoopClosure("left_link06", "right_link06", offset_b=(0.0, 0.5, 0.0))
+    alone, joined = (
+        resolve(rt.Problem([rt.Phase(pair, 2.0, objective=rt.Effort(), contacts=contacts)]), {})
+        for contacts in ((), (hands,))
+    )
+    assert alone.mesh == joined.mesh
+    assert alone.refinement == joined.refinement
+    linkage = replace(rt.load("five_link", root="fixed", actuated=["left_hip"]), friction=np.full(4, 0.1))
+    loop = rt.contacts.LoopClosure("left_foot", "right_foot")
+    passive = rt.Problem([rt.Phase(linkage, 2.0, objective=rt.Effort(), contacts=[loop])])
+    assert resolve(passive, {}).mesh != alone.mesh
