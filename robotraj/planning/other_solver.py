@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.planning.diagnosis.closed_ways import has_closed_way
-from robotraj.solution.records import added_times
+from robotraj.solution.records import with_effort_of
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.fallback import fall_back
 from robotraj.solvers.interior_point import InteriorPoint
@@ -43,5 +43,4 @@ def solved_otherwise(
         accepted = found.status is not Status.ITERATION_LIMIT
     else:
         return failed
-    iterations, times = failed.iterations + found.iterations, added_times(failed.times, found.times)
-    return replace(found if accepted else failed, iterations=iterations, times=times)
+    return with_effort_of(failed, found) if accepted else with_effort_of(found, failed)

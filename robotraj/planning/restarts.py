@@ -36,7 +36,7 @@ from robotraj.planning.other_solver import conflicts_are_certain
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict, are_certain
-from robotraj.solution.records import added_times
+from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import RESTARTED_FROM, Restarts
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
@@ -114,7 +114,7 @@ def restarted(
         motion, conflicts = start.relaxed(problem, solve_coarse)
         if motion is None:
             continue
-        failed = _counted(failed, motion)
+        failed = with_effort_of(motion, failed)
         if motion.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED)
         if conflicts:
@@ -124,7 +124,7 @@ def restarted(
                 break
             continue
         found = solve(problem, motion)
-        failed = _counted(failed, found)
+        failed = with_effort_of(found, failed)
         if found.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED)
         if found.success:
@@ -148,7 +148,7 @@ def _attempt(failed: Solution, solve: Solve, guess: InitialGuess, description: s
     Returns the solution, or else the failed one, with the times and iterations of both. An interrupt is its status.
     """
     found = solve(failed.problem, guess)
-    failed = _counted(failed, found)
+    failed = with_effort_of(found, failed)
     if found.success:
         message = f"{found.message}{RESTARTED_FROM}{description}"
         return replace(found, message=message, times=failed.times, iterations=failed.iterations)
@@ -169,12 +169,6 @@ def _moves_freely(problem: Problem) -> bool:
 
 def _total(conflicts: Sequence[Conflict]) -> float:
     return sum(conflict.relative for conflict in conflicts)
-
-
-def _counted(failed: Solution, attempt: Solution) -> Solution:
-    """Add the seconds and iterations of an attempt."""
-    times, iterations = added_times(failed.times, attempt.times), failed.iterations + attempt.iterations
-    return replace(failed, times=times, iterations=iterations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +212,7 @@ class _Start:
         freed, conflicts = relaxed_motion(problem, solve, ample)
         if freed is None:
             return None, ()
-        return _counted(freed, ample), conflicts
+        return with_effort_of(ample, freed), conflicts
 
     def described(self, nlp: Nlp, found: Solution) -> str:
         """Describe the start from which a solution was found."""

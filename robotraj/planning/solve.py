@@ -13,9 +13,9 @@ import numpy as np
 from robotraj._util.time_left import LimitReached
 from robotraj.guess.default import as_guess, default_guess
 from robotraj.guess.from_solution import FromSolution
-from robotraj.native.engines.native import Native
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.planning.diagnosis.exclusions.work_budgets import limits_work
+from robotraj.planning.diagnosis.relaxation.coarse_settings import coarse_settings
 from robotraj.planning.many.starts import Start
 from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.other_solver import solved_otherwise
@@ -32,7 +32,7 @@ from robotraj.planning.warm_start import (
 )
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import added_times
+from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
@@ -42,27 +42,17 @@ from robotraj.transcription.collocation.unwrap_angles import unwrapped
 from robotraj.transcription.interval_limits.added_rows import exceeded_although_added, rows_to_add, with_added_rows
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, state_violations
 from robotraj.transcription.interval_limits.margins import with_margins
-from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.refinement.equidistribution import evenly_finer
 from robotraj.transcription.reuse import continued_at
-from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
-from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
+from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
 
-COARSE, COARSE_STEP, FINER = 15, 6, 12
-"""Intervals of a phase of the relaxed problem: without and with contacts, and by Lobatto IIIA with four points."""
 STATED, TWICE = 200, 2.0
 """Largest number of iterations of a solve with stated values, and the growth of the mesh for the second one."""
-PATIENCE, BRIEFLY = 700, 200
-"""Largest number of iterations of the relaxed problem, and of one with contacts or limits of rates.
-
-Many motions may need the same relaxation, such as those under a limit of the tool's speed. Solves then take hundreds.
-With contacts an iteration takes longer. Limits of rates are not relaxed, so that there may be no solution.
-"""
 
 
 def solve(
@@ -144,15 +134,12 @@ def _solve_once(
         nlp, began = clearing.rows(without_clearance), time.perf_counter()
         longer = None if multipliers is None else lengthened(multipliers, nlp)
         again, w = _solve(nlp, guess, longer, solver, check or progress, began, first)
-        times = added_times(solution.times, again.times)
-        solution = replace(again, times=times, iterations=solution.iterations + again.iterations)
+        solution = with_effort_of(solution, again)
     if check is not None and check.conflicts:
         return replace(solution, status=Status.INFEASIBLE, conflicts=check.conflicts)
     if check is not None and check.motion is not None:
         near = replace(settings, solver=solver.from_nearby())
-        again = _solve_once(problem, check.motion, near, progress, hold, lower)
-        times = added_times(solution.times, again.times)
-        return replace(again, times=times, iterations=solution.iterations + again.iterations)
+        return with_effort_of(solution, _solve_once(problem, check.motion, near, progress, hold, lower))
     if solution.status is Status.INTERRUPTED and not interval_limits.rounds:
         # No time is left to check an interrupted iterate between its points.
         return solution
@@ -209,9 +196,8 @@ def _solve_once(
             alike = not clearing or (clearing.numbered and not new and not moving)
             known = earlier_multipliers(solution, nlp, True) if alike else None
             again, w = _solve(nlp, solution, known, warm, progress, began)
-            times, iterations = added_times(solution.times, again.times), again.iterations + solution.iterations
             failed = not again.success and again.status is not Status.INTERRUPTED
-            solution = replace(solution if failed else again, times=times, iterations=iterations)
+            solution = with_effort_of(again, solution) if failed else with_effort_of(solution, again)
             if failed:
                 break
             added += new
@@ -253,18 +239,7 @@ def solve_relaxed(
     finer: bool = False,
 ) -> Solution:
     """Solve a relaxed problem once on few intervals, or on ``finer`` ones of a higher order."""
-    contacts = any(phase.contacts for phase in problem.phases)
-    rates = any(phase.rows.rates for phase in problem.phases)
-    coarse = Mesh(COARSE_STEP if contacts else COARSE, HermiteSimpson())
-    few = replace(
-        settings,
-        mesh=Mesh(FINER, LobattoIIIA(4)) if finer else coarse,
-        solver=InteriorPoint(max_iterations=BRIEFLY if contacts or rates else PATIENCE, fallback=None),
-        engine=Native(),
-        interval_limits=ConstraintGeneration(rounds=0),
-        restarts=Restarts(0),
-    )
-    return solve(problem, guess, few, progress)
+    return solve(problem, guess, coarse_settings(problem, settings, finer), progress)
 
 
 def has_motion(problem: Problem, settings: Settings, progress: Progress | None = None) -> bool:

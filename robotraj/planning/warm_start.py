@@ -21,7 +21,7 @@ from robotraj.planning.many.starts import Start
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import added_times
+from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import LazyMultipliers, Multipliers
@@ -211,7 +211,7 @@ def from_separated_form(
     solver = settings.solver.from_nearby().at_most(PATIENCE)
     near = replace(settings, solver=solver, restarts=Restarts(0))
     try:
-        found = _counted(first, solve_compressed(first, near))
+        found = with_effort_of(first, solve_compressed(first, near))
     except KeyboardInterrupt:
         # Ctrl-C or a limit between two solves: the solution of the separated form is kept.
         return replace(first, status=Status.INTERRUPTED)
@@ -219,14 +219,8 @@ def from_separated_form(
         few = replace(settings.interval_limits, rounds=0)
         patient = replace(near, interval_limits=few, solver=settings.solver.from_nearby())
         try:
-            first = _counted(found, solve_separated(replace(settings, interval_limits=few)))
-            found = _counted(first, solve_compressed(first, patient)) if first.success else found
+            first = with_effort_of(found, solve_separated(replace(settings, interval_limits=few)))
+            found = with_effort_of(first, solve_compressed(first, patient)) if first.success else found
         except KeyboardInterrupt:
             return replace(found, status=Status.INTERRUPTED)
     return found
-
-
-def _counted(before: Solution, after: Solution) -> Solution:
-    """Add the times and iterations of an earlier solve."""
-    times, iterations = added_times(before.times, after.times), before.iterations + after.iterations
-    return replace(after, times=times, iterations=iterations)

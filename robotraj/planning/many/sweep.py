@@ -13,7 +13,7 @@ from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import added_times
+from robotraj.solution.records import with_effort_of
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.reuse import sharing
@@ -131,9 +131,7 @@ def _continued(options: GuessedChoices, number: int, problem: Problem, last: Sol
     found = _numbered_plan({**from_last, "mesh": meshes, "goals": proof.goals}, number, problem)
     if found.success or found.status is Status.INTERRUPTED:
         return found
-    again = _numbered_plan(from_last, number, problem)
-    times, iterations = added_times(found.times, again.times), found.iterations + again.iterations
-    return replace(again, times=times, iterations=iterations)
+    return with_effort_of(found, _numbered_plan(from_last, number, problem))
 
 
 def check_options(options: Mapping[str, object]) -> None:
