@@ -130,11 +130,6 @@ def _solve_once(
     # Restarts of a plan, which have none themselves, need no second opinion.
     first = settings.restarts.count > 0 or check is not None
     solution, w = _solve(nlp, guess, multipliers, solver, check or progress, began, first)
-    if clearing.widen(solution):
-        nlp, began = clearing.rows(without_clearance), time.perf_counter()
-        longer = None if multipliers is None else lengthened(multipliers, nlp)
-        again, w = _solve(nlp, guess, longer, solver, check or progress, began, first)
-        solution = with_effort_of(solution, again)
     if check is not None and check.conflicts:
         return replace(solution, status=Status.INFEASIBLE, conflicts=check.conflicts)
     if check is not None and check.motion is not None:

@@ -42,8 +42,8 @@ class Clearing:
 
     A row keeps two shapes on both sides of a plane. A known motion fixes the planes: the guess, then each solution that
     penetrates no shape by more than ``DEEP``. The planes preserve the homotopy class of the guess. A finer mesh hardly
-    moves a solution on another one, so that few pairs have rows there, unless this proves wrong. On a given path
-    (``FollowPath``) distances are proved only, since no row can change it.
+    moves a solution on another one, so that few pairs have rows there; rounds add others where a proof falls short. On
+    a given path (``FollowPath``) distances are proved only, since no row can change it.
 
     Parameters
     ----------
@@ -100,18 +100,6 @@ class Clearing:
         longer = with_clearance_rows(nlp, self._every, self._kept, self._motions, found)
         self._count = len(longer.rows) - len(nlp.rows)
         return longer
-
-    def widen(self, solution: Solution) -> bool:
-        """Return whether ``rows`` adds more pairs now, since a solution of few rows penetrates shapes deeply."""
-        if not (self._every and self._stays_near and solution.success):
-            return False
-        from robotraj.transcription.clearance.proof import shortfalls
-
-        self._stays_near = all(
-            shortfalls(own.pairs, solution.phases[own.phase].joint_states).least > own.pairs.margin - DEEP
-            for own in self._every
-        )
-        return not self._stays_near
 
     def binds(self, nlp: Nlp, w: Array) -> bool:
         """Whether a row on a distance is active at w (n_w,)."""
