@@ -59,8 +59,6 @@ class BestMotion:
     steps : list of MeshStep
     sticking : bool
         Whether joints stick and slide to save effort.
-    is_flat : bool
-        Whether the objective is flat near its optimum: iterations move kinks from point to point.
     limits_between : bool
         Whether limits are imposed between the points on the present mesh.
     neighbour : Proof or None
@@ -80,9 +78,10 @@ class BestMotion:
         self.solves = Solves(progress)
         self.sticking = needs_softening(problem)
         self.kinked = any(is_kinked(phase) for phase in problem.phases)
-        self.is_flat = self.sticking or self.kinked
         change = CHANGE_OF_POWERS if self.has_sticking_powers else CHANGE_FLAT
-        self.solver = settings.solver.until_settled(change) if self.is_flat else settings.solver
+        # The objective is flat near its optimum: iterations move kinks from point to point.
+        flat = self.sticking or self.kinked
+        self.solver = settings.solver.until_settled(change) if flat else settings.solver
         self.limits_between = False
         self.neighbour: Proof | None = None
         self.near = False

@@ -39,8 +39,6 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
 SECOND = 1.5
 """Growth of the number of intervals from a first mesh that could not be solved to the second one."""
-LEAP = 1.6
-"""Growth of the number of intervals above which a solve may lead away from the optimum of the mesh before."""
 DOUBLED = 2.0
 """Growth of the number of intervals of phases that miss their goal where an error stagnates.
 
@@ -122,8 +120,6 @@ class _Refining:
         if self._strayed(failed, endless):
             self.motion.begin_afresh()
             return tuple(evenly_finer(mesh, SECOND) for mesh in (self.on_lines if endless else self.coarsest))
-        if smaller := self._smaller_step(failed, meshes):
-            return smaller
         if not first or failed.status in LIMITS_OF_THE_USER or are_clear(failed.conflicts):
             return None
         return tuple(evenly_finer(mesh, max(self.second, SECOND)) for mesh in meshes)
@@ -132,21 +128,6 @@ class _Refining:
         """Whether a finer mesh has no solution near that of a coarse one, which is no motion."""
         ended = self.motion.afresh or failed.status in (SPENT if endless else LIMITS_OF_THE_USER)
         return not ended and self.motion.solution is not None and not self.motion.is_motion
-
-    def _smaller_step(self, failed: Solution, meshes: Meshes) -> Meshes:
-        """Return meshes between the last ones and much finer ones on which limited iterations did not suffice.
-
-        None are returned for flat objectives, which take many iterations on any mesh.
-        """
-        motion = self.motion
-        limited = failed.status is Status.ITERATION_LIMIT
-        if motion.solution is None or motion.measures is None or motion.is_flat:
-            return ()
-        before = [part.mesh for part in motion.solution.phases]
-        leapt = any(mesh.count > LEAP * coarse.count for mesh, coarse in zip(meshes, before, strict=True))
-        if not (limited and leapt and motion.measures.only_unsettled):
-            return ()
-        return tuple(evenly_finer(mesh, SECOND) for mesh in before)
 
     def _finer(self, solution: Solution, first: bool, enough: bool) -> Meshes | None:
         """Keep a solution, and return the meshes that its measures need; None where it needs no others."""

@@ -244,20 +244,3 @@ def test_a_reach_by_mechanical_work_is_proved() -> None:
     end = rt.State(q=[0.78, -0.42, -0.68, -1.48, 0.14, 2.44, -0.43], v=0)
     solution = rt.plan(rt.Phase(arm, 1.2, start, end, rt.objectives.MechanicalWork()), check=False, time_limit=25)
     assert solution.proof is not None and solution.proof.holds
-
-
-def test_a_mesh_that_leads_away_from_an_optimum_is_followed_by_one_nearer_to_the_last(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    real, counts = solves.solve, []
-
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> rt.Solution:
-        found = real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
-        counts.append(found.phases[0].mesh.count)
-        return replace(found, status=Status.ITERATION_LIMIT) if len(counts) == 3 else found
-
-    monkeypatch.setattr(solves, "solve", solve)
-    solution = rt.plan(reach(rt.Effort(), 1.0), goals=rt.solution.Goals(objective=1e-6), check=False)
-    assert counts[2] > 1.6 * counts[1]
-    assert counts[3] == np.ceil(1.5 * counts[1])
-    assert solution.phases[0].mesh.count == counts[3] and solution.success
