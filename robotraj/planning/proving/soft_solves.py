@@ -8,7 +8,6 @@ from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import measured
 from robotraj.planning.proving.soft_friction import SOFTENING, averaging_times, softened
 from robotraj.planning.proving.solves import Solves
-from robotraj.planning.setting_conditions import is_kinked
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -16,7 +15,6 @@ from robotraj.solution.conflict import are_clear
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
-from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.schemes.mesh import Mesh
 
 CHANGE = 1e-3
@@ -29,9 +27,6 @@ NEARLY = 1e-2
 """Relative violation of a row that a guess may have."""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
-MOST_OF_POWERS = 2
-"""Largest growth where the objective has kinks. Powers that change their sign all along the motion look like torques
-that bend everywhere, and each mesh had three times the intervals of the last one."""
 
 
 def soft_solution(
@@ -73,8 +68,4 @@ def finer_where_bent(soft: Solution, settings: Settings) -> tuple[Mesh, ...]:
     """Return meshes that are finer where torques bend: they bend more sharply with less soft friction."""
     if settings.refinement is None or settings.goals is None:
         return tuple(part.mesh for part in soft.phases)
-    refinement = settings.refinement
-    if isinstance(refinement, Equidistribute) and any(is_kinked(part.phase) for part in soft.phases):
-        most = MOST_OF_POWERS * max(part.mesh.count for part in soft.phases)
-        refinement = replace(refinement, finest=min(refinement.finest, most))
-    return measured(soft, None, settings.goals, bending=True).next_meshes(soft.phases, refinement, SOFTER)
+    return measured(soft, None, settings.goals, bending=True).next_meshes(soft.phases, settings.refinement, SOFTER)
