@@ -5,22 +5,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import casadi as ca
+import numpy as np
+
 from robotraj._util.errors import InputError
+from robotraj.dynamics.expression_values import as_rows
 from robotraj.guess.along_path import AlongPath
 from robotraj.guess.from_solution import FromSolution, is_solution
 from robotraj.guess.perturbed import Perturbed
+from robotraj.guess.simulated import Simulated
 from robotraj.guess.straight_line import StraightLine
 from robotraj.problem.initial_guess import InitialGuess
 
 if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
 
 
 def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
     """Return the default guess of a problem.
 
-    It is an inverted pendulum for one robot with a free root on contacts. A phase with ``FollowPath`` gets its path,
-    others a straight line. Among obstacles, a path around them replaces a straight line that is not free.
+    It is an inverted pendulum for one robot with a free root on contacts. A System that moves from a known state to a
+    free end is simulated, unless the objective weighs its states along the way. A phase with ``FollowPath`` gets its
+    path, others a straight line. Among obstacles, a path around them replaces a straight line that is not free.
 
     Parameters
     ----------
@@ -35,6 +42,8 @@ def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
         from robotraj.guess.legs.inverted_pendulum import InvertedPendulum
 
         return InvertedPendulum()
+    if moves_freely(problem) and not _weighs_states(problem.phases[0]):
+        return Simulated()
     line = StraightLine(branch=branch)
     free: InitialGuess = line
     if _avoids_collisions(problem):
@@ -46,6 +55,28 @@ def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:
 
         return EachPhase([free if phase.path is None else AlongPath() for phase in problem.phases])
     return free
+
+
+def moves_freely(problem: Problem) -> bool:
+    """Whether one System without algebraic variables moves from a known state, to an end of which little is given.
+
+    A straight line is far from the motions of such systems, and satisfies no equation of theirs.
+    """
+    phase = problem.phases[0]
+    if len(problem.phases) > 1 or phase.robot is not None or phase.dae.algebraic:
+        return False
+    start, end = phase.start_bounds, phase.end_bounds
+    return bool(np.all(start.lower == start.upper) and np.mean(end.lower == end.upper) < 0.5)
+
+
+def _weighs_states(phase: Phase) -> bool:
+    """Whether an integral of the objective depends on the states.
+
+    It mostly keeps them near some values, such as an unstable equilibrium, from which the simulated motion departs.
+    """
+    point = phase.rows.point
+    rates = [as_rows(term.rate(point), "integrand")[0] for _, term in phase.integrals]
+    return ca.depends_on(ca.vertcat(ca.SX(0, 1), *rates), ca.vertcat(*point.x.values()))
 
 
 def other_guess(

@@ -73,9 +73,9 @@ def plan(
     mesh : Mesh or sequence of Mesh, optional
         One for all phases or one for each. With ``tolerance``, the first mesh.
     guess : InitialGuess, Solution or sequence of InitialGuess, optional
-        A straight line by default, and the motion of an inverted pendulum for legs. ``rt.Guess(times, q=..., tau=...)``
-        takes arrays. A sequence has one guess for each phase. An earlier solution on any mesh and scheme is a warm
-        start.
+        A straight line by default, the motion of an inverted pendulum for legs, and a simulation for a System whose
+        end is free. ``rt.Guess(times, q=..., tau=...)`` takes arrays. A sequence has one guess for each phase. An
+        earlier solution on any mesh and scheme is a warm start.
     solver : Solver, optional
         For example ``rt.InteriorPoint()``, which factorises stage by stage, or ``rt.Ipopt()``.
     engine : Engine, optional

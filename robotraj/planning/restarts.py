@@ -9,7 +9,8 @@ Source: Betts, Practical Methods for Optimal Control (2010), section 2.12 (find 
 Guesses may also be symmetric to an obstacle, with gradients that point to neither side, or lie at a singular pose.
 Seeded random variations avoid both. Each ends at another branch of inverse kinematics, if a pose has several.
 
-Systems whose ends are free, such as reactors, are far from a straight line. Their simulated motion is tried first.
+Systems whose ends are free, such as reactors, are far from a straight line. Their simulated motion is tried first,
+or the straight line where the simulated motion is the default guess.
 
 Passive joints swing, and the relaxed problem has many local optima: from one guess larger torques may seem necessary,
 where another motion needs none. More variations are tried there before the problem is called infeasible.
@@ -24,7 +25,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.guess.default import other_guess
+from robotraj.guess.default import default_guess, moves_freely, other_guess
 from robotraj.guess.simulated import Simulated
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.diagnosis.closed_ways import closed_ways
@@ -104,8 +105,13 @@ def restarted(
     closed = closed_ways(problem)
     if closed:
         return replace(failed, conflicts=closed)
-    if guess is None and _moves_freely(problem):
-        failed = _attempt(failed, solve_briefly, Simulated(), "simulated motion under constant controls")
+    if guess is None and moves_freely(problem):
+        other, description = (
+            (StraightLine(), "straight line, since the simulated motion did not converge")
+            if isinstance(default_guess(problem), Simulated)
+            else (Simulated(), "simulated motion under constant controls")
+        )
+        failed = _attempt(failed, solve_briefly, other, description)
         if failed.success or failed.status is Status.INTERRUPTED:
             return failed
     least: tuple[Conflict, ...] = ()
@@ -153,18 +159,6 @@ def _attempt(failed: Solution, solve: Solve, guess: InitialGuess, description: s
         message = f"{found.message}{RESTARTED_FROM}{description}"
         return replace(found, message=message, times=failed.times, iterations=failed.iterations)
     return replace(failed, status=Status.INTERRUPTED) if found.status is Status.INTERRUPTED else failed
-
-
-def _moves_freely(problem: Problem) -> bool:
-    """Whether one System without algebraic variables moves from a known state, to an end of which little is given.
-
-    A straight line is far from the motions of such systems.
-    """
-    phase = problem.phases[0]
-    if len(problem.phases) > 1 or phase.robot is not None or phase.dae.algebraic:
-        return False
-    start, end = phase.start_bounds, phase.end_bounds
-    return bool(np.all(start.lower == start.upper) and np.mean(end.lower == end.upper) < 0.5)
 
 
 def _total(conflicts: Sequence[Conflict]) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.guess.default import default_guess
 
 S = np.linspace(0.0, 1.0, 21)
 
@@ -47,3 +48,39 @@ def test_robots_are_refused() -> None:
     phase = rt.Phase(rt.load("cartpole"), duration=1.0, start=rt.State(q=0, v=0))
     with pytest.raises(rt.InputError, match="is no System"):
         rt.plan(phase, guess=rt.guess.Simulated())
+
+
+def _ship(objective: rt.Lagrange | rt.Mayer) -> rt.Phase:
+    """Bryson and Ho (1975), section 2.7: a thrust of half the weight along a path of greatest range in 2 s."""
+    system = rt.System(
+        ["x", "y", "v"],
+        ["c", "s"],
+        lambda point: [
+            point.x["v"] * point.u["c"],
+            point.x["v"] * point.u["s"],
+            0.5 - point.u["s"],
+        ],
+    )
+    direction = rt.PathConstraint(lambda point: point.u["c"] ** 2 + point.u["s"] ** 2, 1.0, 1.0, name="unit direction")
+    return rt.Phase(system, 2.0, rt.State([0, 0, 0]), rt.State({"y": 0.1}), objective, [direction])
+
+
+def test_a_system_that_moves_from_a_known_state_to_a_free_end_starts_from_its_simulation() -> None:
+    """A straight line stays at x = 0, from where the solver went to the local optimum 0.2523."""
+    phase = _ship(rt.Mayer(lambda start, end: -end.x["x"]))
+    assert isinstance(default_guess(rt.Problem([phase])), rt.guess.Simulated)
+    solution = rt.plan(phase)
+    assert abs(solution.objective + 1.71231) < 2e-4  # PSOPT's example bryson_max_range: 1.712314
+    assert rt.validate(solution).passed
+
+
+def test_a_weight_on_the_states_keeps_the_straight_line() -> None:
+    """Such a weight keeps a motion near an equilibrium, which may be unstable: a simulation departs from it."""
+    phase = _ship(rt.Lagrange(lambda point: point.x["y"] ** 2))
+    assert isinstance(default_guess(rt.Problem([phase])), rt.guess.StraightLine)
+
+
+def test_a_given_end_keeps_the_straight_line() -> None:
+    phase = _ship(rt.Mayer(lambda start, end: -end.x["x"]))
+    given = phase.with_(end=rt.State({"y": 0.1, "v": 0.4}))
+    assert isinstance(default_guess(rt.Problem([given])), rt.guess.StraightLine)

@@ -102,7 +102,9 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
     phase, size = ends.phase, position_count(ends.phase)
     table = phase.rows
     # A kinematic plan has the same symbols among its algebraic variables and its controls.
-    inner = ca.vertcat(ca.SX(0, 1), *ca.symvar(ca.vertcat(*table.point.z.values(), *table.point.u.values())))
+    inner = ca.vertcat(
+        ca.SX(0, 1), *ca.symvar(ca.vertcat(ca.SX(0, 1), *table.point.z.values(), *table.point.u.values()))
+    )
     groups = (table.path, table.at(Where.START), table.at(Where.END))
     read = [row for group in groups for row in group if not ca.depends_on(table.expressions((row,))[0], inner)]
     sides = (

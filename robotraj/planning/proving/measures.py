@@ -208,7 +208,8 @@ def measured(
     if on_paths:
         # The time that lines lose is estimated from this mesh alone, too.
         unsettled = max(unsettled, coarse)
-    errors = tuple(errors_of(p.phase, p.trajectory, p.mesh, simulated=True) for p in parts)
+    whole = sum(part.duration for part in parts)
+    errors = tuple(errors_of(p.phase, p.trajectory, p.mesh, whole) for p in parts)
     # The error of the integral on an interval is scaled so that its goal is the same as that of the relative error.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
     needs = tuple(

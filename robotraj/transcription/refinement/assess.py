@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
-from robotraj.robot.size.error_window import error_window
+from robotraj.robot.size.error_window import WINDOWS, error_window
 from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -17,7 +17,7 @@ from robotraj.transcription.refinement.error import interval_errors, residuals_o
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
-from robotraj.transcription.refinement.simulation_errors import errors_of_simulations
+from robotraj.transcription.refinement.simulation_errors import errors_of_simulations, errors_of_windows
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 if TYPE_CHECKING:
@@ -44,19 +44,22 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     )
 
 
-def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, simulated: bool = False) -> Array:
+def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, whole: float | None = None) -> Array:
     """Relative error of every interval, of its states or of an integral constraint, (K,).
 
     States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
-    With ``simulated``, errors of a robot count as a simulation shows them too (``simulation_errors``).
+    With the duration ``whole`` of the whole motion [s], they count as a simulation shows them too
+    (``simulation_errors``).
     """
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
     if is_exact(phase, mesh.given):
         return of_integrals
     residuals = residuals_of(phase, trajectory, inputs_of(phase, trajectory, mesh.schemes))
     errors = np.maximum(interval_errors(phase, trajectory, residuals=residuals), of_integrals)
-    if not simulated or phase.robot is None or phase.path is not None:
+    if whole is None or phase.path is not None:
         return errors
+    if phase.robot is None:
+        return np.maximum(errors, errors_of_windows(trajectory, residuals, whole / WINDOWS))
     nq, nv = phase.robot.nq, phase.robot.nv
     window = error_window(phase.robot)
     return np.maximum(errors, errors_of_simulations(trajectory, residuals, window, slice(nq, nq + nv)))

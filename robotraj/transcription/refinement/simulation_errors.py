@@ -1,4 +1,4 @@
-"""Errors of a robot's plan as ``rt.validate`` measures them: over short windows, and of speeds inside intervals.
+"""Errors of a plan as ``rt.validate`` measures them: over short windows, and of speeds inside intervals.
 
 Betts's error of an interval (``error``) is relative to the largest acceleration of a joint, and counts intervals one by
 one. Where many short intervals follow each other, as where powers change their sign, their errors add up, and a
@@ -6,9 +6,9 @@ simulation of a window misses its end. The error over a window is the sum of its
 
     error = max_i |integral e_i dt| / (1 + |x_i|),    e = xdot - f,
 
-with the state x_i at its end. Windows end inside of longer intervals, where the error is larger than at the end: there
-collocation integrates e to nearly zero. An interval has the share of the error of a window that its own error has of
-the mean in the window, at most the whole.
+with the state x_i at its end. The size of a System's state is max(1, max_t |x_i|) instead. Windows end inside of longer
+intervals, where the error is larger than at the end: there collocation integrates e to nearly zero. An interval has the
+share of the error of a window that its own error has of the mean in the window, at most the whole.
 
 A light joint whose motor overcomes dry friction reaches its speed within a fraction of an interval, and then holds it
 by damping. The collocated speed is right at the knots and wrong inside the interval. Relative to an acceleration of
@@ -60,8 +60,24 @@ def errors_of_simulations(trajectory: PhaseTrajectory, residuals: Residuals, lon
     return np.maximum(SHARE * window_errors(trajectory, residuals, longest), of_speeds)
 
 
-def window_errors(trajectory: PhaseTrajectory, residuals: Residuals, longest: float) -> Array:
-    """Return the error of the worst window around every interval, (K,)."""
+def errors_of_windows(trajectory: PhaseTrajectory, residuals: Residuals, longest: float) -> Array:
+    """Return the error of the worst window of a System around every interval, to compare with that of one, (K,)."""
+    peaks = np.max([np.abs(values).max(axis=0) for values in trajectory.x.values], axis=0)
+    return SHARE * window_errors(trajectory, residuals, longest, np.maximum(1.0, peaks))
+
+
+def window_errors(
+    trajectory: PhaseTrajectory, residuals: Residuals, longest: float, sizes: Array | None = None
+) -> Array:
+    """Return the error of the worst window around every interval, (K,).
+
+    Parameters
+    ----------
+    trajectory, residuals, longest
+        See ``errors_of_simulations``.
+    sizes : ndarray (nx,), optional
+        Sizes of the states; by default 1 + |x| at the end of each window.
+    """
     breaks = trajectory.x.breaks
     lengths = np.diff(breaks)
     parts = np.maximum(1, np.ceil(lengths / longest * (1.0 - ROUNDING))).astype(int)
@@ -72,12 +88,12 @@ def window_errors(trajectory: PhaseTrajectory, residuals: Residuals, longest: fl
     begins = np.append(breaks[0], ends[:-1])
     eta = _integrals(residuals, lengths, parts, longest)
     sums = np.vstack([np.zeros(eta.shape[1]), np.cumsum(eta, axis=0)])
-    sizes = 1.0 + np.abs(trajectory.x(ends, owners))
+    at_ends = 1.0 + np.abs(trajectory.x(ends, owners)) if sizes is None else np.tile(sizes, (len(ends), 1))
     errors = np.zeros(len(lengths))
     for first, begin in enumerate(begins):
         last = max(first + 1, int(np.searchsorted(ends, begin + longest * (1.0 + ROUNDING), side="right")))
         window = slice(first, last)
-        of_window = np.abs(sums[last] - sums[first]) / sizes[last - 1]
+        of_window = np.abs(sums[last] - sums[first]) / at_ends[last - 1]
         own = np.abs(eta[window])
         shares = np.minimum(1.0, own / np.maximum(own.mean(axis=0), 1e-300))
         np.maximum.at(errors, owners[window], (shares * of_window).max(axis=1))

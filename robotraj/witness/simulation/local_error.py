@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from robotraj.dynamics.design.binding import realised
-from robotraj.robot.size.error_window import error_window
+from robotraj.robot.size.error_window import WINDOWS, error_window
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Plant
 from robotraj.witness.plants.robot_plant import RobotPlant
@@ -22,9 +22,6 @@ from robotraj.witness.simulation.mirror_image import MIRRORED, mirror_image, mir
 from robotraj.witness.simulation.open_loop import handed_on
 from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
-
-WINDOWS = 40
-"""Number of windows of a whole plan. Those of robots last between one and two times ``error_window``."""
 
 
 def windows_of(knots: Array, longest: float) -> list[list[Span]]:
@@ -57,6 +54,7 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
     for i, planned in enumerate(solution.phases):
         robot, longest = planned.phase.robot, whole / WINDOWS
         if robot is not None:
+            # Between one and two windows of the proof.
             window = error_window(robot)
             longest = float(np.clip(longest, window, 2.0 * window))
         knots = np.asarray(planned.knots, dtype=float)

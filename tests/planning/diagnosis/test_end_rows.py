@@ -26,3 +26,11 @@ def test_a_cone_gives_way_before_the_pose_that_contradicts_it() -> None:
     failed = rt.plan(phase, check=False)
     (conflict,) = failed.conflicts
     assert conflict.name == "frame axis angle, panda_hand_tcp" and "frame orientation" in conflict.reason
+
+
+def test_a_system_without_inputs_names_the_duration_that_it_lacks() -> None:
+    """It has neither controls nor algebraic variables, and the search for its rows raised an error of CasADi."""
+    growth = rt.System(["x"], [], lambda point: [point.x["x"]])
+    failed = rt.plan(rt.Phase(growth, (0.1, 1.0), rt.State([1.0]), rt.State([3.0])), check=False)  # ln 3 = 1.1 s
+    assert not failed.success
+    assert [conflict.name for conflict in failed.conflicts] == ["duration"]
