@@ -19,7 +19,7 @@ from robotraj.solvers.stagewise.linear import extract_linear
 from robotraj.solvers.stagewise.order import Order, allowed_stages, order
 from robotraj.solvers.stagewise.program import Program, build
 from robotraj.solvers.stagewise.program import with_values as program_with_values
-from robotraj.solvers.stagewise.redundant_rows import remove_redundant_rows
+from robotraj.solvers.stagewise.redundant_rows import remove_repeated_rows, remove_satisfied_rows
 from robotraj.solvers.stagewise.slots import Slots, make_slots
 from robotraj.solvers.stagewise.slots import with_values as slots_with_values
 from robotraj.transcription.schemes.onestep import OneStep
@@ -128,8 +128,8 @@ def _staged(nlp: Nlp, before: Stretch | None = None) -> tuple[Form, Stretch | No
     for layout, phase in zip(nlp.layouts, nlp.problem.phases, strict=True):
         if isinstance(layout.scheme, OneStep):
             raise NotStagewise(f"phase {phase.name!r} is planned by {type(layout.scheme).__name__}")
-    form, stretched = stretch(Form.of(nlp), nlp, before)
-    form = remove_redundant_rows(eliminate_controls(extract_linear(form), nlp), nlp)
+    form, stretched = stretch(remove_satisfied_rows(Form.of(nlp), nlp), nlp, before)
+    form = remove_repeated_rows(eliminate_controls(extract_linear(form), nlp), nlp)
     ends = [min(link.phases) for link in nlp.problem.bound_links]
     low, high, stages = allowed_stages(nlp.layouts, nlp.link_columns, ends, len(nlp.variables))
     known = (form.lower == form.upper) & ~form.gone

@@ -28,19 +28,15 @@ SAME = 1e-9
 """Relative difference of values at random points below which two rows are the same."""
 
 
-def remove_redundant_rows(form: Form, nlp: Nlp) -> Form:
-    """Remove the bounds of rows that fixed columns satisfy, and of rows that repeat others.
+def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:
+    """Remove the bounds of rows that fixed columns satisfy, and leave those that they contradict.
 
-    Rows that contradict fixed columns or another row stay, so that the solver reports them. Only constraints, contacts
-    and links have such equations. Without them the form is returned unchanged.
+    Columns of the NLP are fixed where the problem fixes a variable. After ``stretch`` a fixed velocity is no number
+    any more, but a multiple of the duration, so rows are removed before.
     """
-    if not nlp.problem.bound_links and not any(phase.constraints or phase.contacts for phase in nlp.problem.phases):
+    if not _has_redundant_rows(nlp):
         return form
     fixed = (form.lower == form.upper) & ~form.gone
-    return _remove_repeated(_remove_satisfied(form, fixed), fixed)
-
-
-def _remove_satisfied(form: Form, fixed: Mask) -> Form:
     settled = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper)) & (form.targets < 0)
     row, column, _ = entries(form.linear)
     settled[row[~fixed[column]]] = False
@@ -54,8 +50,11 @@ def _remove_satisfied(form: Form, fixed: Mask) -> Form:
     return _without_bounds(form, held)
 
 
-def _remove_repeated(form: Form, fixed: Mask) -> Form:
+def remove_repeated_rows(form: Form, nlp: Nlp) -> Form:
     """Remove equations of several blocks that are multiples of others at random points."""
+    if not _has_redundant_rows(nlp):
+        return form
+    fixed = (form.lower == form.upper) & ~form.gone
     equations = (form.row_lower == form.row_upper) & (form.targets < 0)
     written = [row[equations[row]] for row in (entries(block.scatter)[0] for block in form.blocks)]
     if sum(row.size > 0 for row in written) < 2:
@@ -75,6 +74,11 @@ def _remove_repeated(form: Form, fixed: Mask) -> Form:
     again = np.zeros_like(chosen)
     again[rows[order[1:][near.all(axis=0)]]] = True
     return _without_bounds(form, again) if again.any() else form
+
+
+def _has_redundant_rows(nlp: Nlp) -> bool:
+    """Whether a problem may have redundant equations: constraints, contacts and links alone have them."""
+    return bool(nlp.problem.bound_links) or any(phase.constraints or phase.contacts for phase in nlp.problem.phases)
 
 
 def _without_bounds(form: Form, rows: Mask) -> Form:
