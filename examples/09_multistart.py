@@ -17,14 +17,13 @@ def swing_up(target: float) -> rt.Phase:
     )
 
 
-if __name__ == "__main__":  # the sweep's processes import this file
-    found = rt.multistart(swing_up(1.0), starts=20, seed=0, mesh=rt.Mesh(40))
-    print(found)
+found = rt.multistart(swing_up(1.0), starts=20, seed=0, mesh=rt.Mesh(40))
+print(found)
 
-    first = rt.planning.ContinuationStep(mesh=rt.Mesh(10), objective=rt.Effort() + rt.Duration())
-    print(rt.plan(swing_up(1.0), mesh=rt.Mesh(40), continuation=[first]))
+first = rt.planning.ContinuationStep(mesh=rt.Mesh(10), objective=rt.Effort() + rt.Duration())
+print(rt.plan(swing_up(1.0), mesh=rt.Mesh(40), continuation=[first]))
 
-    for solution in rt.sweep([swing_up(x) for x in (0.5, 1.0, 1.5)], mesh=rt.Mesh(40)):
-        print(f"{solution.problem.phases[0].name}: {solution.objective:.3f} N^2 s, {solution.status.value}")
+for solution in rt.sweep([swing_up(x) for x in (0.5, 1.0, 1.5)], mesh=rt.Mesh(40)):
+    print(f"{solution.problem.phases[0].name}: {solution.objective:.3f} N^2 s, {solution.status.value}")
 
-    print("wrote", rt.replay(found.best, "09_multistart.html"))
+print("wrote", rt.replay(found.best, "09_multistart.html"))

@@ -37,11 +37,20 @@ class Files:
             written.append(solution.save(self.save))
         if self.plot is not None:
             with whole_file(self.plot) as file:
-                solution.plot().savefig(file, format=self.plot.suffix[1:])
+                _draw(solution, file, self.plot.suffix[1:])
             written.append(self.plot)
         if self.html is not None:
             written.append(replay(solution, self.html, report=report, **self.replay))
         return written
+
+
+def _draw(solution: Solution, file: Path, kind: str) -> None:
+    """Draw with Matplotlib's own settings: a ``matplotlibrc`` of the working folder could start LaTeX."""
+    import matplotlib  # a third of a second to import
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        solution.plot().savefig(file, format=kind)
 
 
 def conclude(

@@ -44,6 +44,9 @@ LINEAR_SOLVERS = ("mumps", "spral")
 LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"pardiso": "pardisolib"}
 """Linear solvers that IPOPT loads from a library, with the option that gives its path."""
 
+NO_FILE: Mapping[str, object] = {"option_file_name": ""}
+"""Without it IPOPT reads ``ipopt.opt`` of the working folder, which may load a library or overwrite a file."""
+
 ROUND_OFF = 1e-8
 """Optimality error at which IPOPT may end where round-off keeps it above the tolerance."""
 LEAST = 1e-13
@@ -138,6 +141,7 @@ class Ipopt(Solver):
             "mu_init": self.initial_barrier,
             "print_level": 0,
             "sb": "yes",
+            **NO_FILE,
             # Bounds hold at the solution. IPOPT relaxes them by 1e-8 while it iterates. Restoring them then changes
             # rows with steep gradients by more than their tolerance.
             "honor_original_bounds": "yes",

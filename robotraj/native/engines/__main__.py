@@ -1,9 +1,9 @@
-"""The process that compiles in the background: ``python -m robotraj.native.engines JOB COMPILER PROCESSES``."""
+"""The process that compiles in the background: arguments CACHE COMPILER PROCESSES, functions on its standard input."""
 
 from __future__ import annotations
 
+import json
 import os
-import shutil
 import sys
 from pathlib import Path
 
@@ -14,9 +14,7 @@ from robotraj.native.engines.compiled import build
 from robotraj.native.engines.compiler import find_compiler
 
 if __name__ == "__main__":
-    job, command, processes = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
     os.nice(10)  # plans that run meanwhile take precedence
-    cache = Cache(job.parent)
-    functions = {path.stem: ca.Function.load(str(path)) for path in sorted(job.glob("*.casadi"))}
-    shutil.rmtree(job)
-    build(functions, cache, find_compiler(command), processes)
+    folder, compiler, processes = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+    functions = {key: ca.Function.deserialize(text) for key, text in json.load(sys.stdin.buffer).items()}
+    build(functions, Cache(folder), find_compiler(compiler), processes)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
+import json
 import subprocess
-import sys
 import tempfile
-from pathlib import Path
 
 import casadi as ca
 
+from robotraj._util.system.own_python import command
 from robotraj.native.engines.cache import Cache
 from robotraj.native.engines.compiler import Compiler
 
@@ -26,19 +25,19 @@ def start(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, p
     if not locks:
         return
     try:
-        job = Path(tempfile.mkdtemp(prefix="job-", dir=cache.folder))
-        for key in locks:
-            functions[key].save(str(job / f"{key}.casadi"))
-        with (cache.folder / "background.log").open("ab") as log:
+        # A file without a name is gone when the last process closes it, however that process ends.
+        with tempfile.TemporaryFile(dir=cache.folder) as job, (cache.folder / "background.log").open("ab") as log:
+            job.write(json.dumps({key: functions[key].serialize() for key in locks}).encode())
+            job.seek(0)
             # The process inherits the locks; the system releases them when it ends.
             subprocess.Popen(
-                [sys.executable, "-m", "robotraj.native.engines", str(job), compiler.command, str(processes)],
-                stdin=subprocess.DEVNULL,
+                command("robotraj.native.engines", str(cache.folder), compiler.command, str(processes)),
+                cwd=cache.folder,
+                stdin=job,
                 stdout=log,
                 stderr=log,
                 start_new_session=True,
                 pass_fds=[lock.fileno() for lock in locks.values()],
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             )
     finally:
         for lock in locks.values():

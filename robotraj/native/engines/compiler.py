@@ -72,25 +72,27 @@ class Compiler:
         for i, text in enumerate(source.files):
             written, made = folder / f"{i}.c", folder / f"{i}.o"
             written.write_text(text)
-            objects.append((made, pool.submit(self._run, until, *FLAGS, "-c", str(written), "-o", str(made))))
+            objects.append((made, pool.submit(self._run, folder, until, *FLAGS, "-c", str(written), "-o", str(made))))
 
         def finish() -> Path:
             for _, future in objects:
                 future.result()
             library = folder / "library.so"
-            self._run(until, "-shared", "-o", str(library), *(str(made) for made, _ in objects), "-lm")
+            self._run(folder, until, "-shared", "-o", str(library), *(str(made) for made, _ in objects), "-lm")
             return library
 
         return finish
 
-    def _run(self, until: float, *arguments: str) -> None:
+    def _run(self, folder: Path, until: float, *arguments: str) -> None:
         left = until - time.monotonic()
         if left <= 0.0:
             raise CompilationStopped(f"{self.command} was not started: the time limit is over.")
         try:
             # A compiler of its own group can be stopped with the processes that it has started.
+            # Relative entries of PATH, CPATH and the like then name no file of the working folder.
             done = subprocess.Popen(
                 [self.command, *arguments],
+                cwd=folder,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
                 text=True,
@@ -127,7 +129,7 @@ def find_compiler(command: str | None = None) -> Compiler:
     """
     names = [command] if command else [os.environ.get("CC", ""), *CANDIDATES]
     for name in names:
-        path = shutil.which(name) if name else None
+        path = _on_path(name) if name else None
         if path is not None:
             return Compiler(path, _version(path))
     sought = repr(command) if command else " or ".join(CANDIDATES)
@@ -137,9 +139,16 @@ def find_compiler(command: str | None = None) -> Compiler:
     )
 
 
+def _on_path(name: str) -> str | None:
+    """Return the absolute path of a program; a name is looked for in the absolute entries of PATH alone."""
+    if os.path.dirname(name):
+        name = os.path.abspath(name)
+    return shutil.which(name, path=os.pathsep.join(entry for entry in os.get_exec_path() if os.path.isabs(entry)))
+
+
 @cache
 def _version(path: str) -> str:
-    done = subprocess.run([path, "-v"], capture_output=True, text=True, check=False)
+    done = subprocess.run([path, "-v"], capture_output=True, text=True, check=False, cwd=os.path.dirname(path))
     if done.returncode:
         raise InputError(f"{path} is no working C compiler: '{path} -v' fails. Give another one by compiler= or CC.")
     # On some systems clang prints a temporary folder on later lines.

@@ -37,6 +37,7 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.root import QUATERNION
 from robotraj.solution.conflict import Conflict
+from robotraj.solvers.ipopt import NO_FILE
 from robotraj.transcription.extract import PhaseTrajectory
 
 Array = NDArray[np.float64]
@@ -111,7 +112,7 @@ def _least_slacks(
     scales = np.array([row.scale for row in rows])
     weights = np.array([rows[i].weight for i, *_ in sides])
     cost = ca.dot(weight, slack) + NEARNESS * ca.sumsqr(unknown - near)
-    options = {"tol": 1e-8, "max_iter": ITERATIONS, "print_level": 0, "sb": "yes"}
+    options = {"tol": 1e-8, "max_iter": ITERATIONS, "print_level": 0, "sb": "yes", **NO_FILE}
     solver = ca.nlpsol(
         "ends",
         "ipopt",

@@ -39,9 +39,8 @@ def sweep(
     problems : sequence of Problem or Phase
         Problems are sent to workers by cloudpickle, which must be able to pickle the closures of their lambdas.
     executor : concurrent.futures.Executor, optional
-        Processes, threads or ``dask.distributed.Client.get_executor()``. By default one new process per core. It is
-        spawned, so a script needs ``if __name__ == "__main__":`` around the call. ``ThreadPoolExecutor(1)`` plans in
-        this process, one problem after the other.
+        Processes, threads or ``dask.distributed.Client.get_executor()``. By default one new process per core. They do
+        not import the script. ``ThreadPoolExecutor(1)`` plans in this process, one problem after the other.
     chain : bool
         Plan in this process, each problem from the solution of the last one that was solved, on its last mesh if that
         was proved. Neighbouring problems, such as gaits of rising speed, take fewer iterations then. All may stay near

@@ -8,10 +8,9 @@ as costates, are then computed later; between processes they are computed before
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar, cast
@@ -19,6 +18,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 import cloudpickle
 
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj.planning.many.processes import Processes
 
 if TYPE_CHECKING:
     from robotraj.solution.solution import Solution
@@ -61,7 +61,7 @@ def run(
         ``work(shared, task)``, a function defined in a module.
     shared, tasks : picklable by cloudpickle
     executor : concurrent.futures.Executor, optional
-        Threads, processes or Dask's ``client.get_executor()``. By default one new process per core. It is spawned and
+        Threads, processes or Dask's ``client.get_executor()``. By default one new process per core, which
         inherits nothing from this process.
     enough : callable, optional
         ``enough(results)`` returns whether the first results suffice. Only these are returned then, and tasks that have
@@ -80,7 +80,7 @@ def run(
         if not tasks:
             return []
         workers = min(len(tasks), os.cpu_count() or 1)
-        own = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
+        own = Processes(workers)
         waiting = True
         try:
             return run(work, shared, tasks, own, enough)
@@ -105,8 +105,8 @@ def run(
         return _first(lambda task: executor.submit(_call, common, task), packed, cloudpickle.loads, enough)
     except BrokenProcessPool as error:
         raise RobotrajError(
-            "A worker process died. Every worker imports the script: put its call under `if __name__ == '__main__':`. "
-            "If it is there, a worker ran out of memory: give an executor= of fewer workers."
+            f"{error} It ran out of memory or was ended from outside: give an executor= of fewer workers. Workers of "
+            "a ProcessPoolExecutor import the script: put its call under `if __name__ == '__main__':`."
         ) from error
 
 

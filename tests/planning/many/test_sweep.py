@@ -114,17 +114,23 @@ def test_robots_travel_to_the_default_processes_of_a_script(tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-def test_the_error_of_a_script_without_a_guard_names_the_remedy(tmp_path: Path) -> None:
+def test_a_script_needs_no_guard_and_its_own_classes_come_back(tmp_path: Path) -> None:
+    (tmp_path / "beside.py").write_text("weight = 1.0\n")
     script = tmp_path / "script.py"
     script.write_text(
-        "import robotraj as rt\n"
+        "import robotraj as rt, beside\n"
+        "class Weighted(rt.objectives.Integral):\n"
+        "    def rate(self, point):\n"
+        "        return beside.weight * point.u['u'] ** 2\n"
+        "    def check(self, dynamics, parameters):\n"
+        "        pass\n"
         "system = rt.System(['x'], ['u'], lambda point: [point.u['u']])\n"
-        "phase = rt.Phase(system, duration=1.0, start=rt.State([0]), end=rt.State([1]), objective=rt.Effort())\n"
-        "rt.sweep([phase])\n"
+        "phase = rt.Phase(system, duration=1.0, start=rt.State([0]), end=rt.State([1]), objective=Weighted())\n"
+        "[found] = rt.sweep([phase], mesh=rt.Mesh(4))\n"
+        "print(type(found.problem.phases[0].objective) is Weighted, round(found.objective, 6))\n"
     )
     run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
-    assert run.returncode != 0
-    assert "if __name__ == '__main__':" in run.stderr.splitlines()[-1]
+    assert run.stdout.split() == ["True", "1.0"], run.stderr
 
 
 def test_nothing_to_plan_gives_nothing() -> None:
