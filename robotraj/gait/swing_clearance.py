@@ -8,19 +8,18 @@ import numpy as np
 
 from robotraj._util.errors import warn
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.supports import GaitTerms, Support
+from robotraj.problem.clearance.swinging_feet import TOUCH
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.heights import RequiredHeight
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.robot.robot import Robot
-
-TOUCH = 1e-4
-"""Depth below the ground [m] that clearance permits, so that its rows are not redundant at liftoff and touchdown."""
 
 STEP = "step length"
 """Parameter of the phases of mirrored gaits with clearance: displacement of a step along x [m]."""
@@ -46,8 +45,10 @@ def swing_clearance(
     to one before it. The same holds in each half of a complete stride. Other feet stay above the ground; the function
     warns of them if the clearance is positive. All corners of a sole stay above the ground.
     """
-    if terms.clearance is None or not swinging:
+    if not swinging:
         return [], {}
+    if terms.clearance is None:
+        return [through_ground([foot_contact(terms.contact, foot).bound_to(robot) for foot in swinging])], {}
     partners = partners_of(repeat) if passes is None else passes
     gain = repeat.displacement.get("q.root_x") if repeat is not None else None
     if passes is not None and isinstance(gain, int | float):
@@ -75,6 +76,11 @@ def swing_clearance(
         )
     spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
     return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows, parameters
+
+
+def through_ground(feet: Sequence[BoundContact]) -> GroundClearance:
+    """Return the constraint without rows that lets swinging feet pass through the ground."""
+    return GroundClearance([point for foot in feet for point in foot.outline()], None)
 
 
 def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:

@@ -11,6 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief, table
 from robotraj._util.values import dataclass
+from robotraj.problem.clearance.swinging_feet import with_feet_above_ground
 from robotraj.problem.links.base import BoundLink, Link
 from robotraj.problem.links.continuity import running_on
 from robotraj.problem.phase import Phase
@@ -38,7 +39,8 @@ class Problem(OneLine):
     phases : Phase or sequence of Phase
     links : Link or sequence of Link
         ``rt.Continuity(0, 1)`` joins the end of phase 0 to the start of phase 1. A phase without such a link
-        starts when the one before ends; its states are continuous only where a link imposes it.
+        starts when the one before ends; its states are continuous only where a link imposes it. Phases get the rows
+        ``rt.GroundClearance`` of feet that other phases hold, where they state no clearance of them.
     missing : sequence of str
         Parts of the problem that a file does not hold, as ``load_solution`` lists them; empty for problems written in
         Python.
@@ -59,9 +61,14 @@ class Problem(OneLine):
         for phase in phases:
             if not isinstance(phase, Phase):
                 raise InputError(f"A problem is made of rt.Phase values; got {type(phase).__name__}.")
+        links = (self.links,) if isinstance(self.links, Link) else tuple(self.links)
         object.__setattr__(self, "phases", phases)
-        object.__setattr__(self, "links", (self.links,) if isinstance(self.links, Link) else tuple(self.links))
+        object.__setattr__(self, "links", links)
         _ = self.bound_links
+        above = with_feet_above_ground(phases, links)
+        if any(one is not other for one, other in zip(above, phases, strict=True)):
+            object.__setattr__(self, "phases", above)
+            self.__dict__.pop("bound_links", None)
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle the fields only; derived values are computed again on first use."""

@@ -32,7 +32,7 @@ def clearance_scene(cycles: GaitCycles) -> list[dict[str, object]]:
     curves = []
     for cycle_phase in cycles.phases:
         for constraint in cycle_phase.phase.constraints:
-            if isinstance(constraint, GroundClearance):
+            if isinstance(constraint, GroundClearance) and constraint.height is not None:
                 curves += _curves(cycle_phase, constraint)
     return curves
 

@@ -7,6 +7,7 @@ Start with ``validation.py``. The room may import ``solution``, ``problem`` and 
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
+from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.figures import Tolerances
@@ -54,6 +55,7 @@ __all__ = [
     "SecondOpinion",
     "Simulation",
     "SoftGround",
+    "SwingingFoot",
     "Tolerances",
     "TrackingResult",
     "Violation",

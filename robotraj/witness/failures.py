@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.checks.watch import SOLVER_NOISE
-from robotraj.witness.contacts.failures import contact_failures
+from robotraj.witness.contacts.failures import contact_failures, swing_failures
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.peak import Peak
 from robotraj.witness.simulation.closed_loop import ClosedLoop
@@ -28,9 +28,8 @@ def failures_of(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
         found.append(f"The open-loop simulation stopped early: {figures.failure}.")
     elif tolerances.drift is not None and figures.drift is not None:
         found += _off("Open loop, the simulation drifts from the plan:", figures.drift.worst, tolerances.drift, advice)
-    found += contact_failures(
-        figures.holdings, figures.impacts, tolerances.contact, tolerances.forces, tolerances.limits
-    )
+    found += contact_failures(figures.holdings, figures.impacts, tolerances)
+    found += swing_failures(figures.swings, tolerances.ground)
     found += _limits(figures, tolerances.limits)
     found += _balances(figures, tolerances)
     return tuple(found)

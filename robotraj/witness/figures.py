@@ -8,6 +8,7 @@ from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
+from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.plants.plant import Landing
@@ -34,6 +35,12 @@ class Tolerances(OneLine):
     forces : float or None
         Largest violation of limits on normal force, friction and centre of pressure between collocation points. It is
         relative to the robot's weight, or to the impulse of an impact.
+    force_error : float or None
+        Largest difference between planned contact forces and those of the equations, relative to the largest force of
+        the contact in the phase, or to 5 percent of the robot's weight where that is greater.
+    ground : float or None
+        Largest depth of a swinging foot below the ground relative to the robot's reach l, and largest speed away from
+        the ground at a touchdown relative to sqrt(g l).
     energy : float or None
         |imbalance| of the energy balance relative to ``Energy.scale``.
     residual : float or None
@@ -48,6 +55,8 @@ class Tolerances(OneLine):
     limits: float = 1e-3
     contact: float | None = 1e-4
     forces: float | None = 1e-3
+    force_error: float | None = 2e-2
+    ground: float | None = 1e-3
     energy: float | None = None
     residual: float | None = None
     drift: float | None = None
@@ -94,6 +103,8 @@ class Figures(OneLine):
     holdings : tuple of Holding
         Slip, sink and forces of every contact of every phase.
     impacts : tuple of Impact
+    swings : tuple of SwingingFoot
+        Depth below the ground and rise at touchdown of every foot in every phase that does not hold it.
     stiff : float or None
         Time [s] from which implicit steps simulated open loop, because the motion is stiff.
     clearances : tuple of Clearance
@@ -121,6 +132,7 @@ class Figures(OneLine):
     landings: tuple[Landing, ...] = ()
     holdings: tuple[Holding, ...] = ()
     impacts: tuple[Impact, ...] = ()
+    swings: tuple[SwingingFoot, ...] = ()
     stiff: float | None = None
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()

@@ -14,6 +14,7 @@ from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.violations import violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
+from robotraj.witness.contacts.ground import swings_of
 from robotraj.witness.contacts.impact import impacts_of
 from robotraj.witness.contacts.slip_and_friction import holding_of
 from robotraj.witness.figures import Tolerances
@@ -44,6 +45,8 @@ class ValidationOptions(TypedDict, total=False):
     limits: float
     contact: float | None
     forces: float | None
+    force_error: float | None
+    ground: float | None
     energy: float | None
     residual: float | None
     drift: float | None
@@ -61,6 +64,8 @@ def validate(
     limits: float = 1e-3,
     contact: float | None = 1e-4,
     forces: float | None = 1e-3,
+    force_error: float | None = 2e-2,
+    ground: float | None = 1e-3,
     energy: float | None = None,
     residual: float | None = None,
     drift: float | None = None,
@@ -73,12 +78,14 @@ def validate(
     M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; where the motion is
     stiff, an L-stable SDIRK method of order 4 does.
 
-    Five figures decide:
+    Seven figures decide:
 
     - the local error: short parts of the plan are simulated one by one, each from the plan's own state;
     - limits, constraints, links, boundary conditions and contacts, between the knots too; and impacts,
       M (v+ - v-) = J' L, J v+ = 0;
     - distances of the exact shapes from obstacles and each other, by coal, for every ``CollisionFree``;
+    - contact forces: those of the plan against those of the equations;
+    - the ground: feet that swing stay above it, and land from above;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
     - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
@@ -92,7 +99,7 @@ def validate(
         Tolerances of the steps of the open-loop simulation; those of the other simulations are 1e-6.
     samples_per_interval : int
         Points of every interval at which limits, constraints and residuals are evaluated.
-    local, tracking, limits, contact, forces, energy, residual, drift : float or None
+    local, tracking, limits, contact, forces, force_error, ground, energy, residual, drift : float or None
         Thresholds of ``Report.passed``, see ``Tolerances``; None does not judge the figure.
     time_limit : float or None
         Processor time [s] after which no further check begins; the report lists the missing checks.
@@ -137,6 +144,7 @@ def validate(
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)
     impacts = within("impacts", lambda: impacts_of(solution), True)
+    swings = within("swinging feet", lambda: swings_of(solution, samples, clock), True)
     followed = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
     residuals = within(
         "residuals between collocation points",
@@ -159,7 +167,7 @@ def validate(
         energy=energies.add(balances or ()),
         residual=Residual(*(largest(getattr(r, of) for r in residuals or ()) for of in ("dynamics", "rate", "jumps"))),
         failure=None if drifted is None else drifted.failure,
-        tolerances=Tolerances(local, tracking, limits, contact, forces, energy, residual, drift),
+        tolerances=Tolerances(local, tracking, limits, contact, forces, force_error, ground, energy, residual, drift),
         duration=float(sum(k[-1] - k[0] for k in knots)),
         intervals=sum(len(k) - 1 for k in knots),
         phases=tuple(planned.phase.name for planned in phases),
@@ -171,6 +179,7 @@ def validate(
         landings=() if drifted is None else drifted.landings,
         holdings=tuple(holdings or ()),
         impacts=tuple(impacts or ()),
+        swings=tuple(swings or ()),
         stiff=None if drifted is None else drifted.stiff,
         clearances=tuple(each for nearest, _ in distances for each in nearest),
         self_collisions=tuple(passing or ()),

@@ -12,7 +12,7 @@ from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.dynamics.variable import Scalar
-from robotraj.gait.swing_clearance import TOUCH
+from robotraj.problem.clearance.swinging_feet import TOUCH
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.heights import RequiredHeight
 

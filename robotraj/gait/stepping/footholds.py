@@ -23,6 +23,7 @@ from robotraj.gait.repetition import on_ground
 from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.gait.stepping.foothold_arcs import step_clearances
 from robotraj.gait.supports import GaitTerms, Support
+from robotraj.gait.swing_clearance import through_ground
 from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, mean_ground, pendulum_time, standing
@@ -153,11 +154,14 @@ def steps(
         for phase, k in zip(problem.phases, begun, strict=True)
     ]
     for i, k in swings:
-        if clearance is not None:
-            begin = sum(float(cast(float, support.duration)) for support in supports[:i])
-            ends, air = (places[k], places[k + 1]), (begin, begin + swing)
-            rows = [row for f in footholds[k] for row in step_clearances(contacts[f], *ends, air, clearance, ground)]
-            phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
+        begin = sum(float(cast(float, support.duration)) for support in supports[:i])
+        ends, air = (places[k], places[k + 1]), (begin, begin + swing)
+        rows = (
+            [through_ground([contacts[f] for f in footholds[k]])]
+            if clearance is None
+            else [row for f in footholds[k] for row in step_clearances(contacts[f], *ends, air, clearance, ground)]
+        )
+        phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
         # The end of the motion fixes the last foothold of every foot; those before it are fixed where the feet land.
         later = {foot for step in footholds[k + 1 :] for foot in step}
         landed = [n for f in footholds[k] if f in later for n in _names(contacts[f].name, places[0])]

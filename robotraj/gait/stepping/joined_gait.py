@@ -236,7 +236,8 @@ class JoinedGait:
     @property
     def _clears_ground(self) -> bool:
         """Whether feet of the gait swing above the ground; those of walkers without knees pass through it."""
-        return any(isinstance(row, GroundClearance) for part in self.gait.phases for row in part.phase.constraints)
+        rows = [row for part in self.gait.phases for row in part.phase.constraints if isinstance(row, GroundClearance)]
+        return all(row.height is not None for row in rows)
 
 
 def joined_gait(gait: PlannedGait, count: object, what: str) -> JoinedGait:

@@ -14,7 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.legs.centre_of_mass import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, StanceTime
 from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import standing
+from robotraj.guess.legs.standing_posture import pendulum_height, standing
 from robotraj.guess.legs.swing import Swing, swings
 from robotraj.robot.root import QUATERNION
 
@@ -207,10 +207,10 @@ class Footsteps:
 
     @cached_property
     def above(self) -> float:
-        """Return the height of the centre of mass above the feet in the standing configuration [m]."""
+        """Return the height of the pendulum in the standing configuration [m]."""
         places = self.stance.locate(self.home)
         ground = [self.ground(c.name, places) for c in self.schedule.contacts if c.anchors]
-        return float(self._standing_com[2] - np.mean(ground))
+        return pendulum_height(self.stance, float(self._standing_com[2] - np.mean(ground)))
 
     def ground(self, foot: str, places: Mapping[str, float]) -> float:
         """Return the height of the ground [m] under a foot."""

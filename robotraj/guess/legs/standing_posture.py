@@ -27,6 +27,8 @@ MOVING = 1e-6
 """Least speed of a foot, relative to that of a joint, with which the joint moves it, relative to the reach."""
 NEAR_HEIGHT = 1e-3
 """Distance of the centre of mass from a given height beyond which other bends of the knees are tried, of the reach."""
+LEAST_HEIGHT = 0.05
+"""Least height of an inverted pendulum, relative to the reach."""
 ONE_SIDED = 0.1
 """Fraction of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
 
@@ -146,7 +148,16 @@ def pendulum_time(stance: BalancedStance, q: Array) -> float:
     """Return sqrt(h / g) [s], with the height h of the centre of mass above the feet: the time scale of a step."""
     model = stance.robot.model
     com = np.array(pin.centerOfMass(model, stance.data, q))
-    return float(np.sqrt(height_above(stance, stance.locate(q), com) / np.linalg.norm(model.gravity.linear)))
+    height = pendulum_height(stance, height_above(stance, stance.locate(q), com))
+    return float(np.sqrt(height / np.linalg.norm(model.gravity.linear)))
+
+
+def pendulum_height(stance: BalancedStance, above: float) -> float:
+    """Return the height of an inverted pendulum [m]: that of the centre of mass above the feet, if it is not too low.
+
+    A mass at or below the height of the contacts gets a pendulum of a twentieth of the reach.
+    """
+    return max(above, LEAST_HEIGHT * stance.size)
 
 
 def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:

@@ -39,16 +39,17 @@ class GroundClearance(Constraint):
     frames : str, (str, offset), CollisionShapes, or sequence of these
         Frames, whose origins keep the clearance; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m]; or
         ``rt.constraints.CollisionShapes("foot")``, the shapes of a link in the URDF.
-    height : float, RequiredHeight or callable
+    height : float, RequiredHeight, callable or None
         Clearance [m]; ``rt.constraints.SwingApex(0.05, start, end)`` over the way of a swing foot; or a
-        function of the point.
+        function of the point. None imposes no row, and lets feet that swing pass through the ground, as those of
+        walkers without knees do.
     ground : Ground or callable
         ``rt.terrain.Flat()`` (the default), ``rt.terrain.Slope``, ``rt.terrain.Steps``,
         ``rt.terrain.HeightMap`` or any function of (x, y) written with CasADi.
     """
 
     frames: PlacesLike
-    height: HeightLike = 0.0
+    height: HeightLike | None = 0.0
     ground: Ground | GroundFunction = field(default_factory=Flat)
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
@@ -64,6 +65,8 @@ class GroundClearance(Constraint):
             raise InputError("GroundClearance names no frame; name at least one in frames=.")
         ground = as_ground(self.ground)
         labels = [spot.label for spot in spots]
+        if self.height is None:
+            return BoundConstraint("ground clearance", (), lambda _: [])
         height = required_height(self.height, f"GroundClearance of {', '.join(labels[:3])}")
 
         def gaps(point: RobotPoint) -> list[tuple[Scalar, list[Scalar]]]:
@@ -89,6 +92,13 @@ class GroundClearance(Constraint):
             Row(name, "m", 0.0, np.inf, label) for label, of_spot in zip(labels, names, strict=True) for name in of_spot
         )
         return BoundConstraint("ground clearance", rows, expression)
+
+    def covers(self, robot: Robot, frame: str, offset: Sequence[float]) -> bool:
+        """Return whether a point of a frame is among the places."""
+        return any(
+            spot.frame == frame and not spot.radius and np.allclose(spot.offset, offset, rtol=0.0, atol=1e-9)
+            for spot in spots_of(self.frames, robot)
+        )
 
     def as_data(self, robot: Robot | None) -> Constraint:
         """Return the constraint with the points of its CollisionShapes."""

@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
 
+from robotraj.witness.contacts.failures import Allowed
+from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding, part_of
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.report_tables import table, worst_of, wrapped
-
-
-class Allowed(Protocol):
-    """Thresholds of contacts; figures whose threshold is None are not judged."""
-
-    @property
-    def contact(self) -> float | None:
-        """Largest slip [m], sink [m] and turn [rad]."""
-
-    @property
-    def forces(self) -> float | None:
-        """Largest violation of a force limit, relative to the weight or to an impulse."""
 
 
 def contacts(
@@ -72,7 +61,7 @@ def _forces(holdings: Sequence[Holding], impacts: Sequence[Impact], allowed: flo
 
 def _differences(holdings: Sequence[Holding]) -> list[str]:
     known = [(h, h.difference) for h in holdings if h.difference is not None]
-    shared = sorted({h.contact for h in holdings if h.difference is None})
+    shared = sorted({h.contact for h in holdings if h.difference is None or h.shared})
     lines = []
     if known:
         holding, peak = max(known, key=lambda pair: pair[1].value)
@@ -81,7 +70,26 @@ def _differences(holdings: Sequence[Holding]) -> list[str]:
             f"t = {peak.time:.4g} s"
         )
     if shared:
-        lines += wrapped(f"forces that the equations do not determine, as planned: {', '.join(shared)}")
+        lines += wrapped(f"forces that the equations do not determine alone, as planned: {', '.join(shared)}")
+    return lines
+
+
+def swing_lines(swings: Sequence[SwingingFoot]) -> list[str]:
+    """Return the lowest swinging foot of those that must stay above the ground, and those that need not."""
+    if not swings:
+        return []
+    judged = [swing for swing in swings if not swing.free]
+    lines = []
+    if judged:
+        low = max(judged, key=lambda swing: swing.depth)
+        at = f" ({low.frame}, t = {low.time:.4g} s)" if low.depth else ""
+        fast = max(judged, key=lambda swing: swing.rise)
+        up = f", {fast.frame} lands from below at {fast.rise:.1e} m/s" if fast.rise else ""
+        lines += wrapped(f"swinging feet are {low.depth:.1e} m below the ground at most{at}{up}")
+    free = sorted({swing.frame for swing in swings if swing.free})
+    if free:
+        depth = max(swing.depth for swing in swings if swing.free)
+        lines += wrapped(f"not judged: {', '.join(free)} may pass through the ground, by {depth:.1e} m here")
     return lines
 
 

@@ -3,31 +3,72 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
+from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding, part_of
 
 MOVES = {"slip": "slips", "sink": "leaves the ground or sinks into it", "turn": "turns"}
 
 
-def contact_failures(
-    holdings: Sequence[Holding],
-    impacts: Sequence[Impact],
-    contact: float | None,
-    forces: float | None,
-    limits: float,
-) -> list[str]:
-    """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation.
+class Allowed(Protocol):
+    """Thresholds of contacts, as of ``Tolerances``; figures whose threshold is None are not judged."""
 
-    Parameters
-    ----------
-    contact, forces, limits : float or None
-        Thresholds of ``Tolerances``; figures without a threshold are not judged.
-    """
+    @property
+    def contact(self) -> float | None:
+        """Largest slip [m], sink [m] and turn [rad]."""
+
+    @property
+    def forces(self) -> float | None:
+        """Largest violation of a force limit, relative to the weight or to an impulse."""
+
+    @property
+    def force_error(self) -> float | None:
+        """Largest relative difference between planned forces and those of the equations."""
+
+    @property
+    def limits(self) -> float:
+        """Largest velocity [m/s, rad/s] of a contact after its impact."""
+
+
+def contact_failures(holdings: Sequence[Holding], impacts: Sequence[Impact], allowed: Allowed) -> list[str]:
+    """Return one sentence for each kind of figure that exceeds its tolerance, about the worst violation."""
     return [
-        *([] if contact is None else _moves(holdings, contact)),
-        *([] if forces is None else _forces(holdings, forces)),
-        *_impacts(impacts, forces, limits),
+        *([] if allowed.contact is None else _moves(holdings, allowed.contact)),
+        *([] if allowed.forces is None else _forces(holdings, allowed.forces)),
+        *([] if allowed.force_error is None else _differences(holdings, allowed.force_error)),
+        *_impacts(impacts, allowed.forces, allowed.limits),
+    ]
+
+
+def swing_failures(swings: Sequence[SwingingFoot], allowed: float | None) -> list[str]:
+    """Return a sentence about the foot that swings furthest below the ground, where that is too far."""
+    worst = max((swing for swing in swings if not swing.free), key=lambda swing: swing.part, default=None)
+    if allowed is None or worst is None or worst.part <= allowed:
+        return []
+    where = f"in phase {worst.phase!r}"
+    if worst.depth * worst.rise == 0.0 and worst.rise:
+        return [
+            f"Foot {worst.frame!r} lands from below: it rises at {worst.rise:.3g} m/s before its touchdown at "
+            f"t = {worst.end:.4g} s {where}."
+        ]
+    return [
+        f"Foot {worst.frame!r} is below the ground while it swings: by {worst.depth:.3g} m at t = {worst.time:.4g} s "
+        f"{where}. Use a finer mesh, or rt.GroundClearance({worst.frame!r}, None) for a foot that may pass through it."
+    ]
+
+
+def _differences(holdings: Sequence[Holding], allowed: float) -> list[str]:
+    """Return a sentence about the planned force that differs most from that of the equations."""
+    known = [(h.force_error, h, h.difference) for h in holdings if h.difference is not None]
+    part, holding, peak = max(known, key=lambda entry: entry[0], default=(0.0, None, None))
+    if holding is None or peak is None or part <= allowed:
+        return []
+    return [
+        f"A planned contact force is not that of the equations: {holding.contact!r} by {peak.value:.3g} {peak.unit} at "
+        f"t = {peak.time:.4g} s in phase {peak.phase!r}, {part:.3g} of its scale; {allowed:.3g} is allowed. "
+        "Use a finer mesh."
     ]
 
 

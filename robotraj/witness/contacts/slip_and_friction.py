@@ -13,6 +13,7 @@ from robotraj.dynamics.contacts.force_measure import FORCE_SAMPLES, GRAVITY, mea
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.robot.size.reach import reach
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.stance import Instant, Stance, forces_in
@@ -24,6 +25,9 @@ from robotraj.witness.sampling import interval_samples
 
 FORCE_NOISE = 1e-6
 """Largest violation, relative to the weight, that counts as the tolerance of a solver and is not listed."""
+
+LIGHT = 0.05
+"""Part of the weight below which a contact bears next to nothing; forces are compared with it at least."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,14 @@ class Holding(OneLine):
         Limits that the forces of the equations of motion violate, under the planned q, v and tau. What the equations
         do not determine is as planned.
     difference : Peak or None
-        Largest difference of planned and solved force [N, N m]; None where forces are not unique.
+        Largest difference of planned and solved force [N], moments divided by the robot's reach; None where the
+        contact's forces are not dual to held rows.
     weight : float
         Weight of the robot [N].
+    largest : float
+        Largest force of the equations [N], moments divided by the reach.
+    shared : bool
+        Whether the equations determine the contact's forces only together with those of others.
     """
 
     contact: str
@@ -60,6 +69,13 @@ class Holding(OneLine):
     solved: tuple[Violation, ...]
     difference: Peak | None
     weight: float
+    largest: float = 0.0
+    shared: bool = False
+
+    @property
+    def force_error(self) -> float:
+        """The difference relative to the largest force, or to a part of the weight where that is greater."""
+        return 0.0 if self.difference is None else self.difference.value / max(LIGHT * self.weight, self.largest)
 
 
 def part_of(violation: Violation, weight: float) -> float:
@@ -117,6 +133,10 @@ class _Watched:
         self._planned: list[Array] = []
         self._solved: list[Array] = []
         self._differences: list[float] = []
+        size = reach(stance.robot.model) or 1.0
+        self._arms = np.array([size if force.unit == "N m" else 1.0 for force in contact.forces])
+        self._largest = 0.0
+        self._shared = False
 
     def see(self, instant: Instant, t: float, gap: Array, forces: Array, solved: Array | None, unique: bool) -> None:
         self._times.append(t)
@@ -125,8 +145,9 @@ class _Watched:
         self._planned.append(as_numbers(self.contact.limits(instant, list(forces), self._anchors), what))
         if solved is not None and len(solved) == len(forces):
             self._solved.append(as_numbers(self.contact.limits(instant, list(solved), self._anchors), what))
-            if unique:
-                self._differences.append(float(np.max(np.abs(forces - solved), initial=0.0)))
+            self._differences.append(float(np.max(np.abs(forces - solved) / self._arms, initial=0.0)))
+            self._largest = max(self._largest, float(np.max(np.abs(solved) / self._arms, initial=0.0)))
+            self._shared = self._shared or not unique
 
     def result(self, phase: str) -> Holding:
         times = np.array(self._times)
@@ -136,8 +157,8 @@ class _Watched:
                 (("slip", "m"), ("sink", "m"), ("turn", "rad")), zip(*self._gaps, strict=True), strict=True
             )
         )
-        unique = len(self._differences) == len(times)
-        force = _peak("force", "N", times, np.array(self._differences), phase) if unique else None
+        known = len(self._differences) == len(times) and self.contact.holds
+        force = _peak("force", "N", times, np.array(self._differences), phase) if known else None
         return Holding(
             self.contact.name,
             phase,
@@ -148,6 +169,8 @@ class _Watched:
             self._broken(times, self._solved, phase, ", solved for") if len(self._solved) == len(times) else (),
             force,
             self._weight,
+            self._largest,
+            self._shared,
         )
 
     def _broken(self, times: Array, values: list[Array], phase: str, suffix: str) -> tuple[Violation, ...]:

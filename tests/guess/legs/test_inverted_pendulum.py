@@ -157,3 +157,17 @@ def test_the_default_guess_of_legs_is_the_pendulum(trot: rt.Problem) -> None:
     solo = rt.load("solo12", root="floating")
     with pytest.raises(rt.InputError, match="contacts with the ground"):
         InvertedPendulum().prepared(rt.Problem([gait.Flight(solo, 0.2)]))
+
+
+def test_a_mass_below_its_contact_gets_a_finite_guess_and_a_plan() -> None:
+    """A contact in the hip of the hopper, above its centre of mass: no inverted pendulum has that height."""
+    hopper = rt.load("hopper", root="planar")
+    hang = rt.Phase(
+        hopper,
+        (0.3, 1.0),
+        rt.State(q={"root_x": 0.0}, v=0),
+        rt.State(v=0),
+        rt.Effort() + rt.Duration(),
+        contacts=[rt.PointContact("sleeve")],
+    )
+    assert rt.plan(hang, progress=False).proof.holds
