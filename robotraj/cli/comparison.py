@@ -95,14 +95,13 @@ def _use_of_limits(solution: Solution) -> dict[str, float]:
             continue
         sample = part.at(np.linspace(part.t0, part.t0 + part.duration, SAMPLES))
         driven = [robot.velocity_names.index(name) for name in robot.actuated]
-        for name, values, most in (
-            ("velocity", sample.v, limits.velocity),
-            ("effort", sample.tau, limits.effort[driven]),
-        ):
-            kept = np.isfinite(most) & (most > 0)
-            if values is not None and kept.any():
-                share = float(np.max(np.abs(values[:, kept]) / most[kept]))
-                shares[name] = max(shares.get(name, 0.0), share)
+        for name, values, joints in (("velocity", sample.v, slice(None)), ("effort", sample.tau, driven)):
+            for sign, side in zip((-1.0, 1.0), limits.sides(name), strict=True):
+                most = sign * side[joints]
+                kept = np.isfinite(most) & (most > 0)
+                if values is not None and kept.any():
+                    share = float(np.max(sign * values[:, kept] / most[kept]))
+                    shares[name] = max(shares.get(name, 0.0), share)
     return shares
 
 

@@ -115,5 +115,5 @@ def guessed_duration(phase: Phase, given: float | None, ends: tuple[Array, Array
         robot = phase.state_robot
         first, last = (x[: robot.nq] for x in ends)
         gaps = np.abs(coordinate_difference(robot.model, first, last))
-        guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.velocity, initial=0.0)))
+        guess = max(guess, MARGIN * float(np.max(gaps / phase.limits.largest("velocity"), initial=0.0)))
     return float(np.clip(guess, low, high))

@@ -119,6 +119,6 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, what
 
 
 def speeds_of(phase: Phase, robot: Robot) -> Array:
-    """Return the speed limits of a phase (nv,), infinite where there are none."""
+    """Return the largest speeds that a phase allows either way (nv,), infinite where there are no limits."""
     limits = phase.limits
-    return limits.velocity if isinstance(limits, Limits) else np.full(robot.nv, np.inf)
+    return limits.largest("velocity") if isinstance(limits, Limits) else np.full(robot.nv, np.inf)

@@ -119,7 +119,7 @@ def kinematic_phase(phase: Phase, duration: float | None = None) -> Phase:
     if robot is None:
         raise InputError(f"Kinematic() needs robots, but phase {phase.name!r} moves a System.")
     if isinstance(limits, Limits):
-        limits = limits.with_(effort=np.inf)
+        limits = limits.with_(effort=np.inf, jerk=np.inf)
     kept = [constraint for constraint in phase.constraints if not _reads_torques(constraint, phase)]
     return replace(
         phase,

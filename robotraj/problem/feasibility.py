@@ -12,9 +12,9 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.system import MissingEquations, System
 from robotraj.problem.augmentation import free_of
-from robotraj.problem.constraints.base import Constraint, Where, symbols_of
+from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
-from robotraj.problem.constraints.joint_limits import JointLimit
+from robotraj.problem.constraints.joint_limits import JointLimit, JointPosition
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
@@ -108,11 +108,11 @@ def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -
     ------
     InputError
         Bounds are crossed or contradict each other, or a row is violated at an end. The message names the first such
-        row, its bounds and the end. One number that is not zero, as in ``JointAcceleration(8)``, is refused: it would
-        fix the quantity of every joint at every time.
+        row, its bounds and the end. A number that is not zero is refused for positions and at an end, where it could be
+        meant as a value or as a limit.
     """
     constraints = tuple(constraints)
-    _check_single_numbers(table.phase, constraints)
+    _check_numbers(table.phase, constraints)
     _check_order(table)
     held = {end: table.bounds_by_variable(Where.THROUGHOUT, end) for end in ends}
     for rows in (rows for at in held.values() for rows in at.values()):
@@ -131,17 +131,22 @@ def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -
         _warn_of_order(table, end, bounds)
 
 
-def _check_single_numbers(phase: str, constraints: Iterable[Constraint]) -> None:
+def _check_numbers(phase: str, constraints: Iterable[Constraint]) -> None:
+    """Refuse numbers that could be meant as a value or as [-x, x]: of positions, and at one end of a phase."""
     for each in constraints:
-        if not isinstance(each, JointLimit | RateLimit):
+        at_end = isinstance(each, AtStart | AtEnd)
+        limit = each.constraint if isinstance(each, AtStart | AtEnd) else each
+        if not isinstance(limit, JointLimit | RateLimit) or not (at_end or isinstance(limit, JointPosition)):
             continue
-        bounds: object = each.bounds
-        if isinstance(bounds, float | int | np.number) and bounds != 0:
-            value, size, name = f"{float(bounds):g}", f"{abs(float(bounds)):g}", type(each).__name__
+        bounds = limit.bounds
+        entries = list(bounds.values()) if isinstance(bounds, Mapping) else np.ravel(np.array(bounds, dtype=object))
+        number = next((x for x in entries if isinstance(x, float | int | np.number) and x not in (0, np.inf)), None)
+        if number is not None:
+            value, name = f"{float(number):g}", type(limit).__name__
             raise InputError(
-                f"Phase {phase!r}: {name}({value}) would fix the {each.quantity.removesuffix(' limit')} of every joint "
-                f"at {value} at every time. For a limit give rt.between(-{size}, {size}); to fix it, "
-                f"rt.between({value}, {value})."
+                f"Phase {phase!r}: {name}({bounds!r}) could mean the value {value} or the limits [-x, x]. Give "
+                f"rt.between({value}, {value}) for the value, or rt.between(-{value.lstrip('-')}, "
+                f"{value.lstrip('-')}) for limits."
             )
 
 

@@ -72,14 +72,16 @@ def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, en
         joint, the distance, and the duration or acceleration that suffices.
     """
     start, end = ends[Where.START], ends[Where.END]
-    positions = robot.position_names
+    positions, accelerations = robot.position_names, limits.largest("acceleration")
     for i, joint in enumerate(robot.velocity_names):
         if joint not in positions:
             continue  # the velocities of a floating root are no rates of single positions
         at, rate = positions.index(joint), robot.nq + i
         unit = robot.units[i]
         gap = max(end.lower[at] - start.upper[at], start.lower[at] - end.upper[at], 0.0)
-        speed, acceleration = float(limits.velocity[i]), float(limits.acceleration[i])
+        forward = start.upper[at] <= end.lower[at]
+        speed = float(limits.velocity_upper[i] if forward else -limits.velocity_lower[i])
+        acceleration = float(accelerations[i])
         if np.isfinite(gap) and gap > speed * longest * (1 + ROUNDING):
             raise InputError(
                 f"Phase {phase!r}: joint {joint!r} must travel {gap:.4g} {unit}, but its velocity limit of "

@@ -20,7 +20,8 @@ from robotraj.problem.augmentation import free_of, with_fixed
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
-from robotraj.problem.constraints.joint_limits import OwnLimits, own_limits
+from robotraj.problem.constraints.joint_limits import OwnLimits
+from robotraj.problem.constraints.motors.own_limits import own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows
 from robotraj.problem.footing_checks import check_contacts
@@ -200,7 +201,7 @@ class Phase(OneLine):
     def dae(self) -> Dynamics:
         """The phase's dynamics as a semi-explicit DAE, variables of the objective and the constraints included."""
         terms = [term for _, term in self.objective.terms] if self.objective is not None else []
-        return reduce(lambda known, each: each.augment(known), (*terms, *self.constraints), self.body)
+        return reduce(lambda known, each: each.augment(known), (*terms, *self._imposed), self.body)
 
     @cached_property
     def parameter_names(self) -> tuple[str, ...]:
@@ -240,15 +241,19 @@ class Phase(OneLine):
         return {where: Bounds(*self.path.joint_ends(where is Where.END)) for where in (Where.START, Where.END)}
 
     @cached_property
-    def bound_constraints(self) -> tuple[BoundConstraint, ...]:
-        """Every constraint bound to the dynamics: limits, bounds of variables, those given, those of the objective."""
+    def _imposed(self) -> tuple[Constraint, ...]:
+        """Constraints of the limits and of bounds of variables, then those given."""
         every: list[Constraint] = []
         if self.robot is not None and isinstance(self.limits, Limits):
             every += own_limits(self.limits, self.robot.actuated)
         variables = (("state", self.states), ("control", self.controls), ("algebraic variable", self.algebraic))
         every += [VariableBounds(kind, mapping) for kind, mapping in variables if mapping]
-        every += self.constraints
-        bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in every]
+        return (*every, *self.constraints)
+
+    @cached_property
+    def bound_constraints(self) -> tuple[BoundConstraint, ...]:
+        """Every constraint bound to the dynamics: limits, bounds of variables, those given, those of the objective."""
+        bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in self._imposed]
         bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
         terms = self.objective.terms if self.objective is not None else ()
         # Two terms may define the same slacks.

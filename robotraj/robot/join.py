@@ -9,7 +9,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.robot.configuration import unit_quaternion
-from robotraj.robot.limits import MAGNITUDES, Limits
+from robotraj.robot.limits import concatenated
 from robotraj.robot.loading.joined import JoinedGeometry, JoinedPart, joined_model
 from robotraj.robot.robot import Robot
 
@@ -72,13 +72,11 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
     def values(which: str) -> np.ndarray:
         return np.concatenate([getattr(robot, which) for _, robot in every])
 
-    kinds = ("position_lower", "position_upper", *MAGNITUDES)
-    lower, upper, *magnitudes = (np.concatenate([getattr(robot.limits, kind) for _, robot in every]) for kind in kinds)
     title = " and ".join(f"{name} {robot.name}" for name, robot in every)
     return Robot(
         title,
         joined_model(title, parts),
-        Limits(names("velocity_names"), lower, upper, magnitudes[0], magnitudes[1], magnitudes[2]),
+        concatenated(names("velocity_names"), [robot.limits for _, robot in every]),
         names("actuated"),
         values("damping"),
         values("friction"),

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.printing import WIDTH, table, wrapped
-from robotraj.robot.limits import Limits
+from robotraj.robot.limits import RATES, Limits
 
 UNITS = "velocity in unit/s, effort in N m (rad) or N (m), damping in effort per velocity"
+ALWAYS = ("velocity", "effort")
+"""Rates that have a column in every table."""
 LEFT = "'text-align:left'"
 
 
@@ -43,27 +45,33 @@ def number(value: float, unit: str = "") -> str:
     return f"{value:.4g} {unit}".strip() if np.isfinite(value) else "-"
 
 
-def _interval(low: float, high: float) -> str:
+def interval(low: float, high: float, unit: str = "") -> str:
+    """Write two limits as ``[-1, 2]``, or as a number where they are a magnitude; ``-`` if there are none."""
+    if np.isinf(low) and np.isinf(high):
+        return "-"
+    return (f"{high:.4g}" if low == -high else f"[{low:.4g}, {high:.4g}]") + unit
+
+
+def _positions(low: float, high: float) -> str:
     return "-" if np.isinf(low) and np.isinf(high) else f"[{low:.4g}, {high:.4g}]"
 
 
 def joint_rows(joints: Joints) -> list[tuple[str, ...]]:
     """Return the cells of the table, headings first; a missing limit is ``-``.
 
-    Rates have the joint's unit per second. Acceleration limits, damping and friction have a column only if a joint has
-    one.
+    Rates have the joint's unit per second. Limits of acceleration and jerk, damping and friction have a column only
+    if a joint has one.
     """
     limits = joints.limits
     columns: list[tuple[str, Sequence[str]]] = [
         ("joint", joints.names),
         ("unit", joints.units),
-        ("position", [_interval(*ends) for ends in zip(limits.position_lower, limits.position_upper, strict=True)]),
-        ("velocity", [number(value) for value in limits.velocity]),
+        ("position", [_positions(*ends) for ends in zip(*limits.sides("position"), strict=True)]),
     ]
-    if np.any(np.isfinite(limits.acceleration)):
-        columns.append(("acceleration", [number(value) for value in limits.acceleration]))
+    for name in RATES:
+        if name in ALWAYS or np.any(np.isfinite(limits.sides(name))):
+            columns.append((name, [interval(*ends) for ends in zip(*limits.sides(name), strict=True)]))
     columns += [
-        ("effort", [number(value) for value in limits.effort]),
         ("motor", ["yes" if motor else "no" for motor in joints.motors]),
     ]
     for name, values in (("damping", joints.damping), ("friction", joints.friction)):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Protocol, TypeAlias, cast
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,8 @@ import pinocchio as pin
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.robot.joint_limits.faults import fault_of, sentences
+from robotraj.robot.joint_limits.values import PositionLimits, RateLimits, as_number, ends_for_all, pair_of
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.root import ROOTS, root_of
 
@@ -21,60 +23,55 @@ Array = npt.NDArray[np.float64]
 UNLIMITED = 1e20
 """Magnitudes above represent no limit: Pinocchio writes 1.8e308, other tools 1e30."""
 
-MAGNITUDES = ("velocity", "acceleration", "effort")
-QUANTITIES = ("position", *MAGNITUDES)
-
-
-class Interval(Protocol):
-    """An object with lower and upper bounds, such as ``rt.between`` returns."""
-
-    @property
-    def lower(self) -> float | None:
-        """Lower bound."""
-
-    @property
-    def upper(self) -> float | None:
-        """Upper bound."""
-
-
-Ends: TypeAlias = "float | Sequence[float | None] | Interval"
-"""Position limits of one joint: x for [-x, x], a pair, or an object with ``lower`` and ``upper``."""
-PositionLimits: TypeAlias = "Ends | Mapping[str, Ends]"
-MagnitudeLimits: TypeAlias = "npt.ArrayLike | Mapping[str, float]"
+RATES = ("velocity", "acceleration", "jerk", "effort")
+QUANTITIES = ("position", *RATES)
+BOUNDS = tuple(f"{quantity}_{side}" for quantity in QUANTITIES for side in ("lower", "upper"))
+"""Names of the arrays of ``Limits``."""
 
 
 @dataclass(frozen=True, eq=False)
 class Limits(OneLine):
-    """Limits of every moving joint; infinite where there is none. The arrays are read-only.
+    """Limits of every moving joint, lower and upper; infinite where there is none. The arrays are read-only.
 
     Attributes
     ----------
     joints : tuple of str
         Names of the entries of v: the root's velocities, where it moves, then the moving joints.
     position_lower, position_upper : (nv,) array
-        q_lower <= q <= q_upper [rad, m].
-    velocity : (nv,) array
-        abs(v) <= velocity [rad/s, m/s].
-    acceleration : (nv,) array
-        abs(a) <= acceleration [rad/s^2, m/s^2]; a URDF has none.
-    effort : (nv,) array
-        abs(tau) <= effort [N m, N].
+        Of q [rad, m].
+    velocity_lower, velocity_upper : (nv,) array
+        Of v [rad/s, m/s].
+    acceleration_lower, acceleration_upper : (nv,) array
+        Of a [rad/s^2, m/s^2].
+    jerk_lower, jerk_upper : (nv,) array
+        Of da/dt [rad/s^3, m/s^3].
+    effort_lower, effort_upper : (nv,) array
+        Of tau [N m, N].
     free : int
         Number of the root's entries, which are first. A limit for all joints does not apply to them. A floating root
         has six entries and no position limits.
+    missing : tuple of str
+        Joints for which the URDF states no position limits, though their type needs them.
     """
 
     joints: tuple[str, ...]
     position_lower: Array
     position_upper: Array
-    velocity: Array
-    acceleration: Array
-    effort: Array
+    velocity_lower: Array
+    velocity_upper: Array
+    acceleration_lower: Array
+    acceleration_upper: Array
+    jerk_lower: Array
+    jerk_upper: Array
+    effort_lower: Array
+    effort_upper: Array
     free: int = 0
+    missing: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "joints", tuple(self.joints))
-        for name in ("position_lower", "position_upper", *MAGNITUDES):
+        object.__setattr__(self, "missing", tuple(self.missing))
+        for name in BOUNDS:
             given = np.array(getattr(self, name), dtype=float).reshape(-1)
             if given.size != len(self.joints):
                 raise InputError(f"Limits.{name} has {given.size} values; give one per joint, {len(self.joints)}.")
@@ -88,6 +85,13 @@ class Limits(OneLine):
                 "name, with rt.constraints.JointPosition({'root_z': rt.between(0.1, 0.5)})."
             )
 
+    @classmethod
+    def none(cls, joints: Iterable[str], free: int = 0) -> Limits:
+        """Return limits that are all infinite; ``with_`` sets some."""
+        names = tuple(joints)
+        sides = {name: np.full(len(names), -np.inf if "lower" in name else np.inf) for name in BOUNDS}
+        return cls(names, free=free, **sides)  # type: ignore[arg-type]  # names of arrays
+
     @property
     def positions(self) -> tuple[Array, Array]:
         """Lower and upper position limits by entries of q, (nq,) each [rad, m]."""
@@ -97,6 +101,35 @@ class Limits(OneLine):
         return np.append(-one, self.position_lower), np.append(one, self.position_upper)
 
     @property
+    def velocity(self) -> Array:
+        """Limits (nv,) of abs(v) [rad/s, m/s]; an InputError where a joint's two limits differ in magnitude."""
+        return self._magnitude("velocity")
+
+    @property
+    def acceleration(self) -> Array:
+        """Limits (nv,) of abs(a) [rad/s^2, m/s^2]; an InputError where a joint's two limits differ in magnitude."""
+        return self._magnitude("acceleration")
+
+    @property
+    def jerk(self) -> Array:
+        """Limits (nv,) of abs(da/dt) [rad/s^3, m/s^3]; an InputError where a joint's two limits differ in magnitude."""
+        return self._magnitude("jerk")
+
+    @property
+    def effort(self) -> Array:
+        """Limits (nv,) of abs(tau) [N m, N]; an InputError where a joint's two limits differ in magnitude."""
+        return self._magnitude("effort")
+
+    def sides(self, quantity: str) -> tuple[Array, Array]:
+        """Return the lower and the upper limits (nv,) of ``"position"``, ``"velocity"`` and so on."""
+        return getattr(self, f"{quantity}_lower"), getattr(self, f"{quantity}_upper")
+
+    def largest(self, quantity: str) -> Array:
+        """Return the largest magnitude (nv,) that the limits of a quantity allow in either direction: its scale."""
+        lower, upper = self.sides(quantity)
+        return np.maximum(np.abs(lower), np.abs(upper))
+
+    @property
     def _floating(self) -> bool:
         return self.free == len(ROOTS["floating"].velocities)
 
@@ -104,38 +137,42 @@ class Limits(OneLine):
     def of(cls, model: pin.Model, root: str = "fixed") -> Limits:
         """Copy the limits of a model whose joints, except the root, have one position and one velocity each.
 
-        If a model's lower velocity or effort limit is tighter than the upper one, it applies in both
-        directions. Pinocchio 4.1 writes lower velocity limits with the wrong sign; a lower limit that is not
-        negative is ignored.
+        Pinocchio 4.1 writes lower limits of velocity with the wrong sign, and its sample models those of effort. A
+        lower one above 0 that is no less than the upper one is read as the negative of that.
         """
         about = root_of(root)
         first, free = len(about.positions), len(about.velocities)
-        unlimited = np.full(model.nv, np.inf)
-        lower, upper, velocity, effort = -unlimited, unlimited.copy(), unlimited.copy(), unlimited.copy()
-        lower[free:], upper[free:] = model.lowerPositionLimit[first:], model.upperPositionLimit[first:]
-        velocity[free:] = _magnitude(model.lowerVelocityLimit, model.upperVelocityLimit)[free:]
-        effort[free:] = _magnitude(model.lowerEffortLimit, model.upperEffortLimit)[free:]
-        joints = (*about.velocities, *names_of(model)[1 + len(about.joints) :])
-        return cls(joints, lower, upper, velocity, unlimited, effort, free)
+        found = cls.none((*about.velocities, *names_of(model)[1 + len(about.joints) :]), free)
+        sides = {name: np.array(getattr(found, name)) for name in BOUNDS}
+        sides["position_lower"][free:] = model.lowerPositionLimit[first:]
+        sides["position_upper"][free:] = model.upperPositionLimit[first:]
+        for quantity in ("velocity", "effort"):
+            ends = (getattr(model, f"{side}{quantity.title()}Limit") for side in ("lower", "upper"))
+            low, high = (np.array(end)[free:] for end in ends)
+            sides[f"{quantity}_lower"][free:] = np.where((low >= high) & (low > 0.0), -high, low)
+            sides[f"{quantity}_upper"][free:] = high
+        return replace(found, **sides)  # type: ignore[arg-type]  # names of arrays
 
     def with_(
         self,
         position: PositionLimits | None = None,
-        velocity: MagnitudeLimits | None = None,
-        acceleration: MagnitudeLimits | None = None,
-        effort: MagnitudeLimits | None = None,
+        velocity: RateLimits | None = None,
+        acceleration: RateLimits | None = None,
+        effort: RateLimits | None = None,
+        jerk: RateLimits | None = None,
     ) -> Limits:
         """Return a copy with some limits replaced.
 
-        A number or a pair applies to all joints except the root, whose limits are set by name.
+        A number x stands for [-x, x]. One value for all joints leaves out the root, whose limits are set by name.
 
         Parameters
         ----------
-        position : number, pair, mapping by joint, optional
+        position : number, pair, between, mapping by joint, optional
             ``2.0`` for [-2, 2], ``(lower, upper)``, or ``{"elbow": (lower, upper)}`` [rad, m]; ``np.inf``
             and None: free.
-        velocity, acceleration, effort : number, (nv,) array, mapping by joint, optional
-            Largest magnitude [rad/s, m/s; rad/s^2, m/s^2; N m, N]; ``np.inf`` lifts the limit.
+        velocity, acceleration, effort, jerk : number, (nv,) array, between, mapping by joint, optional
+            ``3.0`` for [-3, 3], an array of magnitudes, ``rt.between(lower, upper)``, or ``{"winch": (0, 30)}``
+            [rad/s, m/s; rad/s^2, m/s^2; N m, N; rad/s^3, m/s^3]; ``np.inf`` lifts the limit.
 
         Raises
         ------
@@ -144,19 +181,43 @@ class Limits(OneLine):
 
         Examples
         --------
-        >>> robot.limits.with_(position={"elbow": (-1, 1)}, velocity=3.0)
+        >>> robot.limits.with_(position={"elbow": (-1, 1)}, velocity=3.0, effort={"winch": (0, 30)})
         """
-        lower, upper = (self.position_lower, self.position_upper) if position is None else self._positions(position)
-        return replace(
-            self,
-            position_lower=lower,
-            position_upper=upper,
-            velocity=self._magnitudes("velocity", velocity),
-            acceleration=self._magnitudes("acceleration", acceleration),
-            effort=self._magnitudes("effort", effort),
-        )
+        given = {
+            "position": position,
+            "velocity": velocity,
+            "acceleration": acceleration,
+            "jerk": jerk,
+            "effort": effort,
+        }
+        changed: dict[str, Array] = {}
+        for quantity, value in given.items():
+            if value is not None:
+                lower, upper = self._changed(quantity, value)
+                changed |= {f"{quantity}_lower": lower, f"{quantity}_upper": upper}
+        stated = () if position is None else position if isinstance(position, Mapping) else self.joints
+        missing = tuple(joint for joint in self.missing if joint not in stated)
+        return replace(self, **changed, missing=missing)  # type: ignore[arg-type]  # names of arrays
 
-    def override(self, changes: Limits | Mapping[str, PositionLimits | MagnitudeLimits]) -> Limits:
+    def scaled(self, **factors: float) -> Limits:
+        """Return a copy with both sides of some limits multiplied, ``limits.scaled(velocity=0.5, effort=0.8)``.
+
+        Raises
+        ------
+        InputError
+            An unknown quantity, or a factor that is not above 0.
+        """
+        changed: dict[str, Array] = {}
+        for quantity, factor in factors.items():
+            if quantity not in QUANTITIES:
+                raise unknown_name("limited quantity", quantity, QUANTITIES)
+            if not as_number(f"factor of {quantity}", factor) > 0.0:
+                raise InputError(f"The factor of {quantity} is {factor!r}; it must be above 0.")
+            for name, side in zip(("lower", "upper"), self.sides(quantity), strict=True):
+                changed[f"{quantity}_{name}"] = np.where(side == 0.0, 0.0, float(factor) * side)
+        return replace(self, **changed)  # type: ignore[arg-type]  # names of arrays
+
+    def override(self, changes: Limits | Mapping[str, PositionLimits | RateLimits]) -> Limits:
         """Return the limits after ``limits=`` of ``rt.load``: a mapping by quantity, see ``with_``, or Limits."""
         if isinstance(changes, Limits):
             if changes.joints != self.joints:
@@ -171,125 +232,66 @@ class Limits(OneLine):
         for name in changes:
             if name not in QUANTITIES:
                 raise unknown_name("limited quantity", name, QUANTITIES)
-        velocity, acceleration, effort = (cast("MagnitudeLimits | None", changes.get(name)) for name in MAGNITUDES)
-        return self.with_(cast("PositionLimits | None", changes.get("position")), velocity, acceleration, effort)
+        return self.with_(**cast("dict[str, RateLimits]", dict(changes)))  # type: ignore[arg-type]  # checked above
 
     def warnings(self, actuated: Iterable[str] | None = None) -> tuple[str, ...]:
-        """Return a sentence for each joint that its limits lock or contradict, with the remedy.
+        """Return a sentence for each kind of limits that lock or contradict joints, with the remedy.
 
         Parameters
         ----------
         actuated : iterable of str, optional
             Joints with a motor (default: all); a joint without one may have an effort limit of 0.
         """
-        sentences = []
-        for joint, faults in self.faults(actuated).items():
-            cures = ", ".join(f"'{name}': {{{joint!r}: {_EXAMPLE[name]}}}" for name in faults)
-            sentences.append(
-                f"Joint {joint!r} cannot be planned with its limits: {', '.join(faults.values())}. Give others "
-                f"with rt.load(..., limits={{{cures}}}) or Phase(limits=robot.limits.with_(...)), or none with "
-                "Phase(limits=None)."
-            )
-        return tuple(sentences)
+        rest = {joint: float(low) for joint, low in zip(self.joints, self.position_lower, strict=True)}
+        return sentences(self.faults(actuated), rest)
 
     def faults(self, actuated: Iterable[str] | None = None) -> dict[str, dict[str, str]]:
         """Return the limits that lock or contradict a joint: a description by quantity, for each such joint."""
         motors = set(self.joints if actuated is None else actuated)
-        found = {joint: self._faults(i, joint in motors) for i, joint in enumerate(self.joints)}
-        return {joint: faults for joint, faults in found.items() if faults}
+        sides = {quantity: self.sides(quantity) for quantity in QUANTITIES}
+        found: dict[str, dict[str, str]] = {}
+        for i, joint in enumerate(self.joints):
+            for quantity, (lower, upper) in sides.items():
+                if quantity == "effort" and joint not in motors:
+                    continue
+                fault = fault_of(quantity, float(lower[i]), float(upper[i]), joint in self.missing)
+                if fault:
+                    found.setdefault(joint, {})[quantity] = fault
+        return found
 
-    def _faults(self, i: int, motor: bool) -> dict[str, str]:
-        faults: dict[str, str] = {}
-        low, high = self.position_lower[i], self.position_upper[i]
-        if np.isnan(low) or np.isnan(high):
-            faults["position"] = f"position limits [{low:g}, {high:g}] are not numbers"
-        elif low > high:
-            faults["position"] = f"position limits [{low:g}, {high:g}] are inverted"
-        elif low == high:
-            faults["position"] = f"position limits [{low:g}, {high:g}] lock it"
-        for name in MAGNITUDES:
-            value = getattr(self, name)[i]
-            if name == "effort" and not motor:
-                continue
-            if np.isnan(value) or value < 0:
-                faults[name] = f"{name} limit {value:g} is no magnitude"
-            elif value == 0:
-                faults[name] = f"{name} limit 0 locks it"
-        return faults
+    def _magnitude(self, quantity: str) -> Array:
+        lower, upper = self.sides(quantity)
+        for joint, low, high in zip(self.joints, lower, upper, strict=True):
+            if low != -high and not (np.isnan(low) and np.isnan(high)):
+                raise InputError(
+                    f"The {quantity} limits of {joint!r} are [{low:g}, {high:g}], and no single number; read "
+                    f"limits.{quantity}_lower and limits.{quantity}_upper."
+                )
+        return upper
 
     def _index(self, joint: object) -> int:
         if joint not in self.joints:
             raise unknown_name("moving joint", joint, self.joints)
         return self.joints.index(str(joint))
 
-    def _positions(self, value: PositionLimits) -> tuple[Array, Array]:
-        lower, upper = self.position_lower.copy(), self.position_upper.copy()
-        if not isinstance(value, Mapping):
-            value = {joint: value for joint in self.joints[self.free :]}
-        for joint, pair in value.items():
-            i = self._index(joint)
-            lower[i], upper[i] = _pair(joint, pair)
+    def _changed(self, quantity: str, value: object) -> tuple[Array, Array]:
+        """Return both sides of a quantity after a change."""
+        lower, upper = (side.copy() for side in self.sides(quantity))
+        if isinstance(value, Mapping):
+            for joint, ends in value.items():
+                i = self._index(joint)
+                lower[i], upper[i] = pair_of(quantity, joint, ends)
+            return lower, upper
+        for i, ends in ends_for_all(quantity, value, self.joints, self.free):
+            lower[i], upper[i] = pair_of(quantity, self.joints[i], ends)
         return lower, upper
 
-    def _magnitudes(self, name: str, value: MagnitudeLimits | None) -> Array:
-        magnitudes = np.array(getattr(self, name))
-        if value is None:
-            return magnitudes
-        if isinstance(value, Mapping):
-            for joint, magnitude in value.items():
-                magnitudes[self._index(joint)] = _number(f"{name} limit of {joint!r}", magnitude)
-        else:
-            try:
-                given = np.asarray(value, dtype=float).reshape(-1)
-            except (TypeError, ValueError) as error:
-                raise InputError(f"The {name} limit is no number: {value!r}.") from error
-            if given.size not in (1, len(self.joints)):
-                raise InputError(
-                    f"The {name} limit has {given.size} values; give 1 or {len(self.joints)}, "
-                    f"in the order {', '.join(self.joints)}."
-                )
-            if given.size == 1:
-                magnitudes[self.free :] = given
-            else:
-                magnitudes[:] = given
-        for joint, magnitude in zip(self.joints, magnitudes, strict=True):
-            if np.isnan(magnitude) or magnitude < 0:
-                raise InputError(
-                    f"The {name} limit of {joint!r} is {magnitude:g}; it is a magnitude and must be positive."
-                )
-        return magnitudes
 
-
-_EXAMPLE = {"position": "(lower, upper)", **dict.fromkeys(MAGNITUDES, "largest")}
-
-
-def _magnitude(lower: Array, upper: Array) -> Array:
-    return np.where((lower < 0) & (-lower < upper), -lower, upper)
-
-
-def _number(what: str, value: object) -> float:
-    try:
-        return float(value)  # type: ignore[arg-type]  # a TypeError becomes an InputError
-    except (TypeError, ValueError) as error:
-        raise InputError(f"The {what} is no number: {value!r}.") from error
-
-
-def _pair(joint: object, value: object) -> tuple[float, float]:
-    """Read ``Ends``: 2.0, (lower, upper) or an object with ``lower`` and ``upper``, such as ``rt.between`` makes."""
-    ends: Sequence[object]
-    if not isinstance(value, str) and hasattr(value, "lower") and hasattr(value, "upper"):
-        ends = (value.lower, value.upper)
-    elif np.ndim(cast("npt.ArrayLike", value)) == 0:
-        size = _number(f"position limit of {joint!r}", value)
-        ends = (-size, size)
-    else:
-        ends = cast("Sequence[object]", value)
-    if len(ends) != 2:
-        raise InputError(f"The position limits of {joint!r} are a pair (lower, upper); got {value!r}.")
-    low = -np.inf if ends[0] is None else _number(f"lower position limit of {joint!r}", ends[0])
-    high = np.inf if ends[1] is None else _number(f"upper position limit of {joint!r}", ends[1])
-    if not low <= high:
-        raise InputError(
-            f"The position limits of {joint!r} are [{low:g}, {high:g}]: the lower must be below the upper."
-        )
-    return low, high
+def concatenated(joints: Iterable[str], parts: Iterable[Limits]) -> Limits:
+    """Return the limits of several robots with fixed roots one after the other, for joints of these names."""
+    every, names = list(parts), tuple(joints)
+    before = [joint for part in every for joint in part.joints]
+    missing = {joint for part in every for joint in part.missing}
+    sides = {name: np.concatenate([getattr(part, name) for part in every]) for name in BOUNDS}
+    unknown = tuple(name for name, joint in zip(names, before, strict=True) if joint in missing)
+    return Limits(names, missing=unknown, **sides)  # type: ignore[arg-type]  # names of arrays

@@ -9,7 +9,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
-from robotraj.robot.limits import Limits, MagnitudeLimits, PositionLimits
+from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
+from robotraj.robot.limits import Limits
 from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
 from robotraj.robot.mounting import Base, mounted
@@ -24,7 +25,7 @@ def load(
     actuated: Iterable[str] | None = None,
     locked: Mapping[str, float] | None = None,
     root: str = "fixed",
-    limits: Limits | Mapping[str, PositionLimits | MagnitudeLimits] | None = None,
+    limits: Limits | Mapping[str, PositionLimits | RateLimits] | None = None,
     gravity: ArrayLike | None = None,
     base: Base | None = None,
     rotors: Mapping[str, tuple[float, float]] | None = None,

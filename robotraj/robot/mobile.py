@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
-from robotraj.robot.limits import Limits
+from robotraj.robot.limits import Limits, concatenated
 from robotraj.robot.loading.planning_model import rebuilt
 from robotraj.robot.robot import Robot
 
@@ -56,15 +56,7 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
     model.appendBodyToJoint(len(JOINTS), body, pin.SE3.Identity())
     model.lowerPositionLimit[: len(JOINTS)] = -np.inf
     model.upperPositionLimit[: len(JOINTS)] = np.inf
-    free = np.full(len(JOINTS), np.inf)
-    limits = Limits(
-        (*JOINTS, *robot.limits.joints),
-        np.append(-free, robot.limits.position_lower),
-        np.append(free, robot.limits.position_upper),
-        np.append(free, robot.limits.velocity),
-        np.append(free, robot.limits.acceleration),
-        np.append(free, robot.limits.effort),
-    )
+    limits = concatenated((*JOINTS, *robot.limits.joints), (Limits.none(JOINTS), robot.limits))
     zeros = np.zeros(len(JOINTS))
     return replace(
         robot,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -12,11 +14,17 @@ from robotraj.robot.known_robots.catalogue import find
 
 @pytest.fixture
 def limits():
-    return rt.robot.Limits(("hip", "knee"), [-1, -2], [1, 2], [3, 3], [np.inf, np.inf], [10, 20])
+    positions = {"hip": (-1, 1), "knee": (-2, 2)}
+    return rt.robot.Limits.none(["hip", "knee"]).with_(position=positions, velocity=3, effort=[10, 20])
 
 
 def test_values_above_1e20_are_no_limits():
-    limits = rt.robot.Limits(("a", "b"), [-1.8e308, -1], [1.8e308, 1e19], [1e30, 1], [2e20, 1], [np.inf, 1e20])
+    limits = rt.robot.Limits.none(["a", "b"]).with_(
+        position={"a": (-1.8e308, 1.8e308), "b": (-1, 1e19)},
+        velocity=[1e30, 1],
+        acceleration=[2e20, 1],
+        effort=[np.inf, 1e20],
+    )
     np.testing.assert_array_equal(limits.position_lower, [-np.inf, -1])
     np.testing.assert_array_equal(limits.position_upper, [np.inf, 1e19])
     np.testing.assert_array_equal(limits.velocity, [np.inf, 1])
@@ -29,7 +37,7 @@ def test_pinocchios_unbounded_joints_are_infinite():
     model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "free")
     assert model.upperPositionLimit[0] > 1e300
     limits = rt.robot.Limits.of(model)
-    for values in (limits.position_upper, -limits.position_lower, limits.velocity, limits.effort):
+    for values in (limits.position_upper, -limits.position_lower, limits.velocity, limits.effort, limits.jerk):
         assert np.isposinf(values[0])
 
 
@@ -40,12 +48,44 @@ def test_the_lower_velocity_limit_of_pinocchio_41_is_not_believed():
     np.testing.assert_array_equal(rt.robot.Limits.of(model).velocity, np.full(model.nv, 2.0))
 
 
-def test_a_tighter_lower_effort_limit_holds_both_ways():
+@pytest.mark.parametrize("lower", [-2.0, 0.0, 1.0])
+def test_lower_limits_of_speed_and_effort_are_read_beside_the_upper_ones(lower):
     model = pin.buildSampleModelManipulator()
-    model.upperEffortLimit[:] = 5.0
-    model.lowerEffortLimit[:] = -5.0
-    model.lowerEffortLimit[1] = -2.0
-    np.testing.assert_array_equal(rt.robot.Limits.of(model).effort, [5, 2, 5, 5, 5, 5])
+    model.upperVelocityLimit[:] = model.upperEffortLimit[:] = 5.0
+    model.lowerVelocityLimit[:] = model.lowerEffortLimit[:] = -5.0
+    model.lowerVelocityLimit[1] = model.lowerEffortLimit[1] = lower
+    limits = rt.robot.Limits.of(model)
+    for quantity in ("velocity", "effort"):
+        low, high = limits.sides(quantity)
+        np.testing.assert_array_equal(low, [-5, lower, -5, -5, -5, -5])
+        np.testing.assert_array_equal(high, np.full(6, 5.0))
+        np.testing.assert_array_equal(limits.largest(quantity), np.full(6, 5.0))
+    with pytest.raises(rt.InputError, match=r"effort limits of 'shoulder2_joint' are \[.*, 5\].*limits.effort_lower"):
+        _ = limits.effort
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration", "jerk", "effort"])
+@pytest.mark.parametrize("ends", [(-5, 30), (None, 30), rt.between(0, 30), (2, 30)])
+def test_rates_and_efforts_have_two_sides_by_name(limits, quantity, ends):
+    low, high = limits.with_(**{quantity: {"knee": ends}}).sides(quantity)
+    first = ends.lower if isinstance(ends, rt.constraints.Between) else ends[0]
+    assert (low[1], high[1]) == (-np.inf if first is None else first, 30)
+    assert low[0] == -high[0]
+
+
+def test_one_interval_holds_for_all_joints(limits):
+    new = limits.with_(effort=rt.between(0, 30))
+    np.testing.assert_array_equal(new.sides("effort"), [[0, 0], [30, 30]])
+    np.testing.assert_array_equal(new.scaled(effort=0.5, velocity=2.0).sides("effort"), [[0, 0], [15, 15]])
+    np.testing.assert_array_equal(new.scaled(effort=0.5, velocity=2.0).velocity, [6, 6])
+
+
+@pytest.mark.parametrize(
+    ("factors", "part"), [({"torque": 2}, "torque"), ({"effort": 0}, "above 0"), ({"effort": "a"}, "'a'")]
+)
+def test_impossible_factors_are_refused(limits, factors, part):
+    with pytest.raises(rt.InputError, match=part):
+        limits.scaled(**factors)
 
 
 def test_limits_are_copies_that_cannot_be_written():
@@ -116,8 +156,8 @@ def test_bad_overrides_are_named(limits, changes, parts):
 
 
 def test_a_limit_per_joint_is_needed():
-    with pytest.raises(rt.InputError, match=r"Limits.velocity has 1 values; give one per joint, 2"):
-        rt.robot.Limits(("a", "b"), [0, 0], [1, 1], [1], [1, 1], [1, 1])
+    with pytest.raises(rt.InputError, match=r"Limits.velocity_upper has 1 values; give one per joint, 2"):
+        replace(rt.robot.Limits.none(["a", "b"]), velocity_upper=[1])
 
 
 def test_sound_limits_give_no_warning(limits):
@@ -127,24 +167,31 @@ def test_sound_limits_give_no_warning(limits):
 @pytest.mark.parametrize(
     ("changes", "part"),
     [
-        ({"velocity": [0, 3]}, "velocity limit 0 locks it"),
-        ({"effort": [0, 3]}, "effort limit 0 locks it"),
-        ({"acceleration": [0, 3]}, "acceleration limit 0 locks it"),
+        ({"velocity_lower": [0, -3], "velocity_upper": [0, 3]}, "velocity limit 0 locks it"),
+        ({"effort_lower": [0, -3], "effort_upper": [0, 3]}, "effort limit 0 locks it"),
+        ({"jerk_lower": [0, -3], "jerk_upper": [0, 3]}, "jerk limit 0 locks it"),
+        ({"position_lower": [0, -2], "position_upper": [0, 2], "missing": ("hip",)}, "position limits are missing"),
         ({"position_lower": [0, -2], "position_upper": [0, 2]}, "position limits [0, 0] lock it"),
         ({"position_lower": [2, -2]}, "position limits [2, 1] are inverted"),
         ({"position_lower": [np.nan, -2]}, "are not numbers"),
-        ({"velocity": [-1, 3]}, "velocity limit -1 is no magnitude"),
-        ({"effort": [np.nan, 3]}, "effort limit nan is no magnitude"),
+        ({"velocity_upper": [-4, 3]}, "velocity limits [-3, -4] are inverted"),
+        ({"effort_lower": [np.nan, 3]}, "effort limits [nan, 10] are not numbers"),
     ],
 )
 def test_each_fault_is_one_sentence_of_its_joint_with_the_cure(limits, changes, part):
-    values = {name: getattr(limits, name) for name in limits.__dataclass_fields__} | changes
-    warnings = rt.robot.Limits(**values).warnings()
+    warnings = replace(limits, **changes).warnings()
     assert len(warnings) == 1
     assert "'hip'" in warnings[0]
     assert part in warnings[0]
     assert "rt.load(..., limits={" in warnings[0]
+    assert "rt.load(..., locked={'hip': " in warnings[0]
     assert "Phase(limits=None)" in warnings[0]
+
+
+def test_what_holds_for_several_joints_is_one_sentence(limits):
+    (warning,) = limits.with_(effort=0).warnings()
+    assert warning.startswith("Joints 'hip', 'knee' cannot be planned with their limits: effort limit 0 locks it.")
+    assert "{'effort': {'hip': largest, ...}}" in warning
 
 
 def test_a_joint_without_motor_may_have_no_effort(limits):
@@ -156,7 +203,7 @@ def test_a_joint_without_motor_may_have_no_effort(limits):
 
 def test_the_cure_that_is_named_cures():
     robot = rt.load("double_pendulum")
-    assert len(robot.limits.warnings()) == 2
+    assert len(robot.limits.warnings()) == 1
     cured = rt.load(
         "double_pendulum",
         limits={"position": (-np.pi, np.pi), "velocity": 10, "effort": {"joint1": 5, "joint2": 5}},
@@ -170,9 +217,9 @@ def test_zero_limits_of_a_real_robot_are_counted():
     robot = rt.load(model)
     zero = np.flatnonzero(np.array(model.upperVelocityLimit) == 0)
     assert len(zero) == 24
-    warnings = robot.limits.warnings()
-    for i in zero:
-        assert any(f"Joint {robot.joint_names[i]!r} " in warning for warning in warnings)
+    faults = robot.limits.faults()
+    assert {robot.joint_names[i] for i in zero} == {joint for joint in faults if "velocity" in faults[joint]}
+    assert len(robot.limits.warnings()) < 5
 
 
 def test_a_joint_whose_friction_takes_all_of_its_effort_is_noted(urdf):

@@ -241,7 +241,7 @@ def test_acceleration_limits_have_a_column_where_there_are_any(arm):
 
 def test_printing_repeats_the_warnings():
     printed = " ".join(str(rt.load("double_pendulum")).split())
-    assert "Joint 'joint1' cannot be planned with its limits" in printed
+    assert "Joints 'joint1', 'joint2' cannot be planned with their limits" in printed
 
 
 # -- bad inputs --------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from robotraj._util.printing import wrapped
 from robotraj.cli.options import JsonOption, RobotArgument
 from robotraj.cli.terminal import say, say_json
+from robotraj.robot.limits import QUANTITIES
 
 if TYPE_CHECKING:
     from robotraj.robot.known_robots.entry import KnownRobot
@@ -51,10 +52,7 @@ def _described(robot: Robot, entry: KnownRobot | None) -> dict[str, object]:
         {
             "name": name,
             "unit": unit,
-            "position": [number(limits.position_lower[i]), number(limits.position_upper[i])],
-            "velocity": number(limits.velocity[i]),
-            "acceleration": number(limits.acceleration[i]),
-            "effort": number(limits.effort[i]),
+            **{quantity: [number(side[i]) for side in limits.sides(quantity)] for quantity in QUANTITIES},
             "actuated": name in robot.actuated,
         }
         for i, (name, unit) in enumerate(zip(limits.joints, robot.units, strict=True))

@@ -43,11 +43,12 @@ def _scene(phase: Phase, robot: Robot, kept: Sequence[ClearancePairs]) -> PathSc
     moving = [obstacle for obstacle in every if obstacle.moves]
     limits = phase.limits if isinstance(phase.limits, Limits) else None
     free = np.full(robot.nq, np.inf)
+    speeds = np.ones(robot.nv) if limits is None else limits.largest("velocity")
     return PathScene(
         sphere_tree(robot, widest.spheres, apart, obstacles),
         -free if limits is None else limits.position_lower,
         free if limits is None else limits.position_upper,
-        np.ones(robot.nv) if limits is None else np.where(np.isfinite(limits.velocity), limits.velocity, 1.0),
+        np.where(np.isfinite(speeds), speeds, 1.0),
         max(pairs.margin for pairs in kept),
         MovingScene(robot, widest.spheres, apart, obstacles, moving) if moving else None,
     )

@@ -161,14 +161,13 @@ def _mean_speeds(ends: PhaseEnds) -> Iterator[EndRow]:
     if robot is None or not isinstance(phase.limits, Limits):
         return
     positions = list(robot.position_names)
-    for joint, unit, limit in zip(robot.velocity_names, robot.units, phase.limits.velocity, strict=True):
-        if joint in positions and np.isfinite(limit):
+    limits = zip(*phase.limits.sides("velocity"), strict=True)
+    for joint, unit, (low, high) in zip(robot.velocity_names, robot.units, limits, strict=True):
+        if joint in positions and np.isfinite([low, high]).any():
             i = positions.index(joint)
             mean = (ends.last[i] - ends.first[i]) / ends.duration
             half = ends.begun + 0.5 * ends.duration
-            yield EndRow(
-                mean, -limit, limit, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, LIMIT_WEIGHT, True
-            )
+            yield EndRow(mean, low, high, phase.name, f"velocity limit, {joint}", f"{unit}/s", half, LIMIT_WEIGHT, True)
 
 
 def rows_of_links(problem: Problem, ends: Sequence[PhaseEnds]) -> Iterator[EndRow]:

@@ -18,6 +18,7 @@ from robotraj.planning.diagnosis.elastic import Solve, motion_near, relaxed_moti
 from robotraj.problem.constraints.base import BoundConstraint, Constraint
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.problem import Problem
+from robotraj.robot.limits import Limits
 from robotraj.solution.conflict import Conflict, with_room
 from robotraj.solution.solution import Solution
 from robotraj.transcription.interval_limits.row_values import Rates
@@ -101,7 +102,8 @@ def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple
 def _widened(problem: Problem, factor: float) -> Problem:
     phases = [
         phase.with_(
-            constraints=[_Widened(each, factor) if isinstance(each, RateLimit) else each for each in phase.constraints]
+            constraints=[_Widened(each, factor) if isinstance(each, RateLimit) else each for each in phase.constraints],
+            limits=phase.limits.scaled(jerk=factor) if isinstance(phase.limits, Limits) else None,
         )
         for phase in problem.phases
     ]

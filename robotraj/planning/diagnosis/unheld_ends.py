@@ -3,8 +3,9 @@
 A pose is held at rest if torques and contact forces balance gravity, 0 = RNEA(q, 0, 0) - B tau - J' f, within their
 limits and dry friction. The least excess e over the torque limits solves a linear program,
 
-    minimise  sum_j e_j / limit_j    subject to the balance,  |tau_j| <= limit_j + e_j,  f_normal >= 0.
+    minimise  sum_j e_j / size_j    subject to the balance,  lower_j - e_j <= tau_j <= upper_j + e_j,  f_normal >= 0,
 
+with the larger magnitude of both limits as the size.
 A robot can pass through such a pose, and can even reach it while gravity slows it down. Such ends are therefore not
 refused. They are reported as a cause where a solve fails.
 """
@@ -23,6 +24,7 @@ from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.problem.constraints.base import Where, symbols_of
+from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
@@ -33,6 +35,8 @@ Array = NDArray[np.float64]
 
 NOTICED = 1e-6
 """Excess relative to a limit that is reported."""
+UNLIMITED = 1e12
+"""Torque [N m, N] in place of an infinite limit."""
 
 
 def unheld_ends(problem: Problem) -> tuple[Conflict, ...]:
@@ -54,34 +58,38 @@ def _unheld(phase: Phase) -> list[Conflict]:
         return []
     size = robot.nq + robot.nv
     joints = [list(limits.joints).index(joint) for joint in robot.actuated]
-    allowed = np.asarray(limits.effort)[joints]
+    allowed = Bounds(*(np.asarray(side)[joints] for side in limits.sides("effort")))
     data, found = robot.model.createData(), []
     for end, bounds in phase.joint_ends.items():
         lower, upper = bounds.lower[:size], bounds.upper[:size]
         if not np.array_equal(lower, upper) or np.any(lower[robot.nq :]):
             continue
         time = phase.duration_bounds[1] if end is Where.END else 0.0
-        named = zip(robot.actuated, joints, allowed, _least_excess(phase, lower, allowed, data), strict=True)
-        found += [
-            Conflict(
-                phase.name,
-                f"effort limit, {joint}",
-                time,
-                float(limit),
-                float(limit + over),
-                "N m" if robot.units[i] == "rad" else "N",
-                float(over / limit),
-                True,
-                f"holding the {end.value} needs it",
-            )
-            for joint, i, limit, over in named
-            if over > NOTICED * limit
-        ]
+        excess = _least_excess(phase, lower, allowed, data)
+        for joint, i, low, high, over in zip(robot.actuated, joints, *allowed, excess, strict=True):
+            largest, limit = max(-low, high), high if over > 0.0 else low
+            if abs(over) > NOTICED * largest:
+                found.append(
+                    Conflict(
+                        phase.name,
+                        f"effort limit, {joint}",
+                        time,
+                        float(limit),
+                        float(limit + over),
+                        "N m" if robot.units[i] == "rad" else "N",
+                        float(abs(over) / largest),
+                        True,
+                        f"holding the {end.value} needs it",
+                    )
+                )
     return found
 
 
-def _least_excess(phase: Phase, state: Array, allowed: Array, data: pin.Data) -> Array:
-    """Return the excess e (nu,) [N m, N] of the torques that hold a state; zeros where no torque does."""
+def _least_excess(phase: Phase, state: Array, allowed: Bounds, data: pin.Data) -> Array:
+    """Return the excess (nu,) [N m, N] of the torques that hold a state, negative below a lower limit.
+
+    It is 0 where no torque holds the state.
+    """
     robot = phase.robot
     assert robot is not None
     friction = np.asarray(robot.friction, dtype=float)
@@ -99,35 +107,39 @@ def _least_excess(phase: Phase, state: Array, allowed: Array, data: pin.Data) ->
     load, by_torques, by_forces = (np.array(ca.DM(value).full())[:nv] for value in values)
     limits = phase.rows.limits()
     least = [0.0 if limits.get(v.name, (-np.inf, np.inf))[0] >= 0.0 else -np.inf for v in body.algebraic[nv:]]
-    finite = np.isfinite(allowed)
-    if _held_easily(load.ravel(), by_torques, by_forces, np.where(finite, allowed, 1e12), np.array(least)):
+    lowest, most = np.maximum(allowed.lower, -UNLIMITED), np.minimum(allowed.upper, UNLIMITED)
+    size = np.maximum(-lowest, most)
+    if _held_easily(load.ravel(), by_torques, by_forces, Bounds(lowest / size, most / size), size, np.array(least)):
         return np.zeros(nu)
     from scipy.optimize import linprog
 
     # Unknowns: torques, excess, contact forces, dry friction.
-    weights = np.concatenate([np.zeros(nu), np.where(finite, 1.0 / np.where(finite, allowed, 1.0), 0.0)])
+    weights = np.concatenate([np.zeros(nu), 1.0 / size])
     cost = np.concatenate([weights, np.zeros(len(least) + nv)])
     balance = np.hstack([by_torques, np.zeros((nv, nu)), by_forces, np.eye(nv)])
     within = np.hstack([np.eye(nu), -np.eye(nu), np.zeros((nu, len(least) + nv))])
     both = np.vstack([within, within * np.where(np.arange(within.shape[1]) < nu, -1.0, 1.0)])
     slipping = _friction_rows(phase, [variable.name for variable in body.algebraic[nv:]])
     cones = np.hstack([np.zeros((len(slipping), 2 * nu)), slipping, np.zeros((len(slipping), nv))])
-    most = np.where(finite, allowed, 1e12)
     ranges = [(None, None)] * nu + [(0.0, None)] * nu + [(low, None) for low in least]
     ranges += [(-size, size) for size in friction]
-    above = np.concatenate([most, most, np.zeros(len(slipping))])
+    above = np.concatenate([most, -lowest, np.zeros(len(slipping))])
     found = linprog(cost, np.vstack([both, cones]), above, balance, -load.ravel(), ranges)
-    return np.asarray(found.x[nu : 2 * nu]) if found.status == 0 else np.zeros(nu)
+    if found.status != 0:
+        return np.zeros(nu)
+    return np.where(found.x[:nu] >= 0.5 * (lowest + most), 1.0, -1.0) * found.x[nu : 2 * nu]
 
 
-def _excess_without_contacts(robot: Robot, state: Array, allowed: Array, friction: Array, data: pin.Data) -> Array:
+def _excess_without_contacts(robot: Robot, state: Array, allowed: Bounds, friction: Array, data: pin.Data) -> Array:
     """Return the excess of the only torques that balance gravity; zeros where a joint without a motor falls."""
     gravity = pin.computeGeneralizedGravity(robot.model, data, state[: robot.nq])
     torques = robot.actuation.T @ gravity
     left = float(np.abs(robot.actuation @ torques - gravity).max(initial=0.0))
     if left >= NOTICED * max(1.0, float(np.abs(gravity).max(initial=0.0))):
         return np.zeros(robot.nu)
-    return np.asarray(np.maximum(0.0, np.abs(torques) - robot.actuation.T @ friction - allowed))
+    held = robot.actuation.T @ friction
+    above, below = torques - held - allowed.upper, torques + held - allowed.lower
+    return np.maximum(0.0, above) + np.minimum(0.0, below)
 
 
 def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
@@ -147,16 +159,15 @@ def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
     return np.array(rows).reshape(len(rows), len(forces))
 
 
-def _held_easily(load: Array, by_torques: Array, by_forces: Array, allowed: Array, least: Array) -> bool:
-    """Whether the balance of least norm, with torques relative to their limits, keeps every limit.
+def _held_easily(load: Array, by_torques: Array, by_forces: Array, relative: Bounds, size: Array, least: Array) -> bool:
+    """Whether the balance of least norm, with torques relative to their sizes (nu,), keeps every ``relative`` limit.
 
     No linear program is needed then.
     """
     weight = max(float(np.abs(load).max(initial=0.0)), 1.0)
-    columns = np.hstack([by_torques * allowed, by_forces * weight])
+    columns = np.hstack([by_torques * size, by_forces * weight])
     found = np.linalg.lstsq(columns, -load, rcond=1e-10)[0]
     nu = by_torques.shape[1]
     balanced = float(np.abs(columns @ found + load).max(initial=0.0)) < NOTICED * weight
-    return balanced and bool(
-        np.all(np.abs(found[:nu]) <= 1.0) and np.all(found[nu:] >= np.where(least < 0.0, -np.inf, 0.0))
-    )
+    within = np.all(found[:nu] >= relative.lower) and np.all(found[:nu] <= relative.upper)
+    return balanced and bool(within and np.all(found[nu:] >= np.where(least < 0.0, -np.inf, 0.0)))

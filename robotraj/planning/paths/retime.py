@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,7 @@ from robotraj.planning.paths.joint_path import JointPath, as_path
 from robotraj.planning.paths.smooth_path import smoothed
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import Constraint
-from robotraj.problem.constraints.bounds import Between, BoundsLike, between
+from robotraj.problem.constraints.bounds import BoundsLike
 from robotraj.problem.constraints.follow_path import FollowPath
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.objectives.base import Objective
@@ -130,7 +130,7 @@ def retime(
     every: list[Constraint] = [FollowPath(joints, start_speed, end_speed, deviation)]
     for kind, bounds in ((JointJerk, jerk), (JointTorqueRate, torque_rate)):
         if bounds is not None:
-            every.append(kind(_symmetric(bounds)))
+            every.append(kind(bounds))
     phase = Phase(
         robot,
         (0.0, LONGEST),
@@ -157,19 +157,3 @@ def _check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
             f"The path has {limits.joints[joint]!r} at {q[piece, place, joint]:.6g} at s = {s:.4g}, outside its "
             f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=."
         )
-
-
-def _symmetric(bounds: BoundsLike) -> BoundsLike:
-    """Return bounds on both signs of a number, of numbers, or of numbers by joint."""
-    if isinstance(bounds, Mapping):
-        return {joint: _of_both_signs(value) for joint, value in bounds.items()}
-    if isinstance(bounds, Sequence | np.ndarray):
-        return [_of_both_signs(value) for value in bounds]
-    return _of_both_signs(bounds)
-
-
-T = TypeVar("T")
-
-
-def _of_both_signs(value: T) -> T | Between:
-    return between(-float(value), float(value)) if isinstance(value, float | int | np.number) else value

@@ -192,19 +192,19 @@ def _nearby(robot: Robot) -> tuple[Array, list[int]]:
             up, down = limits.position_upper[i] - neutral[i], neutral[i] - limits.position_lower[i]
             way = min(STRIDE.get(robot.units[i], STRIDE["m"]), SHARE * max(up, down)) / 2.0**halved
             end[i] = round(neutral[i] + (way if up >= down else -way), 4)
-        held = np.abs(pin.computeGeneralizedGravity(robot.model, data, end))
-        if all(held[i] <= LOAD * limits.effort[i] for i in driven if limits.effort[i] > 0.0):
+        if _can_push(robot, pin.computeGeneralizedGravity(robot.model, data, end), driven):
             break
     return end, driven
 
 
 def _duration(robot: Robot, end: Array, moved: list[int]) -> float:
     """Return a duration of at least 1 s in which a smooth motion stays well within the limits [s]."""
-    way, limits, data = end - robot.neutral, robot.limits, robot.model.createData()
+    way, speeds, data = end - robot.neutral, robot.limits.sides("velocity"), robot.model.createData()
     duration = 1.0
     for i in moved:
-        if 0.0 < limits.velocity[i] < math.inf:
-            duration = max(duration, PACE * abs(way[i]) / limits.velocity[i])
+        speed = float(speeds[1][i] if way[i] > 0.0 else -speeds[0][i])
+        if 0.0 < speed < math.inf:
+            duration = max(duration, PACE * abs(way[i]) / speed)
     while duration < LONGEST and not _within(robot, data, way, duration, moved):
         duration *= 1.25
     return duration
@@ -218,9 +218,15 @@ def _within(robot: Robot, data: pin.Data, way: Array, duration: float, moved: li
         second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration**2
         tau = pin.rnea(robot.model, data, robot.neutral + place * way, rate * way, second * way)
         tau = tau + robot.damping * rate * way + robot.friction * np.sign(way)
-        if any(abs(tau[i]) > LOAD * robot.limits.effort[i] > 0.0 for i in moved):
+        if not _can_push(robot, tau, moved):
             return False
     return True
+
+
+def _can_push(robot: Robot, tau: Array, joints: list[int]) -> bool:
+    """Whether torques (nv,) of some joints are well within their limits; joints without an effort do not count."""
+    lower, upper = robot.limits.sides("effort")
+    return all(LOAD * lower[i] <= tau[i] <= LOAD * upper[i] for i in joints if lower[i] < upper[i])
 
 
 def _gait(robot: Robot) -> str:

@@ -10,8 +10,9 @@ from .follow_path import FollowPath
 from .frame_pose import FramePose, FramePosition
 from .heights import RequiredHeight, SwingApex
 from .integral import IntegralConstraint
-from .joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity, own_limits
+from .joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity
 from .motors.drive import MotorPower, SpeedTorqueCurve
+from .motors.own_limits import own_limits
 from .motors.payloads import PayloadScenarios
 from .motors.rates import JointJerk, JointTorqueRate
 from .path import PathConstraint

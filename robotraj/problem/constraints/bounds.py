@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from numbers import Real
-from typing import NamedTuple, TypeAlias, TypeGuard
+from typing import Any, NamedTuple, TypeAlias, TypeGuard, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -132,6 +132,33 @@ def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint
         f"The {what} must be None, a number, rt.between(lower, upper), a list of these or a dict by {kind}; "
         f"got {type(value).__name__}."
     )
+
+
+def as_limits(value: BoundsLike) -> BoundsLike:
+    """Return bounds in which every number x is replaced by the interval [-x, x], as in ``robot.limits.with_``.
+
+    Raises
+    ------
+    InputError
+        A number is negative or NaN.
+    """
+    if _is_mapping(value):
+        return {name: _of_both_signs(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_of_both_signs(entry) for entry in value]
+    return cast("BoundsLike", _of_both_signs(value))
+
+
+def _of_both_signs(value: Any) -> Any:  # a number or an array becomes an interval, other values stay
+    if value is None or isinstance(value, Between) or not _is_plain_array(value):
+        return value
+    size = _numbers(value)
+    if not np.all(size >= 0.0):
+        raise InputError(
+            f"The limit {value!r} is no magnitude: a number x stands for [-x, x]. Give rt.between(lower, upper) for "
+            "two sides."
+        )
+    return Between(-size, size)
 
 
 def as_duration(value: float | Sequence[float] | Between, phase: str) -> tuple[float, float]:

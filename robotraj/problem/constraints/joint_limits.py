@@ -6,20 +6,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
-from robotraj.problem.constraints.bounds import Between, BoundsLike, as_bounds
+from robotraj.problem.constraints.bounds import BoundsLike, as_bounds, as_limits
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.dynamics.point import RobotPoint
     from robotraj.problem.scalars import Scalar
-    from robotraj.robot.limits import Limits
 
 RATES = ("v", "a", "tau")
 """Joint quantities, in the order of their units in ``RATE_UNITS``."""
@@ -37,7 +35,8 @@ class JointLimit(Constraint):
     Parameters
     ----------
     bounds : Between, number, sequence or mapping by joint
-        ``rt.between(-1, 1)`` for all joints, ``{"elbow": rt.between(0, 2)}`` for some.
+        ``rt.between(-1, 1)`` for all joints, ``{"elbow": rt.between(0, 2)}`` for some. A number x stands for [-x, x],
+        as in ``robot.limits.with_``; ``rt.between(x, x)`` fixes the quantity at x.
     """
 
     bounds: BoundsLike
@@ -49,7 +48,7 @@ class JointLimit(Constraint):
         """Write one row for each joint that is bounded on a side."""
         robot = robot_of(dynamics, type(self).__name__)
         joints = list({"q": robot.position_names, "tau": robot.actuated}.get(self.prefix, robot.velocity_names))
-        lower, upper = as_bounds(self.bounds, joints, self.quantity)
+        lower, upper = as_bounds(as_limits(self.bounds), joints, self.quantity)
         unit_of = dict(zip(robot.velocity_names, robot.units, strict=True))
         unit_of |= dict(zip(robot.position_names, robot.position_units, strict=True))
         known = {v.name for v in (*dynamics.states, *dynamics.algebraic, *dynamics.controls)}
@@ -102,18 +101,3 @@ class JointEffort(JointLimit):
 
     prefix: ClassVar[str] = "tau"
     quantity: ClassVar[str] = "effort limit"
-
-
-def own_limits(limits: Limits, actuated: Sequence[str]) -> tuple[JointLimit, ...]:
-    """Write a robot's limits as constraints: position, velocity, acceleration, effort."""
-    indices = [list(limits.joints).index(joint) for joint in actuated]
-
-    def symmetric(values: NDArray[np.float64]) -> Between:
-        return Between(-np.asarray(values), np.asarray(values))
-
-    return (
-        JointPosition(Between(*limits.positions)),
-        JointVelocity(symmetric(limits.velocity)),
-        JointAcceleration(symmetric(limits.acceleration)),
-        JointEffort(symmetric(limits.effort[indices])),
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +12,8 @@ import pinocchio as pin
 
 from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name, warn
-from robotraj.robot.limits import Limits, MagnitudeLimits, PositionLimits
+from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
+from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.loading.mimic import lock_mimics
@@ -29,6 +31,7 @@ from robotraj.robot.loading.other_units import other_unit_note
 from robotraj.robot.loading.planning_model import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
+from robotraj.robot.loading.urdf_limits import StatedLimits
 from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import carried, root_of, units_of, with_root
@@ -47,7 +50,7 @@ def assemble(
     about: Description,
     actuated: Iterable[str] | None,
     locked: Mapping[str, float] | None,
-    limits: Limits | Mapping[str, PositionLimits | MagnitudeLimits] | None,
+    limits: Limits | Mapping[str, PositionLimits | RateLimits] | None,
     root: str = "fixed",
 ) -> Robot:
     """Return the robot.
@@ -68,7 +71,7 @@ def assemble(
     first, start = 1 + len(stand.joints), len(stand.positions)
     names = names_of(whole)[first:]
     q, reference_name = reference(about.model, about.srdf, root)
-    every = Limits.of(whole, root)
+    every = _limits(whole, root, about.stated)
     resting = inside(q, every)
     held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
     ids = [i for i, joint in enumerate(names, start=first) if joint in held]
@@ -84,7 +87,7 @@ def assemble(
     model = reduced(whole, ids, at)
     renamed = rename_ambiguous_frames(model)
     # Nothing was removed where no joint is locked.
-    own = Limits.of(model, root) if ids else every
+    own = _limits(model, root, about.stated) if ids else every
     wanted = own if limits is None else own.override(limits)
     kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
     _check_dissipation(model, own.joints)
@@ -119,13 +122,24 @@ def assemble(
         damping=np.array(model.damping),
         friction=friction,
         neutral=inside(kept, wanted),
-        friction_speed=_friction_speed(friction, own.velocity),
+        friction_speed=_friction_speed(friction, own.largest("velocity")),
         geometry=_geometry(about, whole, ids, at),
         origin=about.origin,
         end_effector=about.end_effector,
         notes=tuple(note for note in notes if note),
         root=root,
     )
+
+
+def _limits(model: pin.Model, root: str, stated: StatedLimits) -> Limits:
+    """Return the limits of a model within those that its URDF states beside them."""
+    own = Limits.of(model, root)
+    given = {
+        quantity: {joint: pair for joint, pair in pairs.items() if joint in own.joints}
+        for quantity, pairs in stated.pairs.items()
+    }
+    missing = tuple(joint for joint in stated.missing if joint in own.joints)
+    return replace(own.override(given), missing=missing)
 
 
 def _friction_speed(friction: Array, speeds: Array) -> float:

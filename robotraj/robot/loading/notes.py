@@ -45,13 +45,13 @@ def weightless_note(joints: Sequence[str]) -> str:
 def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
     """Name joints whose effort limit is implausible beside the weight of the whole robot at its full reach."""
     weight = GRAVITY * sum(body.mass for body in model.inertias.tolist()[1:])
-    span = reach(model)
+    span, efforts = reach(model), limits.largest("effort")
     strong = [
-        f"{joint} ({limits.effort[i]:.4g} {'N' if unit == 'm' else 'N m'})"
+        f"{joint} ({efforts[i]:.4g} {'N' if unit == 'm' else 'N m'})"
         for i, (joint, unit) in enumerate(zip(limits.joints, units, strict=True))
         if joint in actuated
-        and np.isfinite(limits.effort[i])
-        and limits.effort[i] > STRONGEST * weight * (1.0 if unit == "m" else span)
+        and np.isfinite(efforts[i])
+        and efforts[i] > STRONGEST * weight * (1.0 if unit == "m" else span)
     ]
     if not strong or weight == 0.0:
         return ""
@@ -81,10 +81,11 @@ def dissipation_note(model: pin.Model) -> str:
 
 def friction_note(friction: Array, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
     """Name the joints whose friction is as large as their effort limit."""
+    efforts = limits.largest("effort")
     stuck = [
-        f"{joint} ({friction[i]:.4g} of {limits.effort[i]:.4g} {'N' if units[i] == 'm' else 'N m'})"
+        f"{joint} ({friction[i]:.4g} of {efforts[i]:.4g} {'N' if units[i] == 'm' else 'N m'})"
         for i, joint in enumerate(limits.joints)
-        if joint in actuated and friction[i] > 0 and friction[i] >= limits.effort[i]
+        if joint in actuated and friction[i] > 0 and friction[i] >= efforts[i]
     ]
     if not stuck:
         return ""

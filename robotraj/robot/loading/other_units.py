@@ -44,11 +44,16 @@ def other_unit_note(own: Limits, given: Limits, units: Sequence[str]) -> str:
     str
         Empty where every limit is plausible.
     """
+    compared = (
+        ("position", own.position_lower, given.position_lower, ""),
+        ("position", own.position_upper, given.position_upper, ""),
+        ("velocity", own.largest("velocity"), given.largest("velocity"), "/s"),
+    )
     found = []
-    for name, suffix in (("position_lower", ""), ("position_upper", ""), ("velocity", "/s")):
-        for joint, mine, other, unit in zip(own.joints, getattr(own, name), getattr(given, name), units, strict=True):
-            if seems_other(float(other), float(mine), unit + suffix):
-                found.append((joint, name.partition("_")[0], float(mine), float(other), unit + suffix))
+    for name, before, after, suffix in compared:
+        for joint, mine, other, unit in zip(own.joints, before.tolist(), after.tolist(), units, strict=True):
+            if seems_other(other, mine, unit + suffix):
+                found.append((joint, name, mine, other, unit + suffix))
     if not found:
         return ""
     joint, name, mine, other, unit = found[0]

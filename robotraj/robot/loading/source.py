@@ -17,6 +17,7 @@ from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.loading.urdf import read_model, read_xml
+from robotraj.robot.loading.urdf_limits import StatedLimits, stated_limits
 from robotraj.robot.loading.urdf_numbers import check_numbers
 from robotraj.robot.loading.urdf_structure import check_structure
 
@@ -47,6 +48,8 @@ class Description:
         Source of the robot, for printing.
     findings : tuple of str
         Implausible numbers of the URDF, one sentence each.
+    stated : StatedLimits
+        Limits of the URDF beside those of the model.
     known : bool
         Whether the catalogue lists it. Its findings are notes without a warning.
     """
@@ -61,6 +64,7 @@ class Description:
     moving: tuple[str, ...] = ()
     end_effector: str | None = None
     findings: tuple[str, ...] = ()
+    stated: StatedLimits = StatedLimits({})
     known: bool = False
 
 
@@ -121,5 +125,6 @@ def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...], t
         entry.moving,
         entry.end_effector,
         findings,
+        stated_limits(root),
         bool(entry.name),
     )

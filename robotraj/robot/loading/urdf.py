@@ -15,6 +15,9 @@ MAX_BYTES = 10_000_000
 MAX_TEXT = 4_000
 """Length of the longest attribute: the longest path of a file."""
 
+ENDLESS, INFINITE, UNLIMITED = ("effort", "velocity"), ("inf", "infinity"), "1e30"
+"""Limits that may be infinite, how they are written, and the number that stands for no limit."""
+
 MAX_ATTRIBUTES = 100
 """Largest number of attributes of an element; an <inertia> has six. The parser compares each with all others."""
 
@@ -57,6 +60,8 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
                 )
             # The parser behind Pinocchio replaces a number that a blank follows by 0, or refuses the file.
             attributes[key] = text.strip()
+            if element.tag == "limit" and key in ENDLESS and text.strip().lower().lstrip("+") in INFINITE:
+                attributes[key] = UNLIMITED  # that parser takes no infinity
         xacro = xacro or "ros.org/wiki/xacro" in element.tag
     if root.tag != "robot":
         raise InputError(

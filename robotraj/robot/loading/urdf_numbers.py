@@ -7,20 +7,26 @@ findings: ``rt.load`` warns of them, and ``robotraj show`` lists them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.robot.loading.inertia import principal_moments, triangle_fault
+from robotraj.robot.loading.urdf_limits import limit_findings, local
 from robotraj.robot.loading.urdf_structure import SHOWN
 
 JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
 MOVING = {"revolute", "continuous", "prismatic"}
 """Joint types with one axis."""
-JOINT_NUMBERS = ("limit", "dynamics", "mimic")
-"""Tags of a joint whose attributes are numbers, except the name of a mimicked joint."""
+JOINT_NUMBERS: Mapping[str, Sequence[str]] = {
+    "limit": ("lower", "upper", "velocity", "effort", "acceleration", "jerk"),
+    "dynamics": ("damping", "friction"),
+    "mimic": ("multiplier", "offset"),
+    "safety_controller": ("soft_lower_limit", "soft_upper_limit"),
+}
+"""Attributes of a joint's elements that are numbers."""
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 """Places in ``INERTIA`` of the entries of the matrix, row by row."""
@@ -54,7 +60,7 @@ def check_numbers(file: str, root: Element) -> tuple[str, ...]:
         more = f" And {len(faults) - SHOWN} more." if len(faults) > SHOWN else ""
         raise InputError(f"{file}: {'; '.join(faults[:SHOWN])}.{more}")
     joints = (finding for joint in root.findall("joint") for finding in _joint_findings(joint))
-    return (*joints, *_link_findings(root.findall("link")))
+    return (*joints, *limit_findings(root), *_link_findings(root.findall("link")))
 
 
 def _joint_faults(joint: Element) -> Iterator[str]:
@@ -71,12 +77,15 @@ def _joint_faults(joint: Element) -> Iterator[str]:
     axis = joint.find("axis")
     if axis is not None and kind in MOVING and not any(numbers(axis.get("xyz", ""), 3) or ()):
         yield f"joint {name!r} has the axis {axis.get('xyz')!r}; give three numbers, not all zero"
-    for field in JOINT_NUMBERS:
+    for field, keys in JOINT_NUMBERS.items():
         element = joint.find(field)
-        for key, text in {} if element is None else element.attrib.items():
-            if key != "joint" and not numbers(text, 1):
+        for full, text in {} if element is None else element.attrib.items():
+            key = local(full)
+            if key not in keys:
+                continue
+            if not numbers(text, 1):
                 yield f"joint {name!r} has <{field} {key}={text!r}>, which is no finite number"
-            elif field == "limit" and key in ("velocity", "effort") and float(text) < 0:
+            elif field == "limit" and key not in ("lower", "upper") and float(text) < 0:
                 yield f"joint {name!r} has the {key} limit {text}; give a magnitude, 0 or more"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from robotraj.robot.joint_table import interval
 from robotraj.robot.limits import Limits
 from robotraj.robot.sides.other_side import other_side
 
@@ -39,14 +40,16 @@ def _unlike_sides(limits: Limits, units: Sequence[str]) -> dict[tuple[str, str],
             continue
         pair, unit = (joint, joints[k]), units[i]
         motor = "N" if unit == "m" else "N m"
-        here, there = ((limits.position_lower[j], limits.position_upper[j]) for j in (i, k))
-        if not (np.allclose(here, there, 0.0, ALIKE) or np.allclose(here, (-there[1], -there[0]), 0.0, ALIKE)):
-            ranges = (f"[{low:.4g}, {high:.4g}] {unit}" for low, high in (here, there))
-            found[pair] = _difference("positions", pair, ranges)
-            continue
-        for name, values, of in (("speed", limits.velocity, f"{unit}/s"), ("effort", limits.effort, motor)):
-            if not np.isclose(values[i], values[k], ALIKE, 0.0):
-                found[pair] = _difference(name, pair, (f"{values[j]:.4g} {of}" for j in (i, k)))
+        for name, quantity, of, relative in (
+            ("positions", "position", unit, 0.0),
+            ("speed", "velocity", f"{unit}/s", ALIKE),
+            ("effort", "effort", motor, ALIKE),
+        ):
+            lower, upper = limits.sides(quantity)
+            here, there = ((lower[j], upper[j]) for j in (i, k))
+            alike = (np.allclose(here, seen, relative, ALIKE - relative) for seen in (there, (-there[1], -there[0])))
+            if not any(alike):
+                found[pair] = _difference(name, pair, (interval(*ends, f" {of}") for ends in (here, there)))
                 break
     return found
 

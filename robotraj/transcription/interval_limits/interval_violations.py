@@ -138,14 +138,14 @@ def variable_violations(
         if not bounds:
             continue
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
-        allowed = share * np.array([row.greatest_bound for row in rows])
+        allowed = share * np.array([row.size for row in rows])
         found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
     if isinstance(inputs, DrivenInputs | DefinedInputs):
         # Accelerations are the planned polynomials, whose rates are bounded everywhere.
         algebraic = phase.dae.algebraic
         rates = [pair for pair in phase.rows.rates_of(algebraic) if algebraic[pair[1]].quantity == FRICTIONLESS]
         rows, columns = [row for row, _ in rates], [column for _, column in rates]
-        allowed = EXACT_SHARE * np.array([row.greatest_bound for row in rows])
+        allowed = EXACT_SHARE * np.array([row.size for row in rows])
         found += _violations(index, rows, Rates(DrivenCurve(inputs, 0), columns), ONE_SIDED, allowed)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))

@@ -108,21 +108,21 @@ def _limit_rows(planned: PhaseSolutionLike) -> Iterable[tuple[Row, Callable[[Rob
         return
     joints = list(robot.velocity_names)
     shift = int(robot.model.nq) - len(joints)  # A floating root has one position more than velocities, and no limits.
-    symmetric = (
-        ("velocity limit", "v", limits.velocity, RATE_UNITS, joints),
-        ("acceleration limit", "a", limits.acceleration, ACCELERATION_UNITS, joints),
-        ("effort limit", "tau", limits.effort, TORQUE_UNITS, list(robot.actuated)),
+    rates = (
+        ("velocity limit", "v", limits.sides("velocity"), RATE_UNITS, joints),
+        ("acceleration limit", "a", limits.sides("acceleration"), ACCELERATION_UNITS, joints),
+        ("effort limit", "tau", limits.sides("effort"), TORQUE_UNITS, list(robot.actuated)),
     )
     for i, joint in enumerate(joints):
         lower, upper = float(limits.position_lower[i]), float(limits.position_upper[i])
         if np.isfinite(lower) or np.isfinite(upper):
             yield Row("position limit", robot.units[i], lower, upper, joint), _column("q", i + shift)
-    for name, kind, bounds, units, moved in symmetric:
+    for name, kind, bounds, units, moved in rates:
         for column, joint in enumerate(moved):
             i = joints.index(joint)
-            if np.isfinite(bounds[i]):
-                bound = float(bounds[i])
-                yield Row(name, units[robot.units[i]], -bound, bound, joint), _column(kind, column)
+            lower, upper = (float(side[i]) for side in bounds)
+            if np.isfinite(lower) or np.isfinite(upper):
+                yield Row(name, units[robot.units[i]], lower, upper, joint), _column(kind, column)
 
 
 def _column(kind: str, index: int) -> Callable[[RobotSample], Array]:

@@ -210,7 +210,7 @@ def _torque_scales(course: ReferenceMotion) -> Array:
     """
     planned = np.max([np.abs(course.reference(p, _middles(course, p)).tau).max(axis=0) for p in _all(course)], axis=0)
     scales = np.maximum(planned, IDLE * planned.max(initial=0.0))
-    bound = np.max([course.effort(p) for p in _all(course)], axis=0)
+    bound = np.max([np.abs(course.efforts(p)).max(axis=0) for p in _all(course)], axis=0)
     scales = np.where(np.isfinite(bound), np.where(scales > 0, np.minimum(scales, bound), bound), scales)
     return np.where(scales > 0, scales, 1.0)
 

@@ -94,13 +94,13 @@ class ReferenceMotion:
         """Number of motors."""
         return len(self.robot.actuated)
 
-    def effort(self, phase: int) -> Array:
-        """Effort limits of the motors in a phase (nu,) [N m, N], infinite where there is none."""
+    def efforts(self, phase: int) -> Array:
+        """Lower and upper limits of the motors in a phase (2, nu) [N m, N], infinite where there are none."""
         limits = limits_of(self.phases[phase])
         if limits is None:
-            return np.full(self.nu, np.inf)
-        found = np.asarray(self.robot.actuation, dtype=float).T @ np.nan_to_num(limits.effort, posinf=0.0)
-        return np.where(found > 0, found, np.inf)
+            return np.array([np.full(self.nu, -np.inf), np.full(self.nu, np.inf)])
+        chosen = [list(self.robot.velocity_names).index(joint) for joint in self.robot.actuated]
+        return np.array(limits.sides("effort"))[:, chosen]
 
     @property
     def starts(self) -> tuple[float, ...]:

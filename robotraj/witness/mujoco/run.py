@@ -103,7 +103,7 @@ class MujocoRun:
     def through(self, passage: PeriodPhase, step: float) -> bool:
         """Simulate a phase; return whether it was completed."""
         course, name = self._course, self._course.phases[passage.phase].phase.name
-        effort = course.effort(passage.phase)
+        weakest, strongest = course.efforts(passage.phase)
         times, coming = course.grid(passage.phase, step), self._coming(passage)
         duration = float(times[-1])
         planned = len(times) - 1
@@ -125,8 +125,8 @@ class MujocoRun:
             last = k + 1
             here, gap = self._look(followed[k], v[k])
             added = -gains[pieces[k]] @ gap
-            torque = np.clip(tau[k] + added, -effort, effort)
-            self._keep(name, q[k], v[k], here, added, np.abs(torque) >= effort)
+            torque = np.clip(tau[k] + added, weakest, strongest)
+            self._keep(name, q[k], v[k], here, added, (torque <= weakest) | (torque >= strongest))
             if k % glance == 0 and (reason := self._fall.reason(q[k], here[: self._pin.nq], gap)) is not None:
                 self._fell = self._time
                 self._failure = f"the robot fell at t = {self._time:.4g} s, in phase {name!r}: {reason}"

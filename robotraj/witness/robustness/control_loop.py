@@ -82,8 +82,9 @@ class Loop:
         self.actuation = np.asarray(robot.actuation, dtype=float)
         chosen = [robot.velocity_names.index(joint) for joint in robot.actuated]
         limits = [limits_of(part) for part in parts]
-        efforts = [np.full(len(chosen), np.inf) if known is None else known.effort[chosen] for known in limits]
-        self.effort = np.array(efforts)[owner]
+        free = np.full(len(chosen), np.inf)
+        efforts = [(-free, free) if known is None else np.array(known.sides("effort"))[:, chosen] for known in limits]
+        self.weakest, self.strongest = np.array(efforts)[owner].transpose(1, 0, 2)
 
     def run(self, drawn: Disturbances, rng: np.random.Generator) -> tuple[Array, float]:
         """Return the largest deviation at every time (m,), and the largest feedback relative to a reserve."""
@@ -113,9 +114,11 @@ class Loop:
                 [q - self.q[k] + drawn.position_noise * noise[0], v - self.v[k] + drawn.velocity_noise * noise[1]]
             )
             added = -self.gains[k] @ error
-            reserve = np.maximum(self.effort[k] - np.sign(added) * self.tau[k], LEAST_RESERVE * self.effort[k])
+            low, high = self.weakest[k], self.strongest[k]
+            left = np.where(added > 0.0, high - self.tau[k], self.tau[k] - low)
+            reserve = np.maximum(left, LEAST_RESERVE * np.maximum(-low, high))
             used = max(used, float(np.max(np.abs(added) / reserve)))
-            waiting.append(np.clip(self.tau[k] + added, -self.effort[k], self.effort[k]))
+            waiting.append(np.clip(self.tau[k] + added, low, high))
             data.qfrc_applied[:] = where.force(q, self.actuation @ waiting.pop(0))
             data.xfrc_applied[body, :3] = force if begin <= t < begin + PUSH_TIME else 0.0
             for _ in range(SUBSTEPS):

@@ -95,7 +95,7 @@ def test_dry_friction_holds_a_joint_that_the_smoothed_one_lets_creep(make):
 def test_joint_limits_push_back(make):
     robot = make.robot([("hinge", pin.JointModelRY())])
     robot.model.gravity.setZero()
-    limits = rt.robot.Limits(("hinge",), [-1.0], [1.0], [9.0], [np.inf], [9.0])
+    limits = rt.robot.Limits.none(["hinge"]).with_(position=1.0, velocity=9.0, effort=9.0)
     pushed = []
     for given in (None, limits):
         second = mujoco_robot(robot, given)

@@ -8,8 +8,6 @@ last motion shows which joints must turn faster.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +37,9 @@ def narrowed_speeds(problem: Problem, solve: Solve) -> tuple[tuple[Conflict, ...
     solve : callable
         ``solve(problem, guess)`` on a coarse mesh.
     """
-    if not any(np.isfinite(limits.velocity).any() for limits in map(_limits, problem.phases) if limits is not None):
+    if not any(
+        np.isfinite(limits.sides("velocity")).any() for limits in map(_limits, problem.phases) if limits is not None
+    ):
         return (), None
     motion: Solution | None = None
     for width in WIDTHS:
@@ -63,8 +63,7 @@ def _widened(phase: Phase, width: float) -> Phase:
     limits = _limits(phase)
     if limits is None:
         return phase
-    own = np.asarray(limits.velocity)
-    return phase.with_(limits=replace(limits, velocity=width * own if np.isfinite(width) else np.full_like(own, width)))
+    return phase.with_(limits=limits.scaled(velocity=width))
 
 
 def _exceeded(problem: Problem, motion: Solution) -> tuple[Conflict, ...]:
@@ -80,14 +79,15 @@ def _of(phase: Phase, part: PhaseSolution) -> list[Conflict]:
     limits, robot = _limits(phase), phase.robot
     if limits is None or robot is None:
         return []
-    speeds = np.abs(part.trajectory.x(part.points)[:, robot.nq : robot.nq + robot.nv])
+    speeds = part.trajectory.x(part.points)[:, robot.nq : robot.nq + robot.nv]
     reason, found = "a motion was found with these speeds", []
     for i, joint in enumerate(robot.velocity_names):
-        bound, place = float(limits.velocity[i]), int(np.argmax(speeds[:, i]))
-        excess = float(speeds[place, i]) / bound - 1.0
-        if np.isfinite(bound) and excess > EXCEEDED:
-            needed = with_room(bound, float(speeds[place, i]))
-            unit = "rad/s" if robot.units[i] == "rad" else "m/s"
-            time, name = float(part.points[place]), f"velocity limit, {joint}"
-            found.append(Conflict(phase.name, name, time, bound, needed, unit, excess, True, reason))
+        for side, farthest in zip(limits.sides("velocity"), (np.argmin, np.argmax), strict=True):
+            bound, place = float(side[i]), int(farthest(speeds[:, i]))
+            excess = (float(speeds[place, i]) - bound) / bound if bound else 0.0
+            if np.isfinite(bound) and excess > EXCEEDED:
+                needed = with_room(bound, float(speeds[place, i]))
+                unit = "rad/s" if robot.units[i] == "rad" else "m/s"
+                time, name = float(part.points[place]), f"velocity limit, {joint}"
+                found.append(Conflict(phase.name, name, time, bound, needed, unit, excess, True, reason))
     return found

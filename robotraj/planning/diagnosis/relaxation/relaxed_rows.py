@@ -18,7 +18,7 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
-from robotraj.problem.constraints.joint_limits import own_limits
+from robotraj.problem.constraints.motors.own_limits import own_limits
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable

@@ -50,15 +50,15 @@ class PayloadScenarios(Constraint):
             raise InputError(f"PayloadScenarios takes rt.robot.CarriedBody values; got {self.payloads!r}.")
         loaded = [carrying(robot, body) for body in self.payloads]
         index = [robot.velocity_names.index(joint) for joint in robot.actuated]
-        efforts = [float(robot.limits.effort[i]) for i in index]
-        motors = [k for k, effort in enumerate(efforts) if np.isfinite(effort)]
+        lower, upper = (side[index].tolist() for side in robot.limits.sides("effort"))
+        motors = [k for k, ends in enumerate(zip(lower, upper, strict=True)) if np.isfinite(ends).any()]
         if not motors:
             raise InputError(
                 f"PayloadScenarios: no motor of {robot.name!r} has a limit of torque; set one with limits=."
             )
         units = ["N m" if robot.units[i] == "rad" else "N" for i in index]
         rows = tuple(
-            Row(f"effort limit with payload {number}", units[k], -efforts[k], efforts[k], robot.actuated[k])
+            Row(f"effort limit with payload {number}", units[k], lower[k], upper[k], robot.actuated[k])
             for number in range(len(loaded))
             for k in motors
         )

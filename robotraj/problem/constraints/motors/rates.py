@@ -13,7 +13,7 @@ from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.row import Row
 from robotraj.problem.augmentation import FrictionlessTorques, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where, robot_of
-from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
+from robotraj.problem.constraints.bounds import BoundsLike, as_bounds, as_limits
 from robotraj.problem.rates_as_variables import with_control_rates
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ class RateLimit(Constraint):
     Parameters
     ----------
     bounds : Between, number, sequence or mapping by joint
-        ``rt.between(-500, 500)`` for all joints, ``{"elbow": rt.between(-100, 100)}`` for some.
+        ``500`` or ``rt.between(-500, 500)`` for all joints, ``{"elbow": rt.between(-100, 50)}`` for some. A number x
+        stands for [-x, x].
     """
 
     bounds: BoundsLike
@@ -75,7 +76,7 @@ class RateLimit(Constraint):
     def _limited(self, robot: Robot) -> list[tuple[str, float, float]]:
         """Joints that are bounded on a side, with both bounds."""
         joints = list(robot.actuated if self.prefix == "tau" else robot.velocity_names)
-        lower, upper = as_bounds(self.bounds, joints, self.quantity)
+        lower, upper = as_bounds(as_limits(self.bounds), joints, self.quantity)
         pairs = zip(joints, lower.tolist(), upper.tolist(), strict=True)
         return [(j, low, high) for j, low, high in pairs if np.isfinite(low) or np.isfinite(high)]
 

@@ -46,7 +46,7 @@ class SpeedVariation(Integral):
 
     def rate(self, point: RobotPoint) -> Scalar:
         """Weighted sum of smoothed magnitudes of relative accelerations."""
-        names, limits, c = point.robot.velocity_names, point.robot.limits.velocity, self.smoothing
+        names, limits, c = point.robot.velocity_names, point.robot.limits.largest("velocity"), self.smoothing
         scales = np.where(np.isfinite(limits) & (limits > 0.0), limits, 1.0)
         weighed = zip(weights_of(self.weights, names, "SpeedVariation"), scales.tolist(), strict=True)
         return sum((w * (ca.sqrt((point.a[i] / v) ** 2 + c**2) - c) for i, (w, v) in enumerate(weighed) if w), ca.SX(0))

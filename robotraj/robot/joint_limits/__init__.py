@@ -1,0 +1,1 @@
+"""Limits of joints as users give them, and what is wrong with them."""
