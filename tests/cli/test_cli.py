@@ -123,7 +123,7 @@ def test_show_prints_joints_limits_and_frames() -> None:
     assert "tip" in output.split("frames")[1]
     assert "licence:" in output
     assert all(len(line) <= 80 for robot in ("pendulum", "ur5") for line in succeed("show", robot).splitlines())
-    assert "! Joint 'joint1' cannot be planned" in succeed("show", "double_pendulum")
+    assert "! Joints 'joint1', 'joint2' cannot be planned" in succeed("show", "double_pendulum")
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["plan", "block", "--to", "50"], "outside its position limit"),
         (["plan", "block", "--to", "1", "--no-limits", "--effort", "2"], "give it without --velocity and --effort"),
         (["plan", "block", "--to", "1", "--intervals", "0"], "at least 1 interval"),
-        (["plan", "double_pendulum", "--to", "1,1"], "Joint 'joint1' cannot be planned"),
+        (["plan", "double_pendulum", "--to", "1,1"], "Joints 'joint1', 'joint2' cannot be planned"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

@@ -18,11 +18,12 @@ from robotraj.dynamics.kinematics import Kinematics
 def test_a_joint_held_elsewhere_at_an_end_contradicts_that_end(where: type, which: str) -> None:
     arm = rt.load("two_link_arm")
     ends = {"start": rt.State(q=0, v=0), "end": rt.State(q=[0.5, 0.5], v=0)}
-    held = where(rt.constraints.JointPosition({"shoulder": 0.1}))
+    held = where(rt.constraints.JointPosition({"shoulder": rt.between(0.1, 0.1)}))
     with pytest.raises(InputError, match=f"the {which} position of 'shoulder' is .* outside"):
         rt.Phase(arm, duration=5.0, constraints=[held], **ends)
+    other = where(rt.constraints.JointPosition({"shoulder": rt.between(0.2, 0.2)}))
     with pytest.raises(InputError, match="contradict each other"):
-        rt.Phase(arm, duration=5.0, constraints=[held, where(rt.constraints.JointPosition({"shoulder": 0.2}))])
+        rt.Phase(arm, duration=5.0, constraints=[held, other])
 
 
 def test_ends_held_at_different_values_do_not_contradict() -> None:
@@ -31,8 +32,8 @@ def test_ends_held_at_different_values_do_not_contradict() -> None:
         arm,
         duration=5.0,
         constraints=[
-            rt.AtStart(rt.constraints.JointPosition({"elbow": 0.1})),
-            rt.AtEnd(rt.constraints.JointPosition({"elbow": 0.2})),
+            rt.AtStart(rt.constraints.JointPosition({"elbow": rt.between(0.1, 0.1)})),
+            rt.AtEnd(rt.constraints.JointPosition({"elbow": rt.between(0.2, 0.2)})),
         ],
     )
     solution = rt.plan(phase, rt.Mesh(5))

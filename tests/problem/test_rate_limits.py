@@ -120,11 +120,29 @@ def test_an_unknown_joint_is_named():
 
 
 @pytest.mark.parametrize("kind", ["JointVelocity", "JointAcceleration", "JointEffort", "JointJerk", "JointTorqueRate"])
-def test_one_number_is_no_limit_of_all_joints(kind):
-    """It fixes a value, as everywhere; 8 at every time is hardly meant, and no motion has it."""
-    with pytest.raises(rt.InputError, match=rf"{kind}\(8\) would fix .*For a limit give rt\.between\(-8, 8\)"):
-        _ = _reach(getattr(rt.constraints, kind)(8.0)).rows
-    _ = _reach().with_(start=None, constraints=[rt.AtStart(rt.constraints.JointVelocity(2.0))]).rows
+def test_a_number_is_a_limit_of_both_signs_as_in_limits(kind):
+    make = getattr(rt.constraints, kind)
+    joints = rt.load("ur5").actuated
+    for given in (8.0, dict.fromkeys(joints, 8), [8] * 6, np.full(6, 8.0)):
+        rows = make(given).bind(_reach().body).rows
+        assert [(row.lower, row.upper) for row in rows] == [(-8.0, 8.0)] * 6
+    (row,) = make({"elbow_joint": 8}).bind(_reach().body).rows
+    assert (row.joint, row.lower, row.upper) == ("elbow_joint", -8.0, 8.0)
+    with pytest.raises(rt.InputError, match=r"-8 is no magnitude: a number x stands for \[-x, x\]"):
+        _ = _reach(make({"elbow_joint": -8})).rows
+    limited = rt.load("ur5").limits.with_(jerk=8.0, velocity={"elbow_joint": 8})
+    assert limited.jerk_lower[0] == limited.velocity_lower[2] == -8.0
+
+
+@pytest.mark.parametrize("where", [rt.AtStart, rt.AtEnd])
+def test_a_number_that_could_be_a_value_or_a_limit_is_refused(where):
+    speed, place = rt.constraints.JointVelocity(2.0), rt.constraints.JointPosition({"elbow_joint": 0.2})
+    for given, value in ((where(speed), 2), (where(place), 0.2), (place, 0.2)):
+        with pytest.raises(
+            rt.InputError, match=rf"rt.between\({value}, {value}\) for the value, or rt.between\(-{value}"
+        ):
+            _ = _reach().with_(start=None, end=None, constraints=[given]).rows
+    _ = _reach().with_(start=None, constraints=[where(rt.constraints.JointVelocity(0.0))]).rows
 
 
 def test_a_failure_with_limits_of_rates_is_explained():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from robotraj._util.printing import wrapped
 from robotraj.cli.options import JsonOption, RobotArgument
 from robotraj.cli.terminal import say, say_json
-from robotraj.robot.limits import QUANTITIES
+from robotraj.robot.limits import RATES
 
 if TYPE_CHECKING:
     from robotraj.robot.known_robots.entry import KnownRobot
@@ -44,7 +44,10 @@ def _frames(robot: Robot) -> dict[str, list[str]]:
 
 
 def _described(robot: Robot, entry: KnownRobot | None) -> dict[str, object]:
-    """Describe a robot as plain data; limits in rad, m, s, N m, N, null where there is none."""
+    """Describe a robot as plain data; limits in rad, m, s, N m, N, null where there is none.
+
+    Limits of rates and efforts are magnitudes, or [lower, upper] where these differ.
+    """
     from robotraj.cli.conclude import number
 
     limits = robot.limits
@@ -52,7 +55,8 @@ def _described(robot: Robot, entry: KnownRobot | None) -> dict[str, object]:
         {
             "name": name,
             "unit": unit,
-            **{quantity: [number(side[i]) for side in limits.sides(quantity)] for quantity in QUANTITIES},
+            "position": [number(side[i]) for side in limits.sides("position")],
+            **{name: _rate(*(float(side[i]) for side in limits.sides(name))) for name in RATES},
             "actuated": name in robot.actuated,
         }
         for i, (name, unit) in enumerate(zip(limits.joints, robot.units, strict=True))
@@ -69,3 +73,9 @@ def _described(robot: Robot, entry: KnownRobot | None) -> dict[str, object]:
         "warnings": list(limits.warnings(robot.actuated)),
         "frames": _frames(robot),
     }
+
+
+def _rate(low: float, high: float) -> object:
+    from robotraj.cli.conclude import number
+
+    return number(high) if low == -high else [number(low), number(high)]

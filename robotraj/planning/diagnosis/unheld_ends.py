@@ -67,7 +67,9 @@ def _unheld(phase: Phase) -> list[Conflict]:
         time = phase.duration_bounds[1] if end is Where.END else 0.0
         excess = _least_excess(phase, lower, allowed, data)
         for joint, i, low, high, over in zip(robot.actuated, joints, *allowed, excess, strict=True):
-            largest, limit = max(-low, high), high if over > 0.0 else low
+            # Limits of one magnitude are stated as that.
+            over, limit = (abs(over), high) if low == -high else (over, high if over > 0.0 else low)
+            largest = max(-low, high)
             if abs(over) > NOTICED * largest:
                 found.append(
                     Conflict(

@@ -82,11 +82,14 @@ def _of(phase: Phase, part: PhaseSolution) -> list[Conflict]:
     speeds = part.trajectory.x(part.points)[:, robot.nq : robot.nq + robot.nv]
     reason, found = "a motion was found with these speeds", []
     for i, joint in enumerate(robot.velocity_names):
-        for side, farthest in zip(limits.sides("velocity"), (np.argmin, np.argmax), strict=True):
-            bound, place = float(side[i]), int(farthest(speeds[:, i]))
-            excess = (float(speeds[place, i]) - bound) / bound if bound else 0.0
+        low, high = (float(side[i]) for side in limits.sides("velocity"))
+        # Limits of one magnitude are stated as that.
+        kinds = [(high, np.abs(speeds[:, i]))] if low == -high else [(low, -speeds[:, i]), (high, speeds[:, i])]
+        for bound, along in kinds:
+            place = int(np.argmax(along))
+            excess = float(along[place]) / abs(bound) - 1.0 if bound else 0.0
             if np.isfinite(bound) and excess > EXCEEDED:
-                needed = with_room(bound, float(speeds[place, i]))
+                needed = with_room(bound, float(np.copysign(along[place], bound)))
                 unit = "rad/s" if robot.units[i] == "rad" else "m/s"
                 time, name = float(part.points[place]), f"velocity limit, {joint}"
                 found.append(Conflict(phase.name, name, time, bound, needed, unit, excess, True, reason))

@@ -18,7 +18,7 @@ def leap(speed: float) -> rt.Problem:
     """Return a jump of five_link, whose joints turn at most this fast [rad/s]."""
     robot = rt.load("five_link", root="planar")
     speeds = np.where(np.isfinite(robot.limits.velocity), speed, np.inf)
-    return rt.gait.jump(replace(robot, limits=replace(robot.limits, velocity=speeds)), height=0.2)
+    return rt.gait.jump(replace(robot, limits=robot.limits.with_(velocity=speeds)), height=0.2)
 
 
 def solver(problem: rt.Problem) -> partial[rt.Solution]:
@@ -49,5 +49,5 @@ def test_joints_that_must_turn_faster_are_named_with_speeds_that_suffice() -> No
 
 def test_nothing_is_solved_without_limits_of_speeds() -> None:
     robot = rt.load("five_link", root="planar")
-    problem = rt.gait.jump(replace(robot, limits=replace(robot.limits, velocity=np.full(robot.nv, np.inf))), height=0.2)
+    problem = rt.gait.jump(replace(robot, limits=robot.limits.with_(velocity=np.inf)), height=0.2)
     assert narrowed_speeds(problem, lambda *_: pytest.fail("a problem was solved")) == ((), None)
