@@ -21,8 +21,8 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
-from robotraj.robot.loading.urdf import read_xml
 from robotraj.robot.robot import Robot
+from robotraj.robot.urdf.xml import read_xml
 
 Array = npt.NDArray[np.float64]
 Pairs = tuple[tuple[str, str], ...]

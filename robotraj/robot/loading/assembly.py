@@ -31,11 +31,11 @@ from robotraj.robot.loading.other_units import other_unit_note
 from robotraj.robot.loading.planning_model import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
 from robotraj.robot.loading.rotor import with_rotors
 from robotraj.robot.loading.source import Description
-from robotraj.robot.loading.urdf_limits import StatedLimits
 from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import carried, root_of, units_of, with_root
 from robotraj.robot.sides.unlike_limits import sides_note
+from robotraj.robot.urdf.limits import StatedLimits
 
 Array = npt.NDArray[np.float64]
 

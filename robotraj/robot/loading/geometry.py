@@ -23,7 +23,7 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
-from robotraj.robot.loading.urdf import read_xml
+from robotraj.robot.urdf.xml import read_xml
 
 Array = npt.NDArray[np.float64]
 

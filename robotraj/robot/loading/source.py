@@ -16,10 +16,10 @@ from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.planning_model import names_of
-from robotraj.robot.loading.urdf import read_model, read_xml
-from robotraj.robot.loading.urdf_limits import StatedLimits, stated_limits
-from robotraj.robot.loading.urdf_numbers import check_numbers
-from robotraj.robot.loading.urdf_structure import check_structure
+from robotraj.robot.urdf.limits import StatedLimits, stated_limits
+from robotraj.robot.urdf.numbers import check_numbers
+from robotraj.robot.urdf.structure import check_structure
+from robotraj.robot.urdf.xml import read_model, read_xml
 
 
 @dataclass(frozen=True)

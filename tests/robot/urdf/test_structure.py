@@ -7,7 +7,7 @@ import time
 import pytest
 
 import robotraj as rt
-from robotraj.robot.loading.urdf_structure import MAX_DEPTH, MAX_LINKS
+from robotraj.robot.urdf.structure import MAX_DEPTH, MAX_LINKS
 
 MASS = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.robot.loading.inertia import principal_moments, triangle_fault
-from robotraj.robot.loading.urdf_limits import limit_findings, local
-from robotraj.robot.loading.urdf_structure import SHOWN
+from robotraj.robot.urdf.limits import limit_findings, local
+from robotraj.robot.urdf.structure import SHOWN
 
 JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
 MOVING = {"revolute", "continuous", "prismatic"}
