@@ -9,8 +9,10 @@ import json
 import os
 import runpy
 from collections.abc import Callable
+from copy import copy, deepcopy
 from pathlib import Path
 
+import cloudpickle
 import numpy as np
 import pytest
 
@@ -94,6 +96,8 @@ def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
         OPTIMA.write_text(json.dumps(dict(sorted(known.items())), indent=1) + "\n")
     np.testing.assert_allclose(objectives, known[example.stem], rtol=SETTLED, atol=1e-6)
     for problem, mesh in {id(problem): (problem, mesh) for problem, mesh in seen}.values():
+        for copied in (copy(problem), deepcopy(problem), cloudpickle.loads(cloudpickle.dumps(problem))):
+            assert str(copied) == str(problem)
         assert_derivatives(small(problem, mesh))
 
 

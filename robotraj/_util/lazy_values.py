@@ -15,6 +15,9 @@ else:
         Until Python 3.11 ``functools.cached_property`` holds one lock for all instances of a class. If a process forks
         while another thread computes a property, the child inherits the locked lock and deadlocks. Without a lock two
         threads may compute a value at once; both return the first result.
+
+        Pickles and copies of the instance have no cached values. These may be functions or programs of libraries, which
+        cannot be pickled; a copy computes its own when they are read.
         """
 
         def __init__(self, function):
@@ -22,12 +25,20 @@ else:
 
         def __set_name__(self, owner, name):
             self.name = name
+            if getattr(owner, "__getstate__", None) is getattr(object, "__getstate__", None):
+                owner.__getstate__ = _without_cached_values
 
         def __get__(self, instance, owner=None):
             if instance is None:
                 return self
             known = instance.__dict__
             return known[self.name] if self.name in known else known.setdefault(self.name, self.func(instance))
+
+
+def _without_cached_values(self: object) -> dict[str, object]:
+    """Return the state of an instance for a pickle or a copy: its attributes without values of cached properties."""
+    kind = type(self)
+    return {name: own for name, own in vars(self).items() if not isinstance(getattr(kind, name, None), cached_property)}
 
 
 __all__ = ["LazySequence", "cached_property"]

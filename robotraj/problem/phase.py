@@ -165,10 +165,6 @@ class Phase(OneLine):
         """The robot whose positions and velocities are the first states; None for a System and on a path."""
         return self.robot if self.path is None else None
 
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only; derived values are computed again on first use."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
-
     @cached_property
     def bound_design(self) -> Design | None:
         """The design bound to the robot; None without one."""

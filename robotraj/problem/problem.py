@@ -70,10 +70,6 @@ class Problem(OneLine):
             object.__setattr__(self, "phases", above)
             self.__dict__.pop("bound_links", None)
 
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only; derived values are computed again on first use."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
-
     @cached_property
     def bound_links(self) -> tuple[BoundLink, ...]:
         """Every link bound to its phases, and continuity of time where no link fixes the start of a phase."""

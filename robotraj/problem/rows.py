@@ -7,7 +7,6 @@ replay read it. The witness does not: it evaluates the definitions of the constr
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
 
 import casadi as ca
 import numpy as np
@@ -49,8 +48,14 @@ class RowTable(OneLine):
     dae: Dynamics
     parameters: tuple[str, ...]
     constraints: tuple[BoundConstraint, ...]
-    _known: dict[int, list[ca.SX]] = field(default_factory=dict, init=False, repr=False)
-    _functions: dict[tuple[int, ...], ca.Function] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def _known(self) -> dict[int, list[ca.SX]]:
+        return {}
+
+    @cached_property
+    def _functions(self) -> dict[tuple[int, ...], ca.Function]:
+        return {}
 
     def __iter__(self) -> Iterator[PhaseRow]:
         return iter(self.rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, fields
+from dataclasses import field
 from html import escape
 
 import numpy as np
@@ -151,10 +151,6 @@ class Robot:
     @property
     def _notes(self) -> tuple[str, ...]:
         return (*self.notes, *self.limits.warnings(self.actuated))
-
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only; meshes are read and functions built again on first use."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self)}
 
     @property
     def nq(self) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from typing import ClassVar, TypeAlias
 
 import casadi as ca
@@ -197,10 +196,6 @@ class Obstacle(OneLine, ABC):
         value = getattr(self, name)
         if not (isinstance(value, float | int | np.floating | np.integer) and 0.0 < value < np.inf):
             raise InputError(f"{self.label}: {name} is {value!r}; give a positive number of metres.")
-
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]
 
 
 def rotation_of(quaternion: Sequence[Scalar]) -> list[list[Scalar]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import fields
 
 import casadi as ca
 import numpy as np
@@ -110,7 +109,3 @@ class Ground(OneLine, ABC):
         height = ca.densify(ca.SX(self.surface(x, y)))
         slopes = (ca.densify(ca.jacobian(height, s)) for s in (x, y))
         return ca.Function("ground", [x, y], [height, *slopes])
-
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle the fields only; the function is traced again on use."""
-        return {entry.name: getattr(self, entry.name) for entry in fields(self)}  # type: ignore[arg-type]

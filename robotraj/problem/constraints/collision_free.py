@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
@@ -56,7 +56,6 @@ class CollisionFree(Constraint):
     margin: float = 0.0
     self_collision: bool = True
     srdf: str | os.PathLike[str] | Sequence[tuple[str, str]] | None = None
-    _known: dict[Robot, ClearancePairs] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -99,6 +98,10 @@ class CollisionFree(Constraint):
             if obstacle.frame is not None:
                 robot.frame(obstacle.frame)
         return BoundConstraint("clearance", (), _nothing)
+
+    @cached_property
+    def _known(self) -> dict[Robot, ClearancePairs]:
+        return {}
 
     def pairs(self, robot: Robot) -> ClearancePairs:
         """Return the pairs of shapes whose distances are bounded; they are computed once per robot."""
