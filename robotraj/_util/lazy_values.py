@@ -55,18 +55,26 @@ class LazySequence(Sequence[T]):
         Returns the values; it is called once.
     count : int, optional
         Number of values. With it, ``len`` does not compute them.
+    travels : bool
+        Whether a pickle or a copy holds ``find``, which is small, and not the values, which would be computed for it.
     """
 
-    def __init__(self, find: Callable[[], Sequence[T]], count: int | None = None) -> None:
+    def __init__(self, find: Callable[[], Sequence[T]], count: int | None = None, travels: bool = False) -> None:
         self._find: Callable[[], Sequence[T]] | None = find
         self._found: tuple[T, ...] = ()
         self._count = count
+        self._travels = travels
 
     def _all(self) -> tuple[T, ...]:
         if self._find is not None:
             # The callable may hold a whole NLP; release it.
             self._found, self._find = tuple(self._find()), None
         return self._found
+
+    @property
+    def found(self) -> bool:
+        """Whether the values were computed."""
+        return self._find is None
 
     @overload
     def __getitem__(self, index: int) -> T: ...
@@ -83,7 +91,9 @@ class LazySequence(Sequence[T]):
 
     __hash__ = None  # type: ignore[assignment]
 
-    def __reduce__(self) -> tuple[type, tuple[tuple[T, ...]]]:
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        if self._find is not None and self._travels:
+            return LazySequence, (self._find, self._count, True)
         # A copy, or a value that comes back from another process, holds the values themselves.
         return tuple, (self._all(),)
 

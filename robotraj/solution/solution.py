@@ -61,7 +61,7 @@ class Solution(OneLine):
     violation_list : tuple of Violation
         Every row and bound violated by more than the tolerance, worst first.
     multipliers : Multipliers or None
-        Multipliers in physical units, for warm starts on the same mesh.
+        Multipliers in physical units, for warm starts, computed when first read.
     refinement : tuple of MeshStep
         The meshes of the refinement, in order; empty for a plan on a given mesh.
     duals : sequence of PhaseDuals
@@ -106,6 +106,14 @@ class Solution(OneLine):
     impulses: tuple[Mapping[str, float], ...] = ()
     settings: Settings | None = None
     proof: Proof | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        """Pickle and copy the solution without its program; feedback gains that were read from a file are kept."""
+        from robotraj.solution.released import released
+
+        kept = vars(released(self))
+        names = [entry.name for entry in fields(self)]
+        return {name: kept[name] for name in names} | {n: v for n, v in vars(self).items() if n == "gains"}
 
     @property
     def success(self) -> bool:

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     from robotraj.problem.problem import Problem
+    from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+    from robotraj.transcription.interval_limits.margins import Margins
 
 Array = NDArray[np.float64]
 
@@ -72,6 +74,10 @@ class Nlp(OneLine):
         The rows without margins, if ``rows`` have margins.
     keeps_clear : bool
         Whether rows on distances were added, whose planes belong to one motion.
+    additions : tuple of tuple of AddedRow
+        Rows that were added between the points, in the order in which they were added.
+    margins : mapping
+        Amounts by which limits are lowered on single intervals.
     """
 
     problem: Problem
@@ -89,6 +95,8 @@ class Nlp(OneLine):
     interval_limits: ConstraintGeneration = field(default_factory=ConstraintGeneration)
     loose_rows: Scalars | None = None
     keeps_clear: bool = False
+    additions: tuple[tuple[AddedRow, ...], ...] = ()
+    margins: Margins = field(default_factory=dict)
 
     @cached_property
     def functions(self) -> Functions:

@@ -90,6 +90,7 @@ def transcribed_again(
         rows=rows,
         blocks=blocks if any(map(operator.is_not, blocks, nlp.blocks)) else nlp.blocks,
         loose_rows=None,
+        margins={},
     )
     return _with_functions(again, nlp) if again.blocks is nlp.blocks else again
 

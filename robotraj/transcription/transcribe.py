@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,10 +52,25 @@ INSIDE = 1e-9
 """Distance from the ends of an interval at which one-sided values are sampled, as a fraction of its length."""
 
 
+class Start(NamedTuple):
+    """A start of the solver with known scales, which may have further entries for rows that are added later.
+
+    Attributes
+    ----------
+    w, scale : ndarray (n_w,)
+        Decision vector in physical units, and the scales of its columns.
+    row_scale : ndarray (n_g,)
+    """
+
+    w: Array
+    scale: Array
+    row_scale: Array
+
+
 def transcribe(
     problem: Problem,
     mesh: Mesh | Sequence[Mesh],
-    guess: InitialGuess,
+    guess: InitialGuess | Start,
     engine: Engine | None = None,
     interval_limits: ConstraintGeneration | None = None,
 ) -> Nlp:
@@ -66,8 +81,9 @@ def transcribe(
     problem : Problem
     mesh : Mesh or sequence of Mesh
         One mesh for all phases, or one for each.
-    guess : InitialGuess
-        Start of the solver, such as ``rt.guess.StraightLine()``. Rows and variables are scaled there.
+    guess : InitialGuess or Start
+        Start of the solver, such as ``rt.guess.StraightLine()``. Rows and variables are scaled there, unless the scales
+        are known.
     engine : Engine, optional
         Engine that evaluates the point functions; ``rt.engines.VirtualMachine()`` by default.
     interval_limits : ConstraintGeneration, optional
@@ -128,11 +144,14 @@ def transcribe(
     for block in every:
         block.stage.as_tapes = as_tapes
     matrix = linear.matrix(shape)
-    start = start_of(problem, layouts, unknowns, variables, guess)
-    systems = [layout for layout, phase in zip(layouts, problem.phases, strict=True) if phase.robot is None]
-    of_states = [run.states.ravel() for layout in systems for run in layout.runs]
-    of_others = [*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns]
-    scale, of_rows = scales(every, matrix, variables, constraints, start, (of_states, of_others))
+    if isinstance(guess, Start):
+        start, scale, of_rows = guess.w[: shape[1]], guess.scale[: shape[1]], guess.row_scale[: shape[0]]
+    else:
+        start = start_of(problem, layouts, unknowns, variables, guess)
+        systems = [layout for layout, phase in zip(layouts, problem.phases, strict=True) if phase.robot is None]
+        of_states = [run.states.ravel() for layout in systems for run in layout.runs]
+        of_others = [*(run.controls.ravel() for layout in layouts for run in layout.runs), *unknowns]
+        scale, of_rows = scales(every, matrix, variables, constraints, start, (of_states, of_others))
     return Nlp(
         problem,
         layouts,

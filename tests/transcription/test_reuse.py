@@ -16,7 +16,12 @@ from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import GOAL, START, arm, pendulum, step, two_phases
 
 MESH = rt.Mesh(12)
-OPTIONS = {"solver": rt.InteriorPoint(), "interval_limits": rt.interval_limits.BernsteinBounds(), "progress": False}
+OPTIONS = {
+    "solver": rt.InteriorPoint(),
+    "interval_limits": rt.interval_limits.BernsteinBounds(),
+    "progress": False,
+    "keep_program": True,
+}
 """Added rows belong to one solution; without them a plan reuses the whole NLP."""
 OTHER = rt.State(q=np.add(GOAL, [-0.1, 0.05, 0.0, 0.1, 0.0, -0.2]), v=0)
 
@@ -124,8 +129,8 @@ def test_a_step_with_another_start_reuses_the_transcription() -> None:
 
     problem = step()
     (phase,) = problem.phases
-    first = rt.plan(problem, rt.Mesh(6), guess=guess(phase.robot), progress=False)
-    again = rt.plan(problem.with_(start=rt.State()), rt.Mesh(6), guess=first, progress=False)
+    first = rt.plan(problem, rt.Mesh(6), guess=guess(phase.robot), progress=False, keep_program=True)
+    again = rt.plan(problem.with_(start=rt.State()), rt.Mesh(6), guess=first, progress=False, keep_program=True)
     assert origin(again).nlp.blocks is origin(first).nlp.blocks
     assert again.objective == pytest.approx(first.objective, rel=1e-7)
 
@@ -135,8 +140,9 @@ def test_several_phases_with_contacts_reuse_the_transcription() -> None:
     problem, mesh = rt.gait.jump(robot, height=0.05, push=0.3, land=0.3), rt.Mesh(5)
     home = pin.centerOfMass(robot.model, robot.model.createData(), rt.gait.stand(robot))[2]
     lower = problem.with_(end=rt.State(q=rt.gait.stand(robot, height=0.95 * home), v=0))
-    first = rt.plan(problem, mesh, progress=False)
-    again, fresh = rt.plan(lower, mesh, guess=first, progress=False), rt.plan(lower, mesh, progress=False)
+    first = rt.plan(problem, mesh, progress=False, keep_program=True)
+    again = rt.plan(lower, mesh, guess=first, progress=False, keep_program=True)
+    fresh = rt.plan(lower, mesh, progress=False)
     assert origin(again).nlp.blocks is origin(first).nlp.blocks
     assert again.objective == pytest.approx(fresh.objective, rel=1e-6)
     assert again.objective != pytest.approx(first.objective, rel=1e-2)

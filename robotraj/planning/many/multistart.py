@@ -17,12 +17,13 @@ from robotraj._util.values import dataclass
 from robotraj.guess.default import as_guess, default_guess, other_guess
 from robotraj.planning.many.local_optima import equal_objectives, same_optimum
 from robotraj.planning.many.starts import Shared, Start
-from robotraj.planning.many.sweep import attach, check_options, detach
+from robotraj.planning.many.sweep import check_options
 from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.solution.released import attached, detached
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
@@ -188,10 +189,7 @@ def multistart(
     for name, value in (("objective_tolerance", objective_tolerance), ("trajectory_tolerance", trajectory_tolerance)):
         if not _is_size(value):
             raise InputError(f"rt.multistart needs {name}= of 0 or more; got {value!r}.")
-    for name in ("check", "progress", "watch"):
-        if name in options:
-            raise InputError(f"rt.multistart counts failed starts and shows no iterations: leave {name}= out.")
-    check_options(options)
+    check_options("rt.multistart", options)
     given = as_guess(guess)
     first = given or default_guess(problem)
     varied = (other_guess(problem, i, (seed, i), spread, given) for i in range(1, starts))
@@ -215,7 +213,7 @@ def multistart(
             groups.append([i])
     failures = Counter(s.status for s in found.values() if not s.success)
     return Multistart(
-        tuple(Optimum(attach(found[group[0]], problem), tuple(sorted(group))) for group in groups),
+        tuple(Optimum(attached(found[group[0]], problem), tuple(sorted(group))) for group in groups),
         dict(sorted(failures.items(), key=lambda entry: entry[0].value)),
         len(found),
         sum(s.iterations for s in found.values()),
@@ -247,7 +245,8 @@ _of_thread = _OfThread()
 def _plan(search: _Search, guess: InitialGuess) -> Solution:
     shared = _of_thread.shared.setdefault(search, Shared(search.first))
     start = Start(guess, shared)
-    return detach(plan(search.problem, guess=start, check=False, progress=False, **search.options))
+    found = plan(search.problem, guess=start, check=False, progress=False, **search.options)
+    return detached(found, search.problem)
 
 
 def _is_count(value: object, least: int) -> bool:

@@ -48,3 +48,4 @@ class PlanOptions(GuessedChoices, total=False):
     check: bool
     progress: bool | None
     watch: bool | LiveWindow
+    keep_program: bool

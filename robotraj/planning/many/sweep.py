@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from inspect import signature
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.planning.many.workers import Interrupted, run
@@ -14,15 +14,18 @@ from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import with_effort_of
+from robotraj.solution.released import attached, detached, released
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.reuse import sharing
-from robotraj.transcription.shooting.explicit_dynamics import explicit
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from robotraj.planning.many.options import GuessedChoices
+
+OF_ONE = "check", "progress", "watch", "keep_program"
+"""Options of ``rt.plan`` that are for a single plan."""
 
 
 def sweep(
@@ -77,10 +80,7 @@ def sweep(
     ...     [round(solution.objective, 3) for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))]
     [12.0, 1.5]
     """
-    for name in ("check", "progress", "watch"):
-        if name in options:
-            raise InputError(f"rt.sweep keeps failed plans and shows no iterations: leave {name}= out.")
-    check_options(options)
+    check_options("rt.sweep", options)
     if isinstance(problems, Problem | Phase) or not isinstance(problems, Iterable):
         raise InputError(f"rt.sweep takes a list of problems or phases; got {type(problems).__name__}.")
     posed = [Problem([problem]) if isinstance(problem, Phase) else problem for problem in problems]
@@ -94,9 +94,9 @@ def sweep(
     try:
         found = run(_plan, options, list(enumerate(posed)), executor)
     except Interrupted as stopped:
-        kept = {i: attach(solution, posed[i]) for i, solution in stopped.found.items()}
+        kept = {i: attached(solution, posed[i]) for i, solution in stopped.found.items()}
         raise Interrupted(kept, len(posed)) from stopped
-    return [attach(solution, problem) for solution, problem in zip(found, posed, strict=True)]
+    return [attached(solution, problem) for solution, problem in zip(found, posed, strict=True)]
 
 
 def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solution]:
@@ -106,11 +106,13 @@ def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solut
     for number, problem in enumerate(problems):
         try:
             solution = (
-                _numbered_plan(options, number, problem) if last is None else _continued(options, number, problem, last)
+                _numbered_plan(options, number, problem, keep_program=True)
+                if last is None
+                else _continued(options, number, problem, last)
             )
         except KeyboardInterrupt as stopped:
             raise Interrupted(dict(enumerate(found)), len(problems)) from stopped
-        found.append(solution)
+        found.append(released(solution))
         if solution.success:
             last = solution
     return found
@@ -126,47 +128,40 @@ def _continued(options: GuessedChoices, number: int, problem: Problem, last: Sol
     from_last: GuessedChoices = {**options, "guess": last}
     proof, meshes = last.proof, [part.mesh for part in last.phases]
     if proof is None or not proof.holds or len(meshes) != len(problem.phases) or options.get("mesh") is not None:
-        return _numbered_plan(from_last, number, problem)
-    found = _numbered_plan({**from_last, "mesh": meshes, "goals": proof.goals}, number, problem)
+        return _numbered_plan(from_last, number, problem, keep_program=True)
+    found = _numbered_plan({**from_last, "mesh": meshes, "goals": proof.goals}, number, problem, keep_program=True)
     if found.success or found.status is Status.INTERRUPTED:
         return found
-    return with_effort_of(found, _numbered_plan(from_last, number, problem))
+    return with_effort_of(found, _numbered_plan(from_last, number, problem, keep_program=True))
 
 
-def check_options(options: Mapping[str, object]) -> None:
-    """Refuse options that ``rt.plan`` does not have, before a worker starts.
+def check_options(caller: str, options: Mapping[str, object]) -> None:
+    """Refuse options that plans of many problems do not have, before a worker starts.
 
     Raises
     ------
+    InputError
+        An option of ``rt.plan`` is for a single plan.
     UnknownName
         Naming the options of ``rt.plan``.
     """
-    known = [name for name in signature(plan).parameters if name not in ("problem", "check", "progress", "watch")]
+    known = [name for name in signature(plan).parameters if name not in ("problem", *OF_ONE)]
     for name in options:
+        if name in OF_ONE:
+            raise InputError(
+                f"{caller} keeps failed plans, shows no iterations and releases programs: leave {name}= out."
+            )
         if name not in known:
             raise unknown_name("option of rt.plan", name, known)
 
 
 def _plan(options: GuessedChoices, numbered: tuple[int, Problem]) -> Solution:
     number, problem = numbered
-    return detach(_numbered_plan(options, number, problem))
+    return detached(_numbered_plan(options, number, problem), problem)
 
 
-def _numbered_plan(options: GuessedChoices, number: int, problem: Problem) -> Solution:
+def _numbered_plan(options: GuessedChoices, number: int, problem: Problem, *, keep_program: bool = False) -> Solution:
     try:
-        return plan(problem, check=False, progress=False, **options)
+        return plan(problem, check=False, progress=False, keep_program=keep_program, **options)
     except InputError as error:
         raise type(error)(f"Problem number {number} of the sweep: {error}") from error
-
-
-def detach(solution: Solution) -> Solution:
-    """Return a solution without its problem, to be sent to a process that has the problem."""
-    bare = tuple(replace(part, phase=cast(Phase, None)) for part in solution.phases)
-    return replace(solution, problem=cast(Problem, None), phases=bare)
-
-
-def attach(solution: Solution, problem: Problem) -> Solution:
-    """Return a detached solution with its problem, in the form that its meshes transcribe."""
-    problem = explicit(problem, [part.mesh for part in solution.phases])
-    pairs = zip(solution.phases, problem.phases, strict=True)
-    return replace(solution, problem=problem, phases=tuple(replace(part, phase=phase) for part, phase in pairs))

@@ -40,7 +40,7 @@ _PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 
 TABLES = ("robot", "robots", "define", "phases", "links", "gait", "plan", "validate", "replay", "output")
 OUTPUTS = ("html", "save", "plot")
-OF_CALLERS = ("problem", "settings", "check", "progress", "watch", "continuation")
+OF_CALLERS = ("problem", "settings", "check", "progress", "watch", "keep_program", "continuation")
 """Parameters of ``rt.plan`` that a file does not set."""
 
 

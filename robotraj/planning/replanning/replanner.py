@@ -111,7 +111,11 @@ class Replanner:
         self.deadline = deadline
         self._solver = solver or InteriorPoint(tolerance=1e-4, initial_barrier=1e-3)
         self.first: Solution = plan(
-            problem, mesh=mesh or Mesh(INTERVALS, HermiteSimpson()), guess=guess, solver=InteriorPoint(fallback=None)
+            problem,
+            mesh=mesh or Mesh(INTERVALS, HermiteSimpson()),
+            guess=guess,
+            solver=InteriorPoint(fallback=None),
+            keep_program=True,
         )
         """The plan that was solved when the replanner was made."""
         origin, self._planes = origin_of(self.first.multipliers), None

@@ -58,9 +58,13 @@ class Assembled:
     free: Indices
     values: Array
 
+    def unknowns(self, w: Array) -> Array:
+        """Return y for a decision vector w in physical units."""
+        return np.asarray(w / self.nlp.scale)[self.free]
+
     def start(self, w: Array) -> Array:
         """Return y for a decision vector w in physical units, moved inside its bounds."""
-        y = np.asarray(w / self.nlp.scale)[self.free]
+        y = self.unknowns(w)
         lower, upper = (bound[self.free] for bound in _bounds(self.nlp))
         low, high = lower + _room(lower, upper), upper - _room(upper, lower)
         y = np.where(np.isfinite(lower), np.maximum(y, low), y)

@@ -60,8 +60,12 @@ class Reduction:
     values: Array
     stretched: Stretch | None
 
-    def start(self, w: Array) -> Array:
+    def unknowns(self, w: Array) -> Array:
         """Return y for a decision vector w in physical units."""
+        return self.start(w)
+
+    def start(self, w: Array) -> Array:
+        """Return the start of a solve from w, which is y."""
         scaled = w / self.nlp.scale
         if self.stretched is not None:
             scaled = self.stretched.stretched(scaled)

@@ -123,6 +123,7 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
         scale=scale,
         row_scale=np.append(nlp.row_scale, rows_alone[len(nlp.rows) :]),
         guess=start,
+        additions=(*nlp.additions, tuple(added)),
     )
 
 

@@ -60,7 +60,7 @@ def with_margins(nlp: Nlp, margins: Margins) -> Nlp:
             rows.shift(chosen, amount * (1.0 if layout.duration.column is None else layout.duration.of(nlp.guess)))
         else:
             rows.tighten(chosen, lower, upper)
-    again = replace(nlp, rows=rows.finish(), variables=variables.finish(), loose_rows=loose)
+    again = replace(nlp, rows=rows.finish(), variables=variables.finish(), loose_rows=loose, margins=dict(margins))
     again = replace(again, guess=np.clip(nlp.guess, again.variables.lower, again.variables.upper))
     if "functions" in nlp.__dict__:
         again.__dict__["functions"] = replace(nlp.functions, preparing=0.0)
