@@ -17,8 +17,8 @@ from robotraj.planning.nlp_violations import violations
 from robotraj.solvers.stagewise.reduction import reduce
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.interval_violations import state_violations
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.transcribe import transcribe
 

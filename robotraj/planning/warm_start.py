@@ -26,8 +26,8 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import LazyMultipliers, Multipliers
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.compressed import CompressedHermiteSimpson

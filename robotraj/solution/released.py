@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import is_
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
 from robotraj._util.lazy_values import LazySequence
 from robotraj.transcription.shooting.explicit_dynamics import explicit
@@ -15,11 +15,33 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
     from robotraj.solution.costates.duals import PhaseDuals
-    from robotraj.solution.solution import Solution
+    from robotraj.solution.phase_solution import PhaseSolution
+    from robotraj.solvers.base import Multipliers
     from robotraj.solvers.kept_multipliers import KeptMultipliers
 
 
-def released(solution: Solution) -> Solution:
+class _OfProblem(Protocol):
+    """The parts of a ``Solution`` that refer to its problem or its program."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def problem(self) -> Problem: ...
+
+    @property
+    def phases(self) -> tuple[PhaseSolution, ...]: ...
+
+    @property
+    def multipliers(self) -> Multipliers | None: ...
+
+    @property
+    def duals(self) -> Sequence[PhaseDuals]: ...
+
+
+S = TypeVar("S", bound=_OfProblem)
+
+
+def released(solution: S) -> S:
     """Return a solution that holds raw multipliers in place of the program, from which they are computed when read.
 
     Without rows on distances the solution takes a tenth of the memory then. With them it is returned as it is: their
@@ -39,7 +61,7 @@ def released(solution: Solution) -> Solution:
     return replace(solution, multipliers=kept, duals=duals)
 
 
-def detached(solution: Solution, problem: Problem) -> Solution:
+def detached(solution: S, problem: Problem) -> S:
     """Return a solution without its problem, to be sent to a process that has the problem.
 
     A solution of another problem, such as one with the best of several candidates, keeps its own.
@@ -56,7 +78,7 @@ def detached(solution: Solution, problem: Problem) -> Solution:
     return _with_problem(replace(solution, problem=cast("Problem", None), phases=bare), None)
 
 
-def attached(solution: Solution, problem: Problem) -> Solution:
+def attached(solution: S, problem: Problem) -> S:
     """Return a detached solution with its problem, in the form that its meshes transcribe."""
     given: Problem | None = solution.problem
     if given is not None:
@@ -67,7 +89,7 @@ def attached(solution: Solution, problem: Problem) -> Solution:
     return _with_problem(whole, problem)
 
 
-def _with_problem(solution: Solution, problem: Problem | None) -> Solution:
+def _with_problem(solution: S, problem: Problem | None) -> S:
     """Return a solution whose raw multipliers have another problem, or none on their way."""
     from robotraj.solvers.kept_multipliers import KeptMultipliers
 

@@ -25,7 +25,7 @@ from robotraj.solution.sample import Sample, Times, as_times, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from robotraj.transcription.interval_limits.row_places import AddedRow
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

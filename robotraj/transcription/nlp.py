@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from scipy import sparse
 
     from robotraj.problem.problem import Problem
-    from robotraj.transcription.interval_limits.constraint_generation import AddedRow
-    from robotraj.transcription.interval_limits.margins import Margins
+    from robotraj.transcription.interval_limits.row_places import AddedRow, Margins
 
 Array = NDArray[np.float64]
 

@@ -18,14 +18,15 @@ from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
 from robotraj.problem.problem import Problem
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
-from robotraj.transcription.interval_limits.margins import Margins, with_margins
+from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
+from robotraj.transcription.interval_limits.row_places import Margins
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.transcribe import Start, transcribe
+from robotraj.transcription.transcribe import KnownStart, transcribe
 
 if TYPE_CHECKING:
-    from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+    from robotraj.transcription.interval_limits.row_places import AddedRow
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ class Outline(OneLine):
         guessed : mapping of int to float
             Entries of ``guess`` that differ from w, by column.
         """
-        start = Start(w, self.scale.array, self.row_scale.array)
+        start = KnownStart(w, self.scale.array, self.row_scale.array)
         nlp = transcribe(problem, self.meshes, start, self.engine, self.interval_limits)
         for batch in self.additions:
             nlp = with_added_rows(nlp, batch, w[: len(nlp.variables)])

@@ -52,7 +52,7 @@ INSIDE = 1e-9
 """Distance from the ends of an interval at which one-sided values are sampled, as a fraction of its length."""
 
 
-class Start(NamedTuple):
+class KnownStart(NamedTuple):
     """A start of the solver with known scales, which may have further entries for rows that are added later.
 
     Attributes
@@ -70,7 +70,7 @@ class Start(NamedTuple):
 def transcribe(
     problem: Problem,
     mesh: Mesh | Sequence[Mesh],
-    guess: InitialGuess | Start,
+    guess: InitialGuess | KnownStart,
     engine: Engine | None = None,
     interval_limits: ConstraintGeneration | None = None,
 ) -> Nlp:
@@ -81,7 +81,7 @@ def transcribe(
     problem : Problem
     mesh : Mesh or sequence of Mesh
         One mesh for all phases, or one for each.
-    guess : InitialGuess or Start
+    guess : InitialGuess or KnownStart
         Start of the solver, such as ``rt.guess.StraightLine()``. Rows and variables are scaled there, unless the scales
         are known.
     engine : Engine, optional
@@ -144,7 +144,7 @@ def transcribe(
     for block in every:
         block.stage.as_tapes = as_tapes
     matrix = linear.matrix(shape)
-    if isinstance(guess, Start):
+    if isinstance(guess, KnownStart):
         start, scale, of_rows = guess.w[: shape[1]], guess.scale[: shape[1]], guess.row_scale[: shape[0]]
     else:
         start = start_of(problem, layouts, unknowns, variables, guess)

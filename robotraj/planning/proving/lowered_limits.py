@@ -18,7 +18,7 @@ from robotraj.transcription.interval_limits.interval_violations import (
     state_violations,
     variable_violations,
 )
-from robotraj.transcription.interval_limits.margins import LimitedInterval
+from robotraj.transcription.interval_limits.row_places import LimitedInterval
 
 MORE = 1.1
 """Ratio of a margin to the excess; above 1, since the motion changes with the margin."""

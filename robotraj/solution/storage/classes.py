@@ -100,8 +100,8 @@ from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.raise_order import RaiseOrder, SplitOrRaise
 from robotraj.transcription.refinement.split_and_merge import SplitAndMerge

@@ -14,8 +14,9 @@ from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow, add_rows
+from robotraj.transcription.interval_limits.constraint_generation import add_rows
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.scaling import row_scale

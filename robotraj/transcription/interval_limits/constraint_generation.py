@@ -15,7 +15,6 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.polynomials import integrals
-from robotraj._util.values import dataclass
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
@@ -23,31 +22,13 @@ from robotraj.transcription.collocation.end_functions import point_functions
 from robotraj.transcription.collocation.ends import repeated
 from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.extract import correction_basis
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.scalar_table import Entry, Indices, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-
-@dataclass(frozen=True)
-class AddedRow:
-    """One row of a phase, imposed at tau in [0, 1] of an interval.
-
-    Attributes
-    ----------
-    phase, interval : int
-        Indices.
-    row : int
-        Number of the row in the phase's table.
-    tau : float
-    """
-
-    phase: int
-    interval: int
-    row: int
-    tau: float
 
 
 def add_rows(

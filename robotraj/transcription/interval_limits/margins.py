@@ -7,28 +7,15 @@ is lowered by the excess. Only bounds change, so that the transcription and its 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from robotraj.problem.phase_row import Kind
+from robotraj.transcription.interval_limits.row_places import Margins
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Entry, Scalars
-
-
-class LimitedInterval(NamedTuple):
-    """A row of a phase on one interval; indices as in ``constraint_generation.AddedRow``."""
-
-    phase: int
-    interval: int
-    row: int
-
-
-Margins = Mapping[LimitedInterval, float]
-"""Amounts by which the limits of rows are lowered, in their SI unit."""
 
 
 def with_margins(nlp: Nlp, margins: Margins) -> Nlp:

@@ -13,7 +13,7 @@ import robotraj as rt
 from robotraj.solvers.stagewise.program import Program
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 

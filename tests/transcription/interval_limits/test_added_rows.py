@@ -16,8 +16,8 @@ from robotraj.transcription.interval_limits.added_rows import (
     rows_to_add,
     with_added_rows,
 )
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from tests.programs import nlp_of
 
 

@@ -8,7 +8,8 @@ import pytest
 import robotraj as rt
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.extract import extract
-from robotraj.transcription.interval_limits.margins import LimitedInterval, with_margins
+from robotraj.transcription.interval_limits.margins import with_margins
+from robotraj.transcription.interval_limits.row_places import LimitedInterval
 from tests.programs import nlp_of
 
 

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import robotraj as rt
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
-from robotraj.transcription.interval_limits.constraint_generation import AddedRow
+from robotraj.transcription.interval_limits.row_places import AddedRow
 from tests.programs import nlp_of
 
 Array = NDArray[np.float64]
