@@ -224,12 +224,12 @@ def plan(
         check_moving_obstacles(first.name, first.constraints, first.robot, first.joint_ends, first.duration_bounds)
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
-    fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
-    if fixed and settings.goals is not None:
-        from robotraj.planning.diagnosis.self_collision import warn_of_self_collision
+    if settings.goals is not None and any(phase.robot is not None for phase in problem.phases):
+        from robotraj.planning.diagnosis.self_collision import check_own_ends
 
-        warn_of_self_collision(problem)
-        if any(phase.constraints for phase in problem.phases):
+        check_own_ends(problem)
+        fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
+        if fixed and any(phase.constraints for phase in problem.phases):
             from robotraj.planning.diagnosis.oscillation import warn_of_oscillation
 
             warn_of_oscillation(problem)

@@ -7,6 +7,8 @@ from dataclasses import field, fields, replace
 from functools import reduce
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
@@ -15,6 +17,7 @@ from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
+from robotraj.dynamics.row import Row
 from robotraj.dynamics.system import System, SystemDynamics
 from robotraj.problem.augmentation import free_of, with_fixed
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
@@ -32,6 +35,7 @@ from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows,
 from robotraj.problem.rows import RowTable
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
+from robotraj.robot.loading.geometry import NoGeometry
 from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -76,6 +80,9 @@ class Phase(OneLine):
         Form of a robot's equations of motion. Inverse and forward dynamics have the same solutions.
     name : str
         Name for messages, reports and plots.
+    self_collision : bool
+        Whether the robot's links must not overlap, by their exact shapes; ``rt.CollisionFree`` keeps a margin.
+        With False, ``rt.validate`` does not judge it either.
 
     Raises
     ------
@@ -98,12 +105,15 @@ class Phase(OneLine):
     limits: Limits | OwnLimits | None = field(default_factory=OwnLimits)
     dynamics: InverseDynamics | ForwardDynamics | Kinematics = field(default_factory=InverseDynamics)
     name: str = "phase"
+    self_collision: bool = True
 
     def __post_init__(self) -> None:
         check_kinds(self.name, self.subject, self.start, self.end, self.objective)
         object.__setattr__(self, "duration", own(self.duration))
         for which in ("parameters", "design", "states", "controls", "algebraic"):
             object.__setattr__(self, which, as_mapping(self.name, which, getattr(self, which)))
+        if not isinstance(self.self_collision, bool):
+            raise InputError(f"self_collision= of phase {self.name!r} is {self.self_collision!r}; give True or False.")
         object.__setattr__(self, "constraints", as_constraints(self.name, self.constraints))
         object.__setattr__(self, "contacts", as_contacts(self.name, self.contacts))
         if isinstance(self.limits, OwnLimits):
@@ -302,6 +312,8 @@ class Phase(OneLine):
             from robotraj.problem.clearance.end_checks import clearance_summary
 
             more += clearance_summary(self.constraints, self.robot)
+        if self.robot is not None and not isinstance(self.robot.geometry, NoGeometry):
+            more.append(Row("clearance", "m", 0.0 if self.self_collision else -np.inf, np.inf, "own links"))
         return phase_table(self.rows, self.subject.name, objective, self.duration_bounds, self._ends, more)
 
     def __repr__(self) -> str:

@@ -43,6 +43,7 @@ class PhaseChanges(TypedDict, total=False):
     limits: Limits | None
     dynamics: InverseDynamics | ForwardDynamics | Kinematics
     name: str
+    self_collision: bool
 
 
 def check_kinds(phase: str, subject: object, start: object, end: object, objective: object) -> None:

@@ -31,6 +31,7 @@ def failures_of(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
     found += contact_failures(figures.holdings, figures.impacts, tolerances)
     found += swing_failures(figures.swings, tolerances.ground)
     found += _limits(figures, tolerances.limits)
+    found += _overlaps(figures)
     found += _balances(figures, tolerances)
     return tuple(found)
 
@@ -62,6 +63,19 @@ def _limits(figures: Figures, tolerance: float) -> list[str]:
     return [
         f"A bound is violated: {broken[0]} in phase {broken[0].phase!r}{others}; "
         f"{tolerance * broken[0].size:.3g} is allowed."
+    ]
+
+
+def _overlaps(figures: Figures) -> list[str]:
+    """Return a sentence about the links that overlap most."""
+    if not figures.self_collisions:
+        return []
+    worst = min(figures.self_collisions, key=lambda each: each.distance)
+    count = len(figures.self_collisions) - 1
+    others = f", and {count} more pair{'s' * (count > 1)} do" if count else ""
+    return [
+        f"Links of the robot overlap: {worst.label} by {-worst.distance:.3g} m at t = {worst.time:.4g} s in phase "
+        f"{worst.phase!r}{others}."
     ]
 
 

@@ -110,7 +110,14 @@ class Figures(OneLine):
     clearances : tuple of Clearance
         Smallest distance of the exact shapes for every ``CollisionFree``.
     self_collisions : tuple of Clearance
-        Links that pass through each other without a ``CollisionFree``: a warning without a threshold.
+        Links of a robot that overlap, by their exact shapes as solids; each distance is the negative of the depth [m].
+        None are allowed.
+    own_distances : tuple of Clearance
+        For each phase, the pair of links that comes nearest without an overlap, of those that come near.
+    unguarded : tuple of str
+        What could not be judged, such as links whose shapes were not read or that have none, each with the reason.
+    left_out : tuple of str
+        Pairs of links that may overlap, each with the reason. Neighbours in the tree of links are not listed.
     """
 
     local: Drift | None
@@ -136,6 +143,9 @@ class Figures(OneLine):
     stiff: float | None = None
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()
+    own_distances: tuple[Clearance, ...] = ()
+    unguarded: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def violations(self) -> tuple[Violation, ...]:

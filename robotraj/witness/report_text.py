@@ -118,16 +118,20 @@ def _violations(figures: Figures) -> list[str]:
 
 
 def _clearances(figures: Figures) -> list[str]:
-    """Return the smallest distances, and a warning for links that pass through each other."""
+    """Return the smallest distances, links that overlap, and what was not judged."""
     lines = []
     for each in figures.clearances:
         apart = f"{1e3 * each.distance:.4g} mm, {each.label}, t = {each.time:.4g} s"
         lines += wrapped(f"smallest distance: {apart} (at least {1e3 * each.margin:g} mm)")
     for each in figures.self_collisions:
         lines += wrapped(
-            f"warning: {each.label} pass through each other in phase {each.phase!r}, t = {each.time:.4g} s; "
-            "rt.CollisionFree() keeps links apart"
+            f"overlap: {each.label} by {-1e3 * each.distance:.3g} mm in phase {each.phase!r}, t = {each.time:.4g} s !"
         )
+    if figures.own_distances and not figures.self_collisions:
+        least = min(figures.own_distances, key=lambda each: each.distance)
+        lines += wrapped(f"own links: nearest are {least.label}, {1e3 * least.distance:.3g} mm, t = {least.time:.4g} s")
+    lines += [line for each in figures.unguarded for line in wrapped(f"not judged: {each}")]
+    lines += [line for each in figures.left_out for line in wrapped(f"may overlap: {each}")]
     return [*lines, ""] if lines else []
 
 

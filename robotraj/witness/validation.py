@@ -9,9 +9,10 @@ import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj.witness.checks import energy as energies
-from robotraj.witness.checks.clearance import clearance_of, self_collisions
+from robotraj.witness.checks.clearance import clearance_of
 from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
+from robotraj.witness.checks.self_collision import own_body_of
 from robotraj.witness.checks.violations import violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
 from robotraj.witness.contacts.ground import swings_of
@@ -78,12 +79,13 @@ def validate(
     M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; where the motion is
     stiff, an L-stable SDIRK method of order 4 does.
 
-    Seven figures decide:
+    Eight figures decide:
 
     - the local error: short parts of the plan are simulated one by one, each from the plan's own state;
     - limits, constraints, links, boundary conditions and contacts, between the knots too; and impacts,
       M (v+ - v-) = J' L, J v+ = 0;
     - distances of the exact shapes from obstacles and each other, by coal, for every ``CollisionFree``;
+    - overlaps of the robot's own links as solids, unless the phase has ``self_collision=False``;
     - contact forces: those of the plan against those of the equations;
     - the ground: feet that swing stay above it, and land from above;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
@@ -139,7 +141,7 @@ def validate(
         True,
     )
     distances = within("distances", lambda: [clearance_of(p, clock) for p in robots], True) or []
-    passing = within("self-collision", lambda: [c for p in robots for c in self_collisions(p, clock)], False)
+    bodies = within("self-collision", lambda: [own_body_of(p, clock) for p in robots], True) or []
     broken = [*(broken or ()), *(violation for _, short in distances for violation in short)]
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)
@@ -182,5 +184,8 @@ def validate(
         swings=tuple(swings or ()),
         stiff=None if drifted is None else drifted.stiff,
         clearances=tuple(each for nearest, _ in distances for each in nearest),
-        self_collisions=tuple(passing or ()),
+        self_collisions=tuple(each for body in bodies for each in body.overlaps),
+        own_distances=tuple(body.nearest for body in bodies if body.nearest is not None),
+        unguarded=tuple(dict.fromkeys(each for body in bodies for each in body.unjudged)),
+        left_out=tuple(dict.fromkeys(each for body in bodies for each in body.left_out)),
     )

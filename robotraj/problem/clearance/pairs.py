@@ -20,8 +20,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.primitives import labels_of
 from robotraj.problem.clearance.carried_obstacles import with_carried_obstacles
-from robotraj.problem.clearance.lever_arms import levers
 from robotraj.problem.clearance.sphere_tree import sphere_tree
+from robotraj.robot.collision.lever_arms import levers
 from robotraj.robot.collision.link_pairs import always_touching
 from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.collision.robot_spheres import RobotSpheres, robot_spheres

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -113,6 +113,12 @@ class CollisionFree(Constraint):
         from robotraj.problem.clearance.pairs import clearance_pairs
 
         return clearance_pairs(robot, self.obstacles, float(self.margin), self.self_collision, self.srdf or ())  # type: ignore[arg-type]
+
+
+def disabled_pairs(constraints: Iterable[Constraint]) -> tuple[tuple[str, str], ...]:
+    """Return the pairs of links that the ``srdf`` of any ``CollisionFree`` disables."""
+    free = (each for each in constraints if isinstance(each, CollisionFree))
+    return tuple(pair for each in free for pair in cast("Sequence[tuple[str, str]]", each.srdf or ()))
 
 
 def _nothing(point: RobotPoint) -> list[Scalar]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from robotraj.robot.collision.tessellation import subdivided
+from robotraj.robot.collision.tessellation import sphere_points, subdivided
 
 Array = npt.NDArray[np.float64]
 
@@ -110,10 +110,7 @@ class _Surface:
         normals = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
         self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
         self.tree = cKDTree(self.middles)
-        k = np.arange(96) + 0.5
-        polar, azimuth = np.arccos(1.0 - 2.0 * k / 96), np.pi * (1.0 + 5.0**0.5) * k
-        flat = np.sin(polar)
-        self.directions = np.column_stack([np.cos(azimuth) * flat, np.sin(azimuth) * flat, np.cos(polar)])
+        self.directions = sphere_points(96)
 
     def protrusion(self, centre: Array, radius: float) -> float:
         points = centre + radius * self.directions

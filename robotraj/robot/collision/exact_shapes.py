@@ -65,16 +65,6 @@ def sometimes_apart(
     return [(i, j) for i, j in among if frozenset((shapes[i].label, shapes[j].label)) not in touching]
 
 
-def touching_links(robot: Robot, q: Array) -> list[str]:
-    """Return the pairs of links whose shapes touch at a configuration (nq,) and not in all others."""
-    own, apart = link_shapes(robot)
-    among = [(i, j) for i in range(len(own)) for j in range(i) if frozenset((own[i].label, own[j].label)) in apart]
-    places = _places(robot, robot.model.createData(), own, q)
-    touching = [(i, j) for i, j in among if _touch(own, places, i, j)]
-    kept = sometimes_apart(robot, own, touching) if touching else []
-    return list(dict.fromkeys(f"{own[i].label} and {own[j].label}" for i, j in kept))
-
-
 def _places(robot: Robot, data: pin.Data, shapes: Sequence[ExactShape], q: Array) -> list[coal.Transform3s]:
     pin.forwardKinematics(robot.model, data, q)
     placed = (data.oMi[shape.joint] * shape.placement for shape in shapes)

@@ -16,6 +16,8 @@ Array = npt.NDArray[np.float64]
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
+POINTS = 128
+"""Corners of a polyhedron in a sphere."""
 
 
 def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
@@ -41,6 +43,29 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
     if kind.startswith("Convex"):
         return hull_triangles(np.array(shape.points()))
     raise InputError(f"The collision shape {name!r} is a {kind}, which spheres cannot enclose; use a mesh.")
+
+
+def surface_of(shape: coal.CollisionGeometry) -> Array:
+    """Return triangles (f, 3, 3) [m] near the surface of a bounded shape of coal; none of an unbounded one."""
+    kind = type(shape).__name__
+    if kind in ("Halfspace", "Plane"):
+        return np.zeros((0, 3, 3))
+    if kind == "Sphere":
+        return hull_triangles(float(shape.radius) * sphere_points())
+    if kind == "Ellipsoid":
+        return hull_triangles(np.array(shape.radii) * sphere_points())
+    if kind == "Capsule":
+        ends = float(shape.radius) * sphere_points()
+        half = np.array([0.0, 0.0, float(shape.halfLength)])
+        return hull_triangles(np.concatenate([ends - half, ends + half]))
+    return triangles_of(shape, kind)
+
+
+def sphere_points(count: int = POINTS) -> Array:
+    """Return points (count, 3) that are spread evenly over the unit sphere, along a spiral."""
+    k = np.arange(count) + 0.5
+    polar, azimuth = np.arccos(1.0 - 2.0 * k / count), np.pi * (1.0 + 5.0**0.5) * k
+    return np.column_stack([np.cos(azimuth) * np.sin(polar), np.sin(azimuth) * np.sin(polar), np.cos(polar)])
 
 
 def subdivided(triangles: Array, longest: float) -> Array:

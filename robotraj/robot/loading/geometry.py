@@ -7,6 +7,7 @@ receives the robot reads them again on first use.
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -59,6 +60,9 @@ class Geometry(Protocol):
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
         """Return the geometry model of the kind for the planning model."""
+
+    def stated(self, kind: pin.GeometryType) -> Counter[str]:
+        """Return the number of shapes of the kind that the source states for each link, read or not."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,13 @@ class UrdfGeometry(OneLine):
             warn(f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}")
         return shapes
 
+    def stated(self, kind: pin.GeometryType) -> Counter[str]:
+        """Return the number of shapes of the kind for each link, meshes that cannot be read included."""
+        if _closed.get():
+            raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
+        links = read_xml(self.urdf).findall("link")
+        return Counter({link.get("name", ""): len(link.findall(TAGS[kind])) for link in links})
+
 
 def _meshes(root: Element, kind: pin.GeometryType) -> Iterator[tuple[Element, Element, Element]]:
     """Yield each link, its shape of the kind and the shape's mesh."""
@@ -165,6 +176,11 @@ class GivenGeometry:
             return shapes.copy()
         return pin.buildReducedModel(self.model, shapes, list(self.locked), self.q)[1]
 
+    def stated(self, kind: pin.GeometryType) -> Counter[str]:
+        """Return the number of shapes of the kind on each link."""
+        shapes = self.visual if kind == pin.GeometryType.VISUAL else self.collision
+        return Counter(self.model.frames[shape.parentFrame].name for shape in shapes.geometryObjects)
+
 
 @dataclass(frozen=True)
 class NoGeometry:
@@ -173,3 +189,7 @@ class NoGeometry:
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
         """Return an empty geometry model."""
         return pin.GeometryModel()
+
+    def stated(self, kind: pin.GeometryType) -> Counter[str]:
+        """Return no shapes."""
+        return Counter()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -101,3 +102,10 @@ class JoinedGeometry:
             joints += part.model.njoints - 1
             frames += part.model.nframes - 1
         return shapes
+
+    def stated(self, kind: pin.GeometryType) -> Counter[str]:
+        """Return the number of shapes of the kind on each link of all parts."""
+        counts: Counter[str] = Counter()
+        for part in self.parts:
+            counts.update({part.prefix + link: count for link, count in part.geometry.stated(kind).items()})
+        return counts

@@ -21,6 +21,8 @@ from robotraj.dynamics.obstacles.coal_shapes import coal_shape
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.phase import Phase
 from robotraj.robot.collision.exact_shapes import ExactShape, link_shapes, sometimes_apart
+from robotraj.robot.collision.own_body import own_body
+from robotraj.robot.collision.solids import Placed, Solid, depth, one_inside
 from robotraj.robot.robot import Robot
 from robotraj.solution.violation import Violation
 from robotraj.witness.planned import robot_sample
@@ -98,24 +100,6 @@ def clearance_of(
     return nearest, broken
 
 
-def self_collisions(planned: PhaseSolutionLike, clock: Callable[[], None] = lambda: None) -> list[Clearance]:
-    """Return the pairs of links that pass through each other where no ``CollisionFree`` keeps them apart."""
-    phase = planned.phase
-    if not isinstance(phase, Phase) or phase.robot is None or phase.robot.root != "fixed":
-        return []
-    robot = phase.robot
-    if any(isinstance(each, CollisionFree) and each.self_collision for each in phase.constraints):
-        return []
-    shapes, pairs = _pairs(robot, CollisionFree())
-    found = _least(planned, robot, shapes, pairs, 0.0, clock)
-    worst: dict[str, Clearance] = {}
-    for (a, b), (distance, time) in zip(pairs, found, strict=True):
-        label = f"{shapes[a].label} and {shapes[b].label}"
-        if distance < 0.0 and distance < worst.get(label, Clearance("", "", 0.0, 0.0, 0.0)).distance:
-            worst[label] = Clearance(phase.name, label, distance, 0.0, time)
-    return sorted(worst.values(), key=lambda each: each.distance)
-
-
 def _violations(found: Sequence[Clearance]) -> list[Violation]:
     worst: dict[str, Clearance] = {}
     for each in found:
@@ -150,14 +134,14 @@ def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[
         if shapes[i].joint or obstacle_moves:
             pairs.append((i, j))
     if free.self_collision:
-        among = [(i, j) for i in range(len(own)) for j in range(i) if frozenset((own[i].label, own[j].label)) in apart]
+        pairs += [(i, j) for i, j in own_body(robot, disabled).pairs.tolist()]
+        among = []
         for k, held in enumerate(carried, start=len(own)):
             beside = {shape.label for shape in own if shape.joint == held.joint}
             for i, shape in enumerate(own):
                 if shape.label not in beside and all(frozenset((shape.label, name)) in apart for name in beside):
                     among.append((k, i))
-        own_and_carried = [ExactShape(*shape[:4]) for shape in shapes]
-        pairs += sometimes_apart(robot, own_and_carried, among)
+        pairs += sometimes_apart(robot, [ExactShape(*shape[:4]) for shape in shapes], among) if among else []
     return shapes, pairs
 
 
@@ -199,7 +183,7 @@ def _least(
     times = np.unique(np.concatenate([np.linspace(knots[0], knots[-1], count + 1), knots]))
     q = robot_sample(planned, times).q
     drift = _obstacle_speeds(shapes, pairs, times)
-    bounds = _rates(robot, shapes, pairs) @ _speeds(planned, knots).T + drift[:, None]
+    bounds = _rates(robot, shapes, pairs) @ speeds_of(planned, knots).T + drift[:, None]
     # Largest change of each distance from the start to each knot.
     travel = np.cumsum(np.column_stack([np.zeros(len(pairs)), bounds * np.diff(knots)]), axis=1)
     interval = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 2)
@@ -218,6 +202,8 @@ def _least(
             distance = coal.distance(
                 shapes[a].geometry, places[a], shapes[b].geometry, places[b], request, coal.DistanceResult()
             )
+            if k in (0, len(times) - 1) and distance > 0.0:
+                distance = _outside(shapes[a], places[a], shapes[b], places[b], distance)
             if distance < least[pair][0]:
                 least[pair] = float(distance), float(t)
             smallest = min(smallest, float(distance))
@@ -226,7 +212,16 @@ def _least(
     return least
 
 
-def _speeds(planned: PhaseSolutionLike, knots: Array) -> Array:
+def _outside(first: _Shape, place: coal.Transform3s, second: _Shape, other: coal.Transform3s, apart: float) -> float:
+    """Return the distance of two surfaces [m], or the negative depth where one shape lies inside the other, a mesh."""
+    placed = [
+        Placed(Solid(shape.geometry), np.array(at.getRotation()), np.array(at.getTranslation()))
+        for shape, at in ((first, place), (second, other))
+    ]
+    return -depth(*placed) if one_inside(*placed) else apart
+
+
+def speeds_of(planned: PhaseSolutionLike, knots: Array) -> Array:
     """Largest joint speeds in every interval, with a reserve, (K, nv)."""
     sites = np.linspace(0.0, 1.0, PER_INTERVAL)
     lengths = np.diff(knots)

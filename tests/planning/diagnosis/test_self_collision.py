@@ -1,4 +1,4 @@
-"""Ends at which an arm passes through itself are a warning before planning."""
+"""Ends at which the links of a robot overlap are refused before planning."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import warnings
 import pytest
 
 import robotraj as rt
+from robotraj.planning.diagnosis.self_collision import check_own_ends
 
 FREE, FOLDED = (0, -1.5, 0.5, -1.2, 0, 0), (0, -1.5, 2.8, 1.1, 1.3, 0)
 
@@ -15,9 +16,22 @@ def reach(end: tuple[float, ...]) -> rt.Phase:
     return rt.Phase(rt.load("ur5"), 1.0, rt.State(q=FREE, v=0), rt.State(q=end, v=0), rt.Effort(), name="fold")
 
 
-def test_links_that_touch_at_an_end_are_named() -> None:
-    with pytest.warns(UserWarning, match=r"'fold': at the end .*wrist_2_link.*touch; add rt.CollisionFree"):
-        rt.plan(reach(FOLDED), time_limit=1.0, check=False)
+def test_links_that_overlap_at_an_end_are_refused_with_their_depth() -> None:
+    with pytest.raises(rt.InputError, match=r"'fold': at the end .*wrist_\d_link.* overlap by 0\.\d+ m. Choose"):
+        rt.plan(reach(FOLDED))
+
+
+def test_an_end_with_overlaps_is_allowed_where_it_is_free_or_self_collision_is_false() -> None:
+    assert rt.plan(reach(FOLDED).with_(self_collision=False)).success
+    check_own_ends(rt.Problem([reach(FOLDED).with_(end=rt.State(q={"shoulder_pan_joint": 0.0}, v=0))]))
+
+
+def test_self_collision_is_stated_by_the_phase_and_checked() -> None:
+    assert ">= 0" in next(line for line in str(reach(FREE)).splitlines() if "own links" in line)
+    off = reach(FREE).with_(self_collision=False)
+    assert "free" in next(line for line in str(off).splitlines() if "own links" in line)
+    with pytest.raises(rt.InputError, match="self_collision= of phase 'fold' is 1; give True or False"):
+        reach(FREE).with_(self_collision=1)
 
 
 def test_an_end_that_is_free_and_a_given_mesh_give_no_warning() -> None:

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.witness.checks.clearance import clearance_of, self_collisions
+from robotraj.witness.checks.clearance import clearance_of
 
 START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
 BOX = rt.obstacles.Box((0.1, 0.1, 0.3), (0.52, 0.07, 0.47), name="post")
@@ -121,18 +121,6 @@ def test_a_margin_that_is_broken_for_a_moment_only_is_seen(free_plan: rt.Solutio
     assert violations
     exact = seen_with(free_plan, ball, margin=10.0)[0][0]
     assert exact.distance <= nearest.distance <= exact.distance / 0.9 + 1e-9
-
-
-def test_links_that_pass_through_each_other_are_a_warning() -> None:
-    arm = rt.load("ur5")
-    folded = rt.State(q=(0, -1.5, 2.8, 1.1, 1.3, 0), v=0)
-    phase = rt.Phase(arm, 1.0, rt.State(q=(0, -1.5, 0.5, -1.2, 0, 0), v=0), folded, rt.Effort())
-    solution = rt.plan(phase, mesh=rt.Mesh(8))
-    found = self_collisions(solution.phases[0])
-    assert found and found[0].distance < 0.0
-    report = rt.validate(solution)
-    assert report.self_collisions and "pass through each other" in str(report)
-    assert np.isfinite(report.self_collisions[0].time)
 
 
 def test_a_plan_among_obstacles_passes_with_its_smallest_distance_shown() -> None:

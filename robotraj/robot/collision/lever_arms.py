@@ -45,7 +45,7 @@ def levers(robot: Robot, joints: Indices, points: Array) -> Array:
             ways[j] = max(abs(limit) if np.isfinite(limit) else UNLIMITED for limit in limits)
         elif joint.nv not in (1, 6):
             raise InputError(
-                f"CollisionFree: the joint {model.names[j]!r} is neither revolute nor prismatic; lock it with locked=."
+                f"Distances: joint {model.names[j]!r} is neither revolute nor prismatic; lock it with locked=."
             )
     found = np.zeros((len(joints), robot.nv))
     for row, joint, point in zip(found, joints.tolist(), points, strict=True):

@@ -1,0 +1,195 @@
+"""Overlaps of the robot's own shapes along a motion, found by halving the time.
+
+Two shapes approach each other at a speed of at most L = factors @ abs(v) [m/s]. A piece of the motion of length h is
+free of overlaps where they are further apart than L h / 2 in its middle. Other pieces are halved, and shapes are
+compared at least every ``RESOLUTION`` where they stay near. Balls around shapes come first, then coal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from robotraj._util.values import dataclass
+from robotraj.robot.collision.own_body import OwnBody
+from robotraj.robot.collision.placements import placements
+from robotraj.robot.collision.solids import Placed, depth, distance, one_inside, touch
+from robotraj.robot.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int_]
+Motion = Callable[[Array], Array]
+"""From times (m,) [s] to configurations (m, nq)."""
+
+RESOLUTION = 1e-3
+"""Longest time between two comparisons of shapes that are near each other [s]."""
+PIECES = 32
+"""Largest number of pieces with a bound on the speeds of their own."""
+CLOSE = 1.5e-2
+"""Margin up to which coal compares shapes [m]."""
+DEPTHS = 9
+"""Number of times of an overlap at which its depth is computed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """A pair of shapes that overlaps or comes near along a motion.
+
+    Attributes
+    ----------
+    pair : int
+        In ``OwnBody.pairs``.
+    times : ndarray (k,)
+        Times at which the pair overlaps, or else the times of the finest pieces [s].
+    overlaps : bool
+    """
+
+    pair: int
+    times: Array
+    overlaps: bool
+
+
+def near_pairs(
+    robot: Robot,
+    body: OwnBody,
+    motion: Motion,
+    knots: Array,
+    speeds: Array,
+    clock: Callable[[], None] = lambda: None,
+) -> list[Near]:
+    """Return the pairs that overlap along a motion, and those that stay near.
+
+    Parameters
+    ----------
+    robot : Robot
+    body : OwnBody
+    motion : callable
+    knots : ndarray (K + 1,)
+        Ends of the intervals [s].
+    speeds : ndarray (K, nv)
+        Bounds on the joint speeds in each interval.
+    clock : callable
+        Called once a round; it raises an error where no time is left.
+    """
+    if not len(body.pairs):
+        return []
+    starts = np.unique(np.linspace(0, len(knots) - 1, PIECES + 1).astype(int))[:-1]
+    bounds = np.maximum.reduceat(speeds, starts, axis=0) @ body.factors.T
+    edges = np.append(knots[starts], knots[-1])
+    count = len(body.pairs)
+    piece = np.repeat(np.arange(len(starts)), count)
+    pair = np.tile(np.arange(count), len(starts))
+    at, half = 0.5 * (edges[:-1] + edges[1:])[piece], 0.5 * np.diff(edges)[piece]
+    hits: dict[int, list[float]] = {}
+    deepest: dict[int, tuple[float, list[float]]] = {}
+    while at.size:
+        clock()
+        finest = half <= 0.5 * RESOLUTION
+        margins = np.where(finest, 0.0, bounds[piece, pair] * half)
+        open_ = _near(robot, body, motion, pair, at, margins)
+        for k in np.flatnonzero(open_ | finest).tolist():
+            own, width = int(pair[k]), float(half[k])
+            known = deepest.setdefault(own, (width, []))
+            if width < known[0]:
+                known = deepest[own] = width, []
+            if width == known[0]:
+                known[1].append(float(at[k]))
+        for k in np.flatnonzero(open_ & finest).tolist():
+            hits.setdefault(int(pair[k]), []).append(float(at[k]))
+        open_ &= ~finest
+        piece, pair = np.repeat(piece[open_], 2), np.repeat(pair[open_], 2)
+        half = np.repeat(0.5 * half[open_], 2)
+        at = np.repeat(at[open_], 2) + half * np.tile([-1.0, 1.0], np.count_nonzero(open_))
+    for own, t in _inside(robot, body, motion, knots, np.setdiff1d(np.arange(count), list(hits))):
+        hits.setdefault(own, []).append(t)
+    found = [Near(own, np.sort(times), True) for own, times in hits.items()]
+    return found + [Near(own, np.sort(t), False) for own, (_, t) in deepest.items() if own not in hits]
+
+
+def deepest_overlap(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> tuple[float, float]:
+    """Return the largest depth [m] of a pair at ``DEPTHS`` times of its overlap, and its time [s]."""
+    times = near.times[np.unique(np.linspace(0, len(near.times) - 1, DEPTHS).astype(int))]
+    first, second = body.pairs[near.pair].tolist()
+    rotations, origins = placements(robot, motion(times))
+    depths = [
+        depth(body.placed(first, *where), body.placed(second, *where)) for where in zip(rotations, origins, strict=True)
+    ]
+    most = int(np.argmax(depths))
+    return depths[most], float(times[most])
+
+
+def least_distance(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> tuple[float, float]:
+    """Return the least distance [m] of a pair that does not overlap at ``DEPTHS`` times, and its time [s]."""
+    times = near.times[np.unique(np.linspace(0, len(near.times) - 1, DEPTHS).astype(int))]
+    first, second = body.pairs[near.pair].tolist()
+    rotations, origins = placements(robot, motion(times))
+    apart = [
+        distance(body.placed(first, *where), body.placed(second, *where))
+        for where in zip(rotations, origins, strict=True)
+    ]
+    least = int(np.argmin(apart))
+    return apart[least], float(times[least])
+
+
+def _near(
+    robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array, margins: Array
+) -> npt.NDArray[np.bool_]:
+    """Whether each pair is nearer than its margin [m] at its time, (n,); with margin 0, whether it overlaps."""
+    times, which = np.unique(at, return_inverse=True)
+    rotations, origins = placements(robot, motion(times))
+    found = _gaps(body, pair, which, rotations, origins) <= margins
+    turns = rotations[:, body.joint] @ body.rotation
+    places = np.einsum("mnij,nj->mni", rotations[:, body.joint], body.position) + origins[:, body.joint]
+    known: dict[tuple[int, int], Placed] = {}
+
+    def placed(time: int, shape: int) -> Placed:
+        key = time, shape
+        if key not in known:
+            known[key] = Placed(body.solids[shape], turns[key], places[key])
+        return known[key]
+
+    # Meshes within a large margin of each other take coal long.
+    close = np.flatnonzero(found & (margins <= CLOSE))
+    pairs = body.pairs[pair[close]].tolist()
+    for k, time, (first, second), margin in zip(
+        close.tolist(), which[close].tolist(), pairs, margins[close].tolist(), strict=True
+    ):
+        found[k] = touch(placed(time, first), placed(time, second), margin)
+    return found
+
+
+def _gaps(body: OwnBody, pair: Indices, which: Indices, rotations: Array, origins: Array) -> Array:
+    """Distances (n,) [m] of the balls around pairs of shapes at configurations ``which`` (n,) of m.
+
+    The joints have rotations (m, njoints, 3, 3) and origins (m, njoints, 3) there.
+    """
+    shape, centres, radii = body.balls
+    joint = body.joint[shape]
+    centres = np.einsum("mnij,nj->mni", rotations[:, joint], centres) + origins[:, joint]
+    every, first = body.ball_pairs
+    counts = np.diff(np.append(first, len(every)))[pair]
+    begin = np.cumsum(counts) - counts
+    a, b = every[np.arange(counts.sum()) + np.repeat(first[pair] - begin, counts)].T
+    when = np.repeat(which, counts)
+    apart = centres[when, a] - centres[when, b]
+    gaps = np.sqrt(np.einsum("ni,ni->n", apart, apart)) - radii[a] - radii[b]
+    return np.asarray(np.minimum.reduceat(gaps, begin))
+
+
+def _inside(robot: Robot, body: OwnBody, motion: Motion, knots: Array, pairs: Indices) -> list[tuple[int, float]]:
+    """Return the pairs of which one shape lies inside the other, with a time.
+
+    That cannot change unless the surfaces cross, so three times suffice.
+    """
+    times = np.array([knots[0], 0.5 * (knots[0] + knots[-1]), knots[-1]])
+    rotations, origins = placements(robot, motion(times))
+    which, pair = np.repeat(np.arange(len(times)), len(pairs)), np.tile(pairs, len(times))
+    found = []
+    for k in np.flatnonzero(_gaps(body, pair, which, rotations, origins) < 0.0).tolist():
+        time, own = int(which[k]), int(pair[k])
+        first, second = (body.placed(shape, rotations[time], origins[time]) for shape in body.pairs[own].tolist())
+        if one_inside(first, second):
+            found.append((own, float(times[time])))
+    return found

@@ -1,0 +1,198 @@
+"""The robot's own body: its exact shapes, the pairs of them that must not overlap, and what cannot be judged.
+
+Three kinds of pairs are not judged. A joint connects their links, or nothing moves them relative to each other; an SRDF
+disables them; or they overlap by construction, in the neutral configuration and in many others.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection
+
+import numpy as np
+import numpy.typing as npt
+import pinocchio as pin
+
+from robotraj._util.lazy_values import cached_property
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.robot.collision.lever_arms import levers
+from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
+from robotraj.robot.collision.placements import joint_tree, placements
+from robotraj.robot.collision.solids import Placed, Solid, depth, one_inside, touch
+from robotraj.robot.per_robot import PerRobot
+from robotraj.robot.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int_]
+
+SAMPLED = 60
+"""Number of configurations in which pairs that overlap in the neutral one are compared."""
+OFTEN = 0.15
+"""Share of these configurations above which an overlap is one by construction."""
+UNREAD, SEEN_ONLY = "its <collision> shape was not read", "it has <visual> shapes only"
+CONSTRUCTED, DISABLED = "they overlap in the neutral configuration by construction", "the SRDF disables them"
+
+
+@dataclass(frozen=True, eq=False)
+class OwnBody(OneLine):
+    """The exact shapes of a robot.
+
+    Attributes
+    ----------
+    links : tuple of str
+        Link of each shape.
+    solids : tuple of Solid
+    joint : ndarray of int (n,)
+        Pinocchio's joint that carries each shape; 0 for the world.
+    rotation, position : ndarray (n, 3, 3), (n, 3)
+        Placement of each shape in its joint's frame [m].
+    pairs : ndarray of int (m, 2)
+        Pairs of shapes that are judged.
+    factors : ndarray (m, nv)
+        Two shapes approach each other by at most ``factors @ abs(v)`` a second [m].
+    left_out : tuple of (str, str)
+        Pairs of links that are not judged, ``"base and torso"``, each with the reason. Neighbours are not listed.
+    unguarded : tuple of (str, str)
+        Links whose shapes are missing, each with the reason.
+    """
+
+    links: tuple[str, ...]
+    solids: tuple[Solid, ...]
+    joint: Indices
+    rotation: Array
+    position: Array
+    pairs: Indices
+    factors: Array
+    left_out: tuple[tuple[str, str], ...]
+    unguarded: tuple[tuple[str, str], ...]
+
+    def label(self, pair: int) -> str:
+        """Return ``"forearm and wrist"``."""
+        return " and ".join(self.links[shape] for shape in self.pairs[pair])
+
+    @cached_property
+    def balls(self) -> tuple[Indices, Array, Array]:
+        """Shape (n,) of each of the balls around all shapes, its centre (n, 3) in its joint's frame and radius [m]."""
+        every = [solid.balls for solid in self.solids]
+        shape = np.repeat(np.arange(len(every)), [len(radii) for _, radii in every])
+        own = np.concatenate([np.zeros((0, 3)), *(centres for centres, _ in every)])
+        centres = np.einsum("nij,nj->ni", self.rotation[shape], own) + self.position[shape]
+        return shape, centres, np.concatenate([np.zeros(0), *(radii for _, radii in every)])
+
+    @cached_property
+    def ball_pairs(self) -> tuple[Indices, Indices]:
+        """Pairs of balls (k, 2) of all judged pairs of shapes, one after the other, and the first one of each (m,)."""
+        shape = self.balls[0]
+        of_shape = [np.flatnonzero(shape == number) for number in range(len(self.solids))]
+        parts = [np.stack(np.meshgrid(of_shape[a], of_shape[b]), axis=-1).reshape(-1, 2) for a, b in self.pairs]
+        counts = np.array([len(part) for part in parts], dtype=int)
+        return np.concatenate([np.zeros((0, 2), dtype=int), *parts]), np.cumsum(counts) - counts
+
+    def placed(self, shape: int, rotations: Array, origins: Array) -> Placed:
+        """Place a shape in the world by the rotations (njoints, 3, 3) and origins (njoints, 3) [m] of joints."""
+        turn, at = rotations[self.joint[shape]], origins[self.joint[shape]]
+        return Placed(self.solids[shape], turn @ self.rotation[shape], turn @ self.position[shape] + at)
+
+    def touching(self, robot: Robot, q: Array) -> list[int]:
+        """Return the pairs that overlap in a configuration (nq,), also by one shape inside the other."""
+        rotations, origins = (each[0] for each in placements(robot, q[None]))
+        placed = [self.placed(shape, rotations, origins) for shape in range(len(self.solids))]
+        return [
+            number
+            for number, (a, b) in enumerate(self.pairs.tolist())
+            if touch(placed[a], placed[b]) or one_inside(placed[a], placed[b])
+        ]
+
+    def depth(self, robot: Robot, q: Array, pair: int) -> float:
+        """Return the depth of an overlapping pair in a configuration (nq,) [m]."""
+        rotations, origins = (each[0] for each in placements(robot, q[None]))
+        first, second = (self.placed(shape, rotations, origins) for shape in self.pairs[pair].tolist())
+        return depth(first, second)
+
+
+_KNOWN: PerRobot[OwnBody] = PerRobot()
+
+
+def own_body(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> OwnBody:
+    """Return the exact shapes of a robot; they are computed once per robot.
+
+    Parameters
+    ----------
+    robot : Robot
+    disabled : collection of (str, str)
+        Pairs of links that are not judged, as of ``read_srdf``.
+
+    Raises
+    ------
+    InputError
+        The file of the shapes is gone, or a joint is neither revolute, prismatic nor a free-flyer.
+    """
+    key = frozenset(frozenset(pair) for pair in disabled)
+    return _KNOWN.get(robot, key, lambda: _made(robot, disabled))
+
+
+def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> OwnBody:
+    shapes, model = list(robot.collision_model.geometryObjects), robot.model
+    links = tuple(model.frames[shape.parentFrame].name for shape in shapes)
+    joint = np.array([int(shape.parentJoint) for shape in shapes], dtype=int)
+    rotation = np.array([shape.placement.rotation for shape in shapes]).reshape(-1, 3, 3)
+    position = np.array([shape.placement.translation for shape in shapes]).reshape(-1, 3)
+    solids = tuple(Solid(shape.geometry) for shape in shapes)
+    every = {frozenset(pair) for pair in candidate_pairs(robot, list(dict.fromkeys(links)))}
+    named = {frozenset(pair) for pair in disabled}
+    among = [(i, j) for i in range(len(links)) for j in range(i) if frozenset((links[i], links[j])) in every - named]
+    left_out = [(" and ".join(sorted(pair)), DISABLED) for pair in every & named]
+    whole = OwnBody(
+        links, solids, joint, rotation, position, _numbers(among), np.zeros((0, 0)), (), _unguarded(robot, links)
+    )
+    constructed = _by_construction(robot, whole)
+    left_out += [(" and ".join(sorted(pair)), CONSTRUCTED) for pair in constructed]
+    kept = _numbers([(i, j) for i, j in among if frozenset((links[i], links[j])) not in constructed])
+    factors = _factors(robot, whole, kept)
+    return OwnBody(links, solids, joint, rotation, position, kept, factors, tuple(sorted(left_out)), whole.unguarded)
+
+
+def _numbers(pairs: list[tuple[int, int]]) -> Indices:
+    return np.array(pairs, dtype=int).reshape(-1, 2)
+
+
+def _by_construction(robot: Robot, body: OwnBody) -> set[frozenset[str]]:
+    """Return the pairs of links that overlap in the neutral configuration and often in others."""
+    open_ = body.touching(robot, robot.neutral)
+    if not open_:
+        return set()
+    counts: Counter[frozenset[str]] = Counter()
+    pairs = body.pairs[open_]
+    rotations, origins = placements(robot, sampled_configurations(robot, SAMPLED))
+    for turned, moved in zip(rotations, origins, strict=True):
+        placed = {shape: body.placed(shape, turned, moved) for shape in np.unique(pairs).tolist()}
+        hit = [(a, b) for a, b in pairs.tolist() if touch(placed[a], placed[b])]
+        counts.update({frozenset((body.links[a], body.links[b])) for a, b in hit})
+    return {pair for pair, count in counts.items() if count > OFTEN * SAMPLED}
+
+
+def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
+    shape, centres, radii = body.balls
+    joints = [[number] * joint.nv for number, joint in enumerate(robot.model.joints) if number]
+    moved = joint_tree(robot).is_moved_by()[:, np.concatenate([np.zeros(0, dtype=int), *joints]).astype(int)]
+    turns = np.array([unit == "rad" for unit in robot.units])
+    # A point of a ball is further from the axis of a joint than its centre, by at most the radius.
+    of_ball = levers(robot, body.joint[shape], centres) + np.where(turns, radii[:, None], 0.0)
+    reach = np.zeros((len(body.solids), robot.nv))
+    np.maximum.at(reach, shape, of_ball)
+    a, b = pairs.T
+    first, second = moved[body.joint[a]], moved[body.joint[b]]
+    # Joints that move both shapes alike do not change their distance.
+    return np.where(first & ~second, reach[a], 0.0) + np.where(second & ~first, reach[b], 0.0)
+
+
+def _unguarded(robot: Robot, links: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return the links without shapes in a robot that has shapes: those not read, and those with others to look at."""
+    read = Counter(links)
+    stated = robot.geometry.stated(pin.GeometryType.COLLISION)
+    if not stated.total():
+        return ()
+    unread = [(link, UNREAD) for link, count in stated.items() if count > read[link]]
+    seen = robot.geometry.stated(pin.GeometryType.VISUAL)
+    return (*unread, *((link, SEEN_ONLY) for link, count in seen.items() if count and not stated[link]))

@@ -1,0 +1,178 @@
+"""Collision shapes as solids: whether two of them overlap, and how deeply.
+
+Two meshes overlap where their surfaces cross, which ``coal.collide`` finds. Their distance by ``coal.distance`` is 0
+there, not negative. A shape inside a closed mesh crosses no surface; the mesh winds once around its points.
+Source: Jacobson, Kavan and Sorkine-Hornung, Robust inside-outside segmentation using generalized winding numbers, 2013.
+"""
+
+from __future__ import annotations
+
+import coal
+import numpy as np
+import numpy.typing as npt
+
+from robotraj._util.lazy_values import cached_property
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.robot.collision.tessellation import subdivided, surface_of
+
+Array = npt.NDArray[np.float64]
+
+MOST_BALLS = 8
+"""Largest number of balls around a shape."""
+UNBOUNDED = 1e6
+"""Extent from which a shape counts as unbounded [m]."""
+INSIDE = 0.5
+"""Winding number above which a point is inside; it is 1 or 0 for closed meshes, and between them near holes."""
+FINENESS = 12
+"""Pieces of a surface along the longest extent of a shape, whose corners are compared for a depth."""
+MOST_POINTS = 300
+"""Largest number of these corners inside the other shape whose depth is computed."""
+POINT = 1e-9
+"""Radius of a ball that stands for a point [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solid(OneLine):
+    """A collision shape of coal in its own axes."""
+
+    geometry: coal.CollisionGeometry
+
+    @cached_property
+    def is_mesh(self) -> bool:
+        """Whether coal knows the surface of the shape alone."""
+        return type(self.geometry).__name__.startswith("BVHModel")
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """Least and largest coordinates (3,), (3,) [m]."""
+        self.geometry.computeLocalAABB()
+        box = self.geometry.aabb_local
+        return np.array(box.min_), np.array(box.max_)
+
+    @cached_property
+    def balls(self) -> tuple[Array, Array]:
+        """Centres (n, 3) and radii (n,) of balls around the shape's box [m]; one infinite ball where it has none."""
+        lower, upper = self.box
+        sides = np.minimum(upper, UNBOUNDED) - np.maximum(lower, -UNBOUNDED)
+        if not np.all(np.abs(sides) < UNBOUNDED):
+            return np.zeros((1, 3)), np.array([np.inf])
+        counts = np.maximum(np.round(sides / max(sides.min(), sides.max() / MOST_BALLS)), 1.0).astype(int)
+        while counts.prod() > MOST_BALLS:
+            counts[np.argmax(counts)] -= 1
+        steps = [low + (np.arange(n) + 0.5) * side / n for low, n, side in zip(lower, counts, sides, strict=True)]
+        centres = np.array(np.meshgrid(*steps, indexing="ij")).reshape(3, -1).T
+        return centres, np.full(len(centres), 0.5 * float(np.linalg.norm(sides / counts)))
+
+    @cached_property
+    def triangles(self) -> Array:
+        """Triangles (f, 3, 3) of the surface [m]; of a shape with a curved surface, triangles near it."""
+        return surface_of(self.geometry)
+
+    @cached_property
+    def corners(self) -> Array:
+        """Points (n, 3) all over the surface [m]."""
+        if not self.triangles.size:
+            return np.zeros((0, 3))
+        extent = float(np.ptp(self.triangles.reshape(-1, 3), axis=0).max())
+        pieces = subdivided(self.triangles, max(extent / FINENESS, 1e-4))
+        return np.unique(np.round(pieces.reshape(-1, 3), 9), axis=0)
+
+    def in_box(self, points: Array) -> npt.NDArray[np.bool_]:
+        """Whether points (n, 3) in its axes lie in ``box``, (n,)."""
+        lower, upper = self.box
+        return np.asarray(np.all((points > lower) & (points < upper), axis=1))
+
+    def contains(self, points: Array) -> npt.NDArray[np.bool_]:
+        """Whether points (n, 3) in its axes lie inside the shape, (n,)."""
+        found = self.in_box(points)
+        for k in np.flatnonzero(found).tolist():
+            if self.is_mesh:
+                found[k] = abs(winding_number(self.triangles, points[k])) > INSIDE
+            else:
+                found[k] = self.distance(points[k]) < 0.0
+        return found
+
+    def distance(self, point: Array) -> float:
+        """Return the distance of a point (3,) in its axes from a mesh's surface, or from a solid with its sign [m]."""
+        there = coal.Transform3s(np.eye(3), point), self.geometry, coal.Transform3s()
+        return float(coal.distance(coal.Sphere(POINT), *there, coal.DistanceRequest(), coal.DistanceResult())) + POINT
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A solid in the world.
+
+    Attributes
+    ----------
+    solid : Solid
+    rotation, position : ndarray (3, 3), (3,)
+        Of its axes; the position in [m].
+    """
+
+    solid: Solid
+    rotation: Array
+    position: Array
+
+    @cached_property
+    def place(self) -> coal.Transform3s:
+        """The placement as coal takes it."""
+        return coal.Transform3s(self.rotation, self.position)
+
+    def seen_from(self, other: Placed, points: Array) -> Array:
+        """Return points (n, 3) of this shape in the axes of another one."""
+        return (points @ self.rotation.T + self.position - other.position) @ other.rotation
+
+
+def touch(first: Placed, second: Placed, margin: float = 0.0) -> bool:
+    """Whether two shapes are nearer than a margin [m], or overlap with margin 0; of meshes, the surfaces alone."""
+    request = coal.CollisionRequest()
+    request.security_margin = margin
+    pair = first.solid.geometry, first.place, second.solid.geometry, second.place
+    return bool(coal.collide(*pair, request, coal.CollisionResult()))
+
+
+def one_inside(first: Placed, second: Placed) -> bool:
+    """Whether one shape lies inside the other one, a mesh, where their surfaces do not cross."""
+    return any(
+        outer.solid.is_mesh
+        # The centre of a box around a shape lies in every other box around the shape.
+        and bool(outer.solid.in_box(inner.seen_from(outer, np.mean(inner.solid.box, axis=0)[None]))[0])
+        and bool(outer.solid.contains(inner.seen_from(outer, inner.solid.corners[:1])).any())
+        for inner, outer in ((first, second), (second, first))
+    )
+
+
+def distance(first: Placed, second: Placed) -> float:
+    """Return the distance of two surfaces [m], negative between solids that overlap unless both are meshes."""
+    pair = first.solid.geometry, first.place, second.solid.geometry, second.place
+    return float(coal.distance(*pair, coal.DistanceRequest(), coal.DistanceResult()))
+
+
+def depth(first: Placed, second: Placed) -> float:
+    """Return how deeply one of two overlapping shapes reaches into the other [m].
+
+    This is the largest distance of a point of one surface, inside the other shape, from the surface of that shape. The
+    points are those of a subdivision of the surfaces: where edges cross and no such point is inside, the depth is 0.
+    """
+    deepest = 0.0
+    for inner, outer in ((first, second), (second, first)):
+        points = inner.seen_from(outer, inner.solid.corners)
+        points = points[outer.solid.in_box(points)]
+        points = points[:: len(points) // MOST_POINTS + 1]
+        inside = points[outer.solid.contains(points)]
+        deepest = max([deepest, *(abs(outer.solid.distance(point)) for point in inside)])
+    return deepest
+
+
+def winding_number(triangles: Array, point: Array) -> float:
+    """Return how often a surface, triangles (f, 3, 3), winds around a point (3,).
+
+    This is the sum of the solid angles of the triangles, over 4 pi.
+    Source: Van Oosterom and Strackee, The solid angle of a plane triangle, 1983.
+    """
+    a, b, c = (triangles - point).transpose(1, 0, 2)
+    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+    ab, bc, ca = (np.einsum("ij,ij->i", *pair) for pair in ((a, b), (b, c), (c, a)))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    return float(np.sum(np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb))) / (2.0 * np.pi)
