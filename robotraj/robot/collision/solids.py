@@ -7,6 +7,8 @@ Source: Jacobson, Kavan and Sorkine-Hornung, Robust inside-outside segmentation 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import coal
 import numpy as np
 import numpy.typing as npt
@@ -16,18 +18,21 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.tessellation import subdivided, surface_of
 
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
 Array = npt.NDArray[np.float64]
 
 MOST_BALLS = 8
 """Largest number of balls around a shape."""
 UNBOUNDED = 1e6
 """Extent from which a shape counts as unbounded [m]."""
+MOST_TRIED = 20
+"""Largest number of points that are compared for a depth."""
 INSIDE = 0.5
 """Winding number above which a point is inside; it is 1 or 0 for closed meshes, and between them near holes."""
-FINENESS = 12
-"""Pieces of a surface along the longest extent of a shape, whose corners are compared for a depth."""
-MOST_POINTS = 300
-"""Largest number of these corners inside the other shape whose depth is computed."""
+FINENESS = 20
+"""Pieces of a surface along the longest extent of a shape."""
 POINT = 1e-9
 """Radius of a ball that stands for a point [m]."""
 
@@ -72,11 +77,36 @@ class Solid(OneLine):
     @cached_property
     def corners(self) -> Array:
         """Points (n, 3) all over the surface [m]."""
-        if not self.triangles.size:
-            return np.zeros((0, 3))
-        extent = float(np.ptp(self.triangles.reshape(-1, 3), axis=0).max())
-        pieces = subdivided(self.triangles, max(extent / FINENESS, 1e-4))
-        return np.unique(np.round(pieces.reshape(-1, 3), 9), axis=0)
+        return np.unique(np.round(self._pieces.reshape(-1, 3), 9), axis=0)
+
+    @cached_property
+    def _pieces(self) -> Array:
+        """Small triangles (f, 3, 3) of the surface, counter-clockwise from outside [m]."""
+        triangles = self.triangles
+        if not triangles.size:
+            return triangles
+        if np.einsum("fi,fi", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) < 0.0:
+            triangles = triangles[:, ::-1]
+        extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+        return subdivided(triangles, max(extent / FINENESS, 1e-4))
+
+    @cached_property
+    def _tree(self) -> tuple[KDTree, Array]:
+        """The middles of the pieces, and their outward normals (f, 3)."""
+        from scipy.spatial import KDTree
+
+        a, b, c = self._pieces.transpose(1, 0, 2)
+        normals = np.cross(b - a, c - a)
+        return KDTree((a + b + c) / 3.0), normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+
+    def heights(self, points: Array) -> tuple[Array, Array]:
+        """Return heights (n,) of points (n, 3) in its axes above the surface, negative inside, and normals (n, 3) [m].
+
+        They are distances from the planes of the nearest pieces.
+        """
+        tree, normals = self._tree
+        _, nearest = tree.query(points)
+        return np.einsum("ni,ni->n", points - tree.data[nearest], normals[nearest]), normals[nearest]
 
     def in_box(self, points: Array) -> npt.NDArray[np.bool_]:
         """Whether points (n, 3) in its axes lie in ``box``, (n,)."""
@@ -159,9 +189,11 @@ def depth(first: Placed, second: Placed) -> float:
     for inner, outer in ((first, second), (second, first)):
         points = inner.seen_from(outer, inner.solid.corners)
         points = points[outer.solid.in_box(points)]
-        points = points[:: len(points) // MOST_POINTS + 1]
-        inside = points[outer.solid.contains(points)]
-        deepest = max([deepest, *(abs(outer.solid.distance(point)) for point in inside)])
+        if len(points) and outer.solid.triangles.size:
+            # Of the deepest points by the nearest pieces, one that is truly inside.
+            order = np.argsort(outer.solid.heights(points)[0])[:MOST_TRIED]
+            inside = points[order[outer.solid.contains(points[order])]]
+            deepest = max([deepest, *(abs(outer.solid.distance(point)) for point in inside)])
     return deepest
 
 
