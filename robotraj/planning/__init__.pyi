@@ -6,6 +6,7 @@ Start with ``plan.py``. The room may import every room but ``cli``.
 from .compilation import Compilation, precompile
 from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
+from .many.failure import Failure
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
 from .many.workers import Interrupted
@@ -20,6 +21,7 @@ from .settings import Restarts, Settings
 __all__ = [
     "Compilation",
     "ContinuationStep",
+    "Failure",
     "Interrupted",
     "Kinematic",
     "Multistart",

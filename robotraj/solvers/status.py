@@ -24,6 +24,8 @@ class Status(Enum):
     INVALID_NUMBER = "invalid number"
     OVERDETERMINED = "overdetermined"
     SOLVER_ERROR = "solver error"
+    ERROR = "error"
+    DIED = "process ended"
 
     @property
     def remedy(self) -> str:
@@ -57,6 +59,8 @@ _REMEDIES = {
     Status.OVERDETERMINED: "There are more equality rows than free variables. Free an end of the motion or the "
     "duration.",
     Status.SOLVER_ERROR: "The solver failed; see its message.",
+    Status.ERROR: "Plan this problem alone with rt.plan to see where the error is raised.",
+    Status.DIED: "Plan this problem alone with rt.plan, or give fewer workers where the machine has no memory left.",
 }
 
 STATUSES = {

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 import pickle
+import resource
 import socket
 import sys
 import threading
 import traceback
-from queue import SimpleQueue
+from contextlib import suppress
+from queue import Empty, SimpleQueue
 
 import cloudpickle
 
 import robotraj.planning.many.sweep  # noqa: F401 - imported before the parent's folders are searched
-from robotraj.planning.many.processes import RemoteTraceback, receive, send
+from robotraj.planning.many.processes import IDLE, RemoteTraceback, receive, send
 
 
 def _read(line: socket.socket, tasks: SimpleQueue[bytes]) -> None:
@@ -38,9 +40,12 @@ def _answer(task: bytes) -> bytes:
 
 
 if __name__ == "__main__":
+    # A process that crashes writes no image of its memory, which takes seconds.
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
     with socket.socket(fileno=int(sys.argv[1])) as line:
         sys.path[:] = pickle.loads(receive(line))
         waiting: SimpleQueue[bytes] = SimpleQueue()
         threading.Thread(target=_read, args=(line, waiting), daemon=True).start()
-        while True:
-            send(line, _answer(waiting.get()))
+        with suppress(Empty):
+            while True:
+                send(line, _answer(waiting.get(timeout=IDLE)))

@@ -15,6 +15,8 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.guess.default import as_guess, default_guess, other_guess
+from robotraj.planning.many.case_limits import CaseLimits
+from robotraj.planning.many.failure import Failure
 from robotraj.planning.many.local_optima import equal_objectives, same_optimum
 from robotraj.planning.many.starts import Shared, Start
 from robotraj.planning.many.sweep import check_options
@@ -196,24 +198,25 @@ def multistart(
     guesses = [first, *varied]
     left = 0
     try:
-        every: Sequence[Solution] = run(
-            _plan, _Search(problem, first, options), guesses, executor, _patience_reached(patience, objective_tolerance)
-        )
-        found = dict(enumerate(every))
+        limits = CaseLimits(options.get("time_limit"), options.get("memory_limit"))
+        search, enough = _Search(problem, first, options), _patience_reached(patience, objective_tolerance)
+        found = dict(enumerate(run(_plan, search, guesses, executor, enough, limits)))
     except Interrupted as stopped:
         found, left = dict(stopped.found), starts - len(stopped.found)
-    solved = sorted((s.objective, i) for i, s in found.items() if s.success)
+    _require_posed(found)
+    solutions = {i: s for i, s in found.items() if isinstance(s, Solution)}
+    solved = sorted((s.objective, i) for i, s in solutions.items() if s.success)
     groups: list[list[int]] = []
     for _, i in solved:
         for group in groups:
-            if same_optimum(found[group[0]], found[i], objective_tolerance, trajectory_tolerance, problem):
+            if same_optimum(solutions[group[0]], solutions[i], objective_tolerance, trajectory_tolerance, problem):
                 group.append(i)
                 break
         else:
             groups.append([i])
     failures = Counter(s.status for s in found.values() if not s.success)
     return Multistart(
-        tuple(Optimum(attached(found[group[0]], problem), tuple(sorted(group))) for group in groups),
+        tuple(Optimum(attached(solutions[group[0]], problem), tuple(sorted(group))) for group in groups),
         dict(sorted(failures.items(), key=lambda entry: entry[0].value)),
         len(found),
         sum(s.iterations for s in found.values()),
@@ -246,7 +249,22 @@ def _plan(search: _Search, guess: InitialGuess) -> Solution:
     shared = _of_thread.shared.setdefault(search, Shared(search.first))
     start = Start(guess, shared)
     found = plan(search.problem, guess=start, check=False, progress=False, **search.options)
+    if found.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
     return detached(found, search.problem)
+
+
+def _require_posed(found: Mapping[int, Solution | Failure]) -> None:
+    """Raise the error of all starts: they share the problem and the options.
+
+    Raises
+    ------
+    InputError
+        Every start raised an error.
+    """
+    errors = [entry for entry in found.values() if isinstance(entry, Failure) and entry.status is Status.ERROR]
+    if errors and len(errors) == len(found):
+        raise InputError(f"rt.multistart: every start failed. {errors[0].message}")
 
 
 def _is_count(value: object, least: int) -> bool:
@@ -257,12 +275,12 @@ def _is_size(value: object) -> bool:
     return isinstance(value, float | int | np.floating | np.integer) and bool(0 <= value < np.inf)
 
 
-def _patience_reached(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution]], bool] | None:
+def _patience_reached(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution | Failure]], bool] | None:
     """Return a test whether the last ``patience`` starts found no lower optimum; None without a limit."""
     if patience is None:
         return None
 
-    def stop(found: Sequence[Solution]) -> bool:
+    def stop(found: Sequence[Solution | Failure]) -> bool:
         costs = [s.objective if s.success else np.inf for s in found]
         lowest = min(costs)
         first = next((i for i, cost in enumerate(costs) if equal_objectives(cost, lowest, tolerance)), len(costs))

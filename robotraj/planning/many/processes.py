@@ -1,4 +1,4 @@
-"""Worker processes of one call: isolated, independent of the script that starts them, and ended with it.
+"""Worker processes: isolated, independent of the script that starts them, and ended with it.
 
 Each process is served by a thread of its own through a socket. A process that dies fails its task alone; the next task
 gets a new process. ``multiprocessing`` would run files of the working folder, and imports the script in every worker.
@@ -6,6 +6,7 @@ gets a new process. ``multiprocessing`` would run files of the working folder, a
 
 from __future__ import annotations
 
+import atexit
 import os
 import pickle
 import signal
@@ -27,11 +28,29 @@ from robotraj._util.system.own_python import command
 P = ParamSpec("P")
 R = TypeVar("R")
 
+IDLE = 300.0
+"""Time without a task after which a worker process ends [s]."""
 _LENGTH = struct.Struct("!Q")
 
 
 class WorkerDied(BrokenProcessPool):
-    """A worker process ended in the middle of a task."""
+    """A worker process ended in the middle of a task.
+
+    Attributes
+    ----------
+    code : int or None
+        How it ended, a signal as a negative number; None where it could not be started.
+    """
+
+    def __init__(self, code: int | None) -> None:
+        how = "could not be started" if code is None else f"ended with code {code}"
+        if code is not None and code < 0:
+            how = f"was ended by {signal.Signals(-code).name}"
+        super().__init__(f"A worker process {how}.")
+        self.code = code
+
+    def __reduce__(self) -> tuple[type, tuple[int | None]]:
+        return type(self), (self.code,)
 
 
 class RemoteTraceback(Exception):
@@ -67,6 +86,11 @@ class Processes(Executor):
         self._tasks.put((future, cloudpickle.dumps((fn, args, kwargs))))
         return cast("Future[R]", future)
 
+    @property
+    def started(self) -> bool:
+        """Whether a process is running."""
+        return bool(self._running)
+
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes: after their tasks, or at once without ``wait``."""
         self._closed = True
@@ -95,7 +119,8 @@ class Processes(Executor):
             if not future.set_running_or_notify_cancel():
                 continue
             try:
-                if process is None or line is None:
+                if process is None or line is None or process.poll() is not None:
+                    self._end(process, line)
                     process, line = self._start()
                 send(line, task)
                 found, value = pickle.loads(receive(line))
@@ -128,17 +153,45 @@ class Processes(Executor):
         send(here, pickle.dumps([entry or os.getcwd() for entry in sys.path]))
         return process, here
 
-    def _end(self, process: subprocess.Popen[bytes] | None, line: socket.socket | None) -> str:
-        """Close the line to a process, wait for its end, and describe it."""
+    def _end(self, process: subprocess.Popen[bytes] | None, line: socket.socket | None) -> int | None:
+        """Close the line to a process, wait for its end, and return its code."""
         if line is not None:
             line.close()
         if process is None:
-            return "A worker process could not be started."
+            return None
         code = process.wait()
         with self._lock:
             self._running.discard(process)
-        how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
-        return f"A worker process {how}."
+        return code
+
+
+_kept: list[Processes] = []
+"""The processes of this machine: those of one call serve the next."""
+_keeping = threading.Lock()
+
+
+def kept(start: bool = True) -> Processes | None:
+    """Return the processes that outlive a call, one for each processor; None without them where none is to ``start``.
+
+    They end with this process, and after ``IDLE`` seconds without a task.
+    """
+    with _keeping:
+        if not _kept and start:
+            _kept.append(Processes(len(os.sched_getaffinity(0))))
+        return _kept[0] if _kept else None
+
+
+def release_kept() -> None:
+    """End the processes that outlive a call, at once."""
+    with _keeping:
+        ended, _kept[:] = list(_kept), []
+    for each in ended:
+        each.shutdown(wait=False, cancel_futures=True)
+
+
+atexit.register(release_kept)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_kept.clear)
 
 
 def send(line: socket.socket, data: bytes) -> None:

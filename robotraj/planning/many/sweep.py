@@ -9,6 +9,8 @@ from inspect import signature
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj.planning.many.case_limits import CaseLimits
+from robotraj.planning.many.failure import Failure, failure_of
 from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
@@ -34,7 +36,7 @@ def sweep(
     executor: Executor | None = None,
     chain: bool = False,
     **options: Unpack[GuessedChoices],
-) -> list[Solution]:
+) -> list[Solution | Failure]:
     """Plan many problems with the same options.
 
     Parameters
@@ -42,28 +44,30 @@ def sweep(
     problems : sequence of Problem or Phase
         Problems are sent to workers by cloudpickle, which must be able to pickle the closures of their lambdas.
     executor : concurrent.futures.Executor, optional
-        Processes, threads or ``dask.distributed.Client.get_executor()``. By default one new process per core. They do
-        not import the script. ``ThreadPoolExecutor(1)`` plans in this process, one problem after the other.
+        Processes, threads or ``dask.distributed.Client.get_executor()``. By default the first problem is planned in
+        this process; if the others are worth it, they go to one process per core. These do not import the script, and
+        serve later calls. ``ThreadPoolExecutor(1)`` plans in this process, one problem after the other.
     chain : bool
         Plan in this process, each problem from the solution of the last one that was solved, on its last mesh if that
         was proved. Neighbouring problems, such as gaits of rising speed, take fewer iterations then. All may stay near
         the local optimum of the first. Problems that differ only in numbers share one program: ends, fixed parameters,
         displacements of links. Their objectives are compared on no second mesh: ``proof.unsettled`` is the neighbour's.
     **options
-        Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ...
+        Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ... With ``time_limit`` or ``memory_limit`` the
+        operating system also ends a problem whose own equations never return or fill the memory.
 
     Returns
     -------
-    list of Solution
-        In the order of the problems. A plan that failed is included, with its status.
+    list of Solution or Failure
+        In the order of the problems. A plan that found no motion is a solution with its status. A problem that raised
+        an error, or ended its process, is a ``Failure`` with its ``number``, ``status`` and ``message``.
 
     Raises
     ------
     InputError
-        A problem, named by its number, cannot be posed or pickled. ``rt.plan`` has no such option, or a chain has an
-        executor.
+        An entry is no problem, ``rt.plan`` has no such option, or a chain has an executor.
     Interrupted
-        Ctrl-C was pressed; ``found`` has the solutions so far, by the numbers of their problems.
+        Ctrl-C was pressed; ``found`` has the entries so far, by the numbers of their problems.
 
     Examples
     --------
@@ -91,34 +95,40 @@ def sweep(
         if executor is not None:
             raise InputError("rt.sweep(chain=True) plans one problem after the other: leave executor= out.")
         return _chained(posed, options)
+    limits = CaseLimits(options.get("time_limit"), options.get("memory_limit"))
     try:
-        found = run(_plan, options, list(enumerate(posed)), executor)
+        found = run(_plan, options, posed, executor, limits=limits)
     except Interrupted as stopped:
-        kept = {i: attached(solution, posed[i]) for i, solution in stopped.found.items()}
-        raise Interrupted(kept, len(posed)) from stopped
-    return [attached(solution, problem) for solution, problem in zip(found, posed, strict=True)]
+        whole = {i: _whole(entry, posed[i]) for i, entry in stopped.found.items()}
+        raise Interrupted(whole, len(posed), stopped.running) from stopped
+    return [_whole(entry, problem) for entry, problem in zip(found, posed, strict=True)]
 
 
-def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solution]:
+def _whole(entry: Solution | Failure, problem: Problem) -> Solution | Failure:
+    return entry if isinstance(entry, Failure) else attached(entry, problem)
+
+
+def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solution | Failure]:
     """Plan each problem from the solution of the last one that was solved."""
-    found: list[Solution] = []
+    found: list[Solution | Failure] = []
     last: Solution | None = None
     for number, problem in enumerate(problems):
         try:
             solution = (
-                _numbered_plan(options, number, problem, keep_program=True)
-                if last is None
-                else _continued(options, number, problem, last)
+                _planned(options, problem, keep_program=True) if last is None else _continued(options, problem, last)
             )
         except KeyboardInterrupt as stopped:
-            raise Interrupted(dict(enumerate(found)), len(problems)) from stopped
+            raise Interrupted(dict(enumerate(found)), len(problems), [number]) from stopped
+        except Exception as error:
+            found.append(failure_of(number, error))
+            continue
         found.append(released(solution))
         if solution.success:
             last = solution
     return found
 
 
-def _continued(options: GuessedChoices, number: int, problem: Problem, last: Solution) -> Solution:
+def _continued(options: GuessedChoices, problem: Problem, last: Solution) -> Solution:
     """Plan from the solution of the problem before, on its last mesh where that was proved.
 
     Where this fails, the plan begins on the first mesh of any plan.
@@ -128,11 +138,11 @@ def _continued(options: GuessedChoices, number: int, problem: Problem, last: Sol
     from_last: GuessedChoices = {**options, "guess": last}
     proof, meshes = last.proof, [part.mesh for part in last.phases]
     if proof is None or not proof.holds or len(meshes) != len(problem.phases) or options.get("mesh") is not None:
-        return _numbered_plan(from_last, number, problem, keep_program=True)
-    found = _numbered_plan({**from_last, "mesh": meshes, "goals": proof.goals}, number, problem, keep_program=True)
-    if found.success or found.status is Status.INTERRUPTED:
+        return _planned(from_last, problem, keep_program=True)
+    found = _planned({**from_last, "mesh": meshes, "goals": proof.goals}, problem, keep_program=True)
+    if found.success:
         return found
-    return with_effort_of(found, _numbered_plan(from_last, number, problem, keep_program=True))
+    return with_effort_of(found, _planned(from_last, problem, keep_program=True))
 
 
 def check_options(caller: str, options: Mapping[str, object]) -> None:
@@ -155,13 +165,13 @@ def check_options(caller: str, options: Mapping[str, object]) -> None:
             raise unknown_name("option of rt.plan", name, known)
 
 
-def _plan(options: GuessedChoices, numbered: tuple[int, Problem]) -> Solution:
-    number, problem = numbered
-    return detached(_numbered_plan(options, number, problem), problem)
+def _plan(options: GuessedChoices, problem: Problem) -> Solution:
+    return detached(_planned(options, problem), problem)
 
 
-def _numbered_plan(options: GuessedChoices, number: int, problem: Problem, *, keep_program: bool = False) -> Solution:
-    try:
-        return plan(problem, check=False, progress=False, keep_program=keep_program, **options)
-    except InputError as error:
-        raise type(error)(f"Problem number {number} of the sweep: {error}") from error
+def _planned(options: GuessedChoices, problem: Problem, *, keep_program: bool = False) -> Solution:
+    found = plan(problem, check=False, progress=False, keep_program=keep_program, **options)
+    if found.status is Status.INTERRUPTED:
+        # Workers ignore Ctrl-C, so it was pressed while this process planned.
+        raise KeyboardInterrupt
+    return found

@@ -20,6 +20,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
+from robotraj.planning.many.case_limits import CaseLimits
 from robotraj.planning.many.workers import run
 from robotraj.solvers import interior_point
 from robotraj.solvers.kept_multipliers import KeptMultipliers
@@ -159,8 +160,9 @@ def test_wrong_arguments_are_named() -> None:
     lock = threading.Lock()
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"] * (1 if lock else 0)])
     phase = rt.Phase(system, duration=1.0)
-    with ProcessPoolExecutor(1) as executor, pytest.raises(InputError, match="cannot be pickled"):
-        rt.sweep([phase], executor=executor)
+    with ProcessPoolExecutor(1, get_context("spawn")) as executor:
+        (entry,) = rt.sweep([phase], executor=executor)
+    assert isinstance(entry, rt.planning.Failure) and "pickle" in entry.message
 
 
 def test_tasks_that_are_not_needed_are_not_begun() -> None:
@@ -225,14 +227,16 @@ def test_ctrl_c_keeps_the_solutions_that_were_there() -> None:
 
 def test_ctrl_c_does_not_wait_for_fresh_processes() -> None:
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    pressed = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
-    pressed.start()
     began = time.monotonic()
     try:
-        with pytest.raises(rt.planning.Interrupted):
-            run(_slow, None, [20.0] * 6, None)
+        for limits in (CaseLimits(), CaseLimits(seconds=100.0)):
+            pressed = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+            pressed.start()
+            with pytest.raises(rt.planning.Interrupted) as stopped:
+                run(_slow, None, [20.0] * 6, None, limits=limits)
+            pressed.cancel()
+            assert not stopped.value.found and 1 <= len(stopped.value.running) + len(stopped.value.left) == 6
     finally:
-        pressed.cancel()
         signal.signal(signal.SIGINT, before)
     assert time.monotonic() - began < 10.0
 
@@ -282,8 +286,11 @@ def test_a_problem_that_cannot_be_planned_is_named_by_its_number(processes: bool
     one, two = moves()[:2]
     problems = [rt.Problem(one), rt.Problem([one, two])]
     pool = ProcessPoolExecutor(1, get_context("spawn")) if processes else ThreadPoolExecutor(1)
-    with pool, pytest.raises(InputError, match="Problem number 1 of the sweep: The problem has 2 phases but 1 meshes"):
-        rt.sweep(problems, executor=pool, mesh=[MESH])
+    with pool:
+        solution, failure = rt.sweep(problems, executor=pool, mesh=[MESH])
+    assert solution.success and not failure.success
+    assert (failure.number, failure.status) == (1, rt.solvers.Status.ERROR)
+    assert "The problem has 2 phases but 1 meshes" in str(failure) and str(failure).startswith("problem 1: error")
 
 
 @pytest.mark.parametrize("problems", [moves()[0], rt.Problem(moves()[0]), None, 3])
