@@ -14,6 +14,7 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
 from robotraj.robot.collision.tessellation import hull_triangles
+from robotraj.robot.meshes.reading import read_mesh_file
 
 MOST_VERTICES = 200
 """Vertices of a hull above which its distance takes too long to evaluate."""
@@ -77,14 +78,9 @@ class ConvexMesh(Obstacle):
         InputError
             The file cannot be read.
         """
-        import pinocchio as pin
-
         file = Path(path).expanduser()
-        try:
-            mesh = pin.hppfcl.MeshLoader().load(str(file), np.broadcast_to(np.asarray(scale, dtype=float), (3,)).copy())
-        except (ValueError, RuntimeError) as error:
-            raise InputError(f"The mesh {str(file)!r} cannot be read: {error}") from error
-        return cls(np.array(mesh.vertices()), position, quaternion, frame, name or file.stem)
+        vertices = read_mesh_file(file).vertices * np.asarray(scale, dtype=float)
+        return cls(vertices, position, quaternion, frame, name or file.stem)
 
     @property
     def dimensions(self) -> tuple[float, ...]:

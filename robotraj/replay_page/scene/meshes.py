@@ -1,79 +1,73 @@
-"""Mesh files (.dae, .stl, .obj and other formats of trimesh) as coloured parts."""
+"""Mesh files as coloured parts: by content from a cache on disk, otherwise in a process under limits."""
 
 from __future__ import annotations
 
-from functools import lru_cache
+import hashlib
+import json
+from collections.abc import Iterable
 from pathlib import Path
 
-import numpy as np
-import trimesh
-from numpy.typing import NDArray
+from robotraj._util.errors import InputError
+from robotraj._util.paths import cache_folder, whole_file
+from robotraj._util.system.limited import LimitedProcess, NoAnswer
+from robotraj._util.system.regular_files import contents
+from robotraj.replay_page.scene.part import Part, unpacked
+from robotraj.robot.meshes.reading import LARGEST, SUFFIXES
 
-from robotraj.replay_page.scene.part import Color, Part, merge_by_color
-from robotraj.replay_page.scene.simplify import simplified
+SECONDS, PER_BYTE = 4.0, 3e-7
+"""Processor time for a file [s], and for each of its bytes."""
+MOST_BYTES = 32 * 10**6
+"""Largest size of the parts of a file, above that of as many triangles as a page shows."""
+VERSION = 1
+"""Version of the cached files."""
 
-MOST_COLORS = 24
-"""Largest number of colours of a mesh that is coloured face by face; with more it has their mean."""
+Parts = tuple[Part, ...]
 
 
-@lru_cache(maxsize=256)
-def read_mesh(path: str) -> tuple[Part, ...]:
-    """Read a mesh file: one welded part for each colour, in the frame of the file.
+def read_meshes(paths: Iterable[str]) -> dict[str, Parts | str]:
+    """Return the parts of mesh files, or the reason why a file is not read."""
+    found: dict[str, Parts | str] = {}
+    with LimitedProcess("robotraj.replay_page.scene") as process:
+        for path in dict.fromkeys(paths):
+            try:
+                found[path] = _read(Path(path), process)
+            except (InputError, NoAnswer, ValueError) as error:
+                found[path] = str(error).rstrip(".")
+    return found
 
-    Node transforms inside the file are applied; its unit and up axis are not, as in Pinocchio's own loader.
 
-    Parameters
-    ----------
-    path : str
-        The file.
+def read_mesh(path: str) -> Parts:
+    """Return the parts of one mesh file.
 
-    Returns
-    -------
-    tuple of Part
-        ``color`` is None where the file has no material. The tuple is empty if the file has no triangle.
+    Raises
+    ------
+    InputError
+        It is not read.
     """
-    scene = trimesh.load_scene(Path(path))
-    pieces: list[tuple[NDArray[np.float64], NDArray[np.integer], Color | None]] = []
-    for node in scene.graph.nodes_geometry:
-        transform, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if not isinstance(mesh, trimesh.Trimesh):
-            continue
-        vertices = np.asarray(mesh.vertices) @ transform[:3, :3].T + transform[:3, 3]
-        faces = np.asarray(mesh.faces)
-        if np.linalg.det(transform[:3, :3]) < 0.0:
-            faces = faces[:, ::-1]
-        for color, mask in _colors(mesh):
-            pieces.append((*simplified(vertices, faces[mask]), color))
-    return merge_by_color(pieces)
+    found = read_meshes([path])[path]
+    if isinstance(found, str):
+        raise InputError(f"The mesh {path!r} cannot be read: {found}.")
+    return found
 
 
-def _colors(mesh: trimesh.Trimesh) -> list[tuple[Color | None, NDArray[np.bool_] | slice]]:
-    """Return the colours of a mesh, each with its faces (a mask or slice)."""
-    visual, everything = mesh.visual, slice(None)
-    if not visual.defined:
-        return [(None, everything)]
-    if visual.kind == "texture":
-        return [(_material_color(visual.material), everything)]
-    rgba = np.asarray(visual.face_colors)
-    distinct, index = np.unique(rgba, axis=0, return_inverse=True)
-    if len(distinct) > MOST_COLORS:
-        return [(_color(rgba.mean(axis=0)), everything)]
-    return [(_color(c), index.ravel() == i) for i, c in enumerate(distinct)]
-
-
-def _material_color(material: trimesh.visual.material.Material) -> Color | None:
-    """Read the base colour of a material, times the mean of its texture; None if the file gave none."""
-    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-    if image is None and isinstance(material, trimesh.visual.material.SimpleMaterial) and not material.kwargs:
-        return None
-    rgba = np.asarray(material.main_color, dtype=float)
-    if image is not None:
-        rgba = rgba * np.asarray(image.convert("RGBA").resize((1, 1)).getpixel((0, 0))) / 255.0
-    return _color(rgba)
-
-
-def _color(rgba: NDArray[np.generic]) -> Color:
-    """Round a colour from 0 to 255 to 8 bits, and scale it to [0, 1]."""
-    red, green, blue, opacity = (float(np.rint(c)) / 255.0 for c in rgba)
-    return (red, green, blue, opacity if opacity > 0.0 else 1.0)
+def _read(path: Path, process: LimitedProcess) -> Parts:
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise ValueError(f"the format {suffix or 'without a suffix'} is none of {', '.join(SUFFIXES)}")
+    data = contents(path, LARGEST, "the file")
+    kept = cache_folder("parts") / f"{hashlib.sha256(suffix.encode() + data).hexdigest()[:40]}-{VERSION}.npz"
+    try:
+        return unpacked(contents(kept, MOST_BYTES))[0]
+    except (InputError, ValueError):
+        pass  # An entry that is missing or damaged is read from the mesh again.
+    head = json.dumps([suffix, str(path.absolute().parent)]).encode()
+    answer = process.ask(head + b"\n" + data, SECONDS + PER_BYTE * len(data))
+    parts, alone = unpacked(answer)
+    if alone and len(answer) <= MOST_BYTES:
+        try:
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            with whole_file(kept) as partial:
+                partial.write_bytes(answer)
+        except (OSError, InputError):
+            pass  # If the cache cannot be written, the next process reads the mesh again.
+    return parts

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,3 +107,44 @@ def merge_by_color(
         if part is not None:
             parts.append(part)
     return tuple(parts)
+
+
+def packed(parts: Iterable[Part], alone: bool) -> bytes:
+    """Return parts as the bytes of an npz file; ``alone`` states that they follow from one file."""
+    arrays: dict[str, NDArray[np.generic]] = {"alone": np.array(alone)}
+    for i, part in enumerate(parts):
+        arrays |= {f"vertices{i}": part.vertices, f"faces{i}": part.faces, f"color{i}": np.array(part.color or ())}
+    stream = io.BytesIO()
+    np.savez(stream, **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def unpacked(data: bytes) -> tuple[tuple[Part, ...], bool]:
+    """Read what ``packed`` wrote.
+
+    Raises
+    ------
+    ValueError
+        The bytes are damaged, or a number is not finite.
+    """
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        parts = tuple(
+            _checked(arrays[f"vertices{i}"], arrays[f"faces{i}"], arrays[f"color{i}"]) for i in range(len(arrays) // 3)
+        )
+        return parts, bool(arrays["alone"])
+    except ValueError:
+        raise
+    except Exception as error:  # zip files raise what their parts raise
+        raise ValueError(f"damaged: {error}") from error
+
+
+def _checked(vertices: NDArray[Any], faces: NDArray[Any], color: NDArray[Any]) -> Part:
+    right = vertices.dtype == np.float32 and faces.dtype in (np.uint16, np.uint32) and color.shape in ((0,), (4,))
+    if not right or vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or not faces.size:
+        raise ValueError("damaged: a part has other arrays")
+    if not np.isfinite(vertices).all() or faces.max() >= len(vertices):
+        raise ValueError("a vertex is not finite, or does not exist")
+    shade: Color | None = tuple(float(c) for c in color) if color.size else None  # type: ignore[assignment]
+    return Part(vertices, faces, shade)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.replay_page.scene.meshes import read_mesh
+from robotraj.replay_page.scene.meshes import Parts, read_meshes
 from robotraj.replay_page.scene.part import Color, Part
 from robotraj.replay_page.scene.shapes import rod, shape_part
 
@@ -58,16 +58,16 @@ def visuals_of(model: pin.Model, geometry: pin.GeometryModel | None) -> tuple[Vi
     Colours are the URDF's where it names a material, else the mesh file's own, else Pinocchio's default.
     """
     found = []
+    files = _file_parts(geometry) if geometry is not None else {}
     for thing in geometry.geometryObjects if geometry is not None else ():
-        visual = _visual(thing)
+        visual = _visual(thing, files.get(thing.meshPath, ()))
         if visual is not None:
             found.append(visual)
     return tuple(found) or skeleton(model)
 
 
-def _visual(thing: pin.GeometryObject) -> Visual | None:
+def _visual(thing: pin.GeometryObject, parts: Parts) -> Visual | None:
     placement = np.array(thing.placement.homogeneous)
-    parts = _file_parts(thing.meshPath)
     if parts:
         placement = placement @ np.diag([*np.asarray(thing.meshScale, dtype=float).ravel(), 1.0])
     else:
@@ -85,15 +85,16 @@ def _visual(thing: pin.GeometryObject) -> Visual | None:
     return Visual(int(thing.parentJoint), str(thing.name), placement, colored)
 
 
-def _file_parts(path: str) -> tuple[Part, ...]:
-    """Read the parts of a mesh file; none if it cannot be read, so that Pinocchio's mesh is drawn."""
-    if not path or not Path(path).is_file():
-        return ()
-    try:
-        return read_mesh(path)
-    except Exception as error:  # readers raise whatever their parsers raise, and the loaded mesh can stand in
-        warn(f"The replay draws {path} without its materials: {error}")
-        return ()
+def _file_parts(geometry: pin.GeometryModel) -> dict[str, Parts]:
+    """Read the parts of the mesh files; without them, Pinocchio's mesh is drawn in one colour."""
+    found = {}
+    files = [thing.meshPath for thing in geometry.geometryObjects if Path(thing.meshPath).is_file()]
+    for path, parts in read_meshes(files).items():
+        if isinstance(parts, str):
+            warn(f"The replay draws {path} without its materials: {parts}")
+        else:
+            found[path] = parts
+    return found
 
 
 def skeleton(model: pin.Model) -> tuple[Visual, ...]:

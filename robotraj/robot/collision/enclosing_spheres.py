@@ -22,6 +22,8 @@ MOST = 10
 """Largest number of spheres of a shape. It takes precedence over ``EXCESS``, since flat ends need many spheres."""
 FINENESS = 20
 """Pieces of the subdivision along the longest extent of a shape."""
+MOST_PIECES = 200_000
+"""Largest number of pieces; a mesh of many long triangles is subdivided less."""
 STEPS = 40
 """Steps of the iteration for a smallest enclosing ball."""
 VOLUME_SAMPLES = 5_000
@@ -51,8 +53,7 @@ class Fit(NamedTuple):
 
 def enclose(triangles: Array, excess: float = EXCESS, most: int = MOST) -> Fit:
     """Fit spheres to triangles (f, 3, 3) [m]; the result satisfies ``encloses``."""
-    extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
-    pieces = subdivided(triangles, max(extent / FINENESS, 1e-4))
+    pieces = _pieces(triangles)
     surface = _Surface(pieces)
     parts = [_part(pieces, surface)]
     while len(parts) < most:
@@ -67,10 +68,19 @@ def enclose(triangles: Array, excess: float = EXCESS, most: int = MOST) -> Fit:
     return Fit(centres, radii, protrusion, union_volume(centres, radii), _hull_volume(triangles))
 
 
+def _pieces(triangles: Array) -> Array:
+    extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    longest = max(extent / FINENESS, 1e-4)
+    edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+    # Each halving of its edges makes four pieces of a triangle.
+    while longest < extent and np.sum(4.0 ** np.ceil(np.log2(np.maximum(edges / longest, 1.0)))) > MOST_PIECES:
+        longest *= 2.0
+    return subdivided(triangles, longest)
+
+
 def encloses(centres: Array, radii: Array, triangles: Array) -> bool:
     """Whether each piece of a fine subdivision of the triangles lies entirely in one sphere."""
-    extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
-    pieces = subdivided(triangles, max(extent / FINENESS, 1e-4))
+    pieces = _pieces(triangles)
     held = np.zeros(len(pieces), dtype=bool)
     for centre, radius in zip(centres, radii, strict=True):
         held |= np.linalg.norm(pieces - centre, axis=2).max(axis=1) <= radius * (1.0 + 1e-9)

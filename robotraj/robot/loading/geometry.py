@@ -13,7 +13,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -24,6 +23,8 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
+from robotraj.robot.meshes.placed import unread, with_meshes
+from robotraj.robot.meshes.reading import read_meshes
 from robotraj.robot.urdf.xml import read_xml
 
 Array = npt.NDArray[np.float64]
@@ -105,14 +106,14 @@ class UrdfGeometry(OneLine):
                 fault = MISSING if found is None else OUTSIDE
                 faults.setdefault(fault, []).append(f"{address} (link {link.get('name')})")
                 link.remove(shape)
-        try:
-            shapes = _built(model, root, kind)
-        except (ValueError, RuntimeError):
-            for link, shape, mesh in list(_meshes(root, kind)):
-                if not _is_readable(mesh.get("filename", "")):
-                    faults.setdefault(UNREADABLE, []).append(f"{mesh.get('filename')} (link {link.get('name')})")
-                    link.remove(shape)
-            shapes = _built(model, root, kind)
+        read = read_meshes(Path(mesh.get("filename", "")) for _, _, mesh in _meshes(root, kind))
+        for link, shape, mesh in list(_meshes(root, kind)):
+            reason = unread(mesh, read[Path(mesh.get("filename", ""))])
+            if reason is not None:
+                address = f"{mesh.get('filename')} (link {link.get('name')}: {reason})"
+                faults.setdefault(UNREADABLE, []).append(address)
+                link.remove(shape)
+        shapes = with_meshes(model, root, kind, read)
         for fault, addresses in faults.items():
             warn(f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}")
         return shapes
@@ -132,19 +133,6 @@ def _meshes(root: Element, kind: pin.GeometryType) -> Iterator[tuple[Element, El
             mesh = shape.find("geometry/mesh")
             if mesh is not None:
                 yield link, shape, mesh
-
-
-def _built(model: pin.Model, root: Element, kind: pin.GeometryType) -> pin.GeometryModel:
-    return pin.buildGeomFromUrdfString(model, ElementTree.tostring(root, encoding="unicode"), kind)
-
-
-def _is_readable(path: str) -> bool:
-    """Whether Pinocchio's reader accepts a mesh file."""
-    try:
-        pin.hppfcl.MeshLoader().load(path, np.ones(3))
-    except (ValueError, RuntimeError):
-        return False
-    return True
 
 
 @dataclass(frozen=True)
