@@ -71,6 +71,11 @@ ProblemArgument = Annotated[
         help="A name that 'robotraj robots' lists, a URDF file, or a problem file.",
     ),
 ]
+PackageDirsOption = Annotated[
+    list[Path] | None,
+    typer.Option("--package-dirs", help="A folder above the package of the meshes; may be given several times."),
+]
+TrustPathsOption = Annotated[bool, typer.Option("--trust-paths", help="Read meshes from any path that the URDF names.")]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.npz", help="A file that solution.save wrote.")]
 RobotArgument = Annotated[
     str,

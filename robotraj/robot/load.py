@@ -38,10 +38,11 @@ def load(
         A name, the path of a URDF file, or a model, which is copied and not changed. ``catalogue()`` lists the names;
         robotraj's robots precede those of example-robot-data.
     package_dirs : path or sequence of paths
-        Folders that are searched for meshes before the URDF's own.
+        Folders that are searched for meshes first: those above a package, or packages themselves.
     trust_paths : bool
         Read meshes from any path that the URDF names, and search the folders above the URDF and ROS's package paths.
-        Default: meshes in ``package_dirs`` and the URDF's own folder only. Robots of the catalogue are trusted.
+        Default: meshes in ``package_dirs`` and in the URDF's package only. That is the folder with ``package.xml``, or
+        the one above ``urdf/``, ``robots/`` or ``models/``; else the URDF's own. Robots of the catalogue are trusted.
     actuated : iterable of str, optional
         Joints with a motor. Default: those of the catalogue (acrobot: the elbow; cartpole: the slider), else all.
     locked : mapping, optional
@@ -76,7 +77,7 @@ def load(
     -----
     UserWarning
         The URDF has inertias that no rigid body can have, joints without moving mass, axes that are not unit vectors,
-        or implausible limits. ``robot.notes`` and ``robotraj show`` list them.
+        implausible limits, or meshes that do not exist. ``robot.notes`` and ``robotraj show`` list them.
 
     Notes
     -----

@@ -9,7 +9,7 @@ import typer
 
 from robotraj._util.errors import InputError
 from robotraj.cli.minimise import Minimise
-from robotraj.cli.options import check_robot
+from robotraj.cli.options import PackageDirsOption, TrustPathsOption, check_robot
 from robotraj.cli.terminal import say
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ def compile_functions(
         ),
     ],
     root: Annotated[str, typer.Option(help=f"Of a robot: {', '.join(ROOTS)}.")] = "fixed",
+    package_dirs: PackageDirsOption = None,
+    trust_paths: TrustPathsOption = False,
 ) -> None:
     """Compile the functions of plans into your cache: later plans with rt.engines.Compiled() do not wait.
 
@@ -39,7 +41,10 @@ def compile_functions(
     from robotraj.transcription.schemes.lobatto import HermiteSimpson
     from robotraj.transcription.schemes.mesh import Mesh
 
-    problems = _of_robot(what, root) if Path(what).suffix != ".npz" else {"its problem": _of_file(what)}
+    if Path(what).suffix == ".npz":
+        problems: dict[str, Phase] | dict[str, Problem] = {"its problem": _of_file(what)}
+    else:
+        problems = _of_robot(what, root, package_dirs or [], trust_paths)
     for name, problem in problems.items():
         # Motions of least duration have linear controls, as in 'robotraj plan'.
         say(f"{name}: {precompile(problem, Mesh(10, HermiteSimpson(control=LinearControl())))}")
@@ -56,14 +61,14 @@ def _of_file(path: str) -> Problem:
     return problem
 
 
-def _of_robot(name: str, root: str) -> dict[str, Phase]:
+def _of_robot(name: str, root: str, package_dirs: list[Path], trust_paths: bool) -> dict[str, Phase]:
     from robotraj.cli.arguments import rest_to_rest
     from robotraj.robot.load import load
 
     chosen = next((known for known in ROOTS if known == root), None)
     if chosen is None:
         raise InputError(f"--root is one of {', '.join(ROOTS)}; got {root!r}.")
-    robot = load(name, root=chosen)
+    robot = load(name, root=chosen, package_dirs=package_dirs, trust_paths=trust_paths)
     return {
         f"least {objective.value}": rest_to_rest(robot, objective, None, None, None, robot.limits)
         for objective in Minimise

@@ -10,7 +10,7 @@ import typer
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path, whole_file
-from robotraj.cli.options import JsonOption, RobotArgument
+from robotraj.cli.options import JsonOption, PackageDirsOption, RobotArgument, TrustPathsOption
 from robotraj.cli.terminal import say, say_json
 
 
@@ -20,6 +20,8 @@ def write_problem(
     root: Annotated[
         str, typer.Option(help="fixed: a motion from rest to rest; planar or floating: a gait, or a jump on one foot.")
     ] = "fixed",
+    package_dirs: PackageDirsOption = None,
+    trust_paths: TrustPathsOption = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -35,7 +37,9 @@ def write_problem(
         raise InputError(f"{str(out)!r} exists; name another file, or replace it with --force.")
     path = Path(robot).expanduser()
     source = os.path.relpath(path, target.parent) if path.is_file() else robot
-    text = starter(load(robot, root=root), source, out.name)
+    folders = [str(folder.expanduser().resolve()) for folder in package_dirs or ()]
+    mover = load(robot, root=root, package_dirs=folders, trust_paths=trust_paths)
+    text = starter(mover, source, out.name, folders, trust_paths)
     with whole_file(target) as partial:
         partial.write_text(text, encoding="utf-8")
     if as_json:

@@ -12,10 +12,12 @@ from robotraj.cli.options import (
     HtmlOption,
     JsonOption,
     MemoryLimitOption,
+    PackageDirsOption,
     PlotOption,
     ProblemArgument,
     SaveOption,
     TimeLimitOption,
+    TrustPathsOption,
 )
 from robotraj.cli.problem_file import is_problem_file, plan_problem_file, refuse_options
 from robotraj.cli.terminal import say
@@ -25,7 +27,8 @@ if TYPE_CHECKING:
 
 
 ROBOT_OPTIONS = (
-    "to", "start", "duration", "objective", "intervals", "tolerance", "velocity", "effort", "limits", "compiled"
+    "to", "start", "duration", "objective", "intervals", "tolerance", "velocity", "effort", "limits", "package_dirs",
+    "trust_paths", "compiled"
 )  # fmt: skip
 """Options of a motion of a robot; a problem file states them itself."""
 ROBOT_TIME = 60.0
@@ -67,6 +70,8 @@ def plan_motion(
         float | None, typer.Option(help="Largest torque of every joint [N m, N] in place of the URDF's.")
     ] = None,
     limits: Annotated[bool, typer.Option(help="Hold the robot's own joint limits.")] = True,
+    package_dirs: PackageDirsOption = None,
+    trust_paths: TrustPathsOption = False,
     compiled: Annotated[
         bool, typer.Option("--compiled", help="Evaluate by compiled C, from the cache or compiled first.")
     ] = False,
@@ -104,7 +109,7 @@ def plan_motion(
         outputs = {"html": html, "save": save, "plot": plot}
         plan_problem_file(robot, outputs, {"memory_limit": memory_limit, "watch": watch}, time_limit, as_json)
         return
-    mover = load(robot)
+    mover = load(robot, package_dirs=package_dirs or (), trust_paths=trust_paths)
     if to is None:
         raise InputError(
             f"--to is missing: the last configuration of {robot!r}, as in --to 0,1.57,0. "

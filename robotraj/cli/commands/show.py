@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from robotraj._util.printing import wrapped
-from robotraj.cli.options import JsonOption, RobotArgument
+from robotraj.cli.options import JsonOption, PackageDirsOption, RobotArgument, TrustPathsOption
 from robotraj.cli.terminal import say, say_json
 from robotraj.robot.limits import RATES
 
@@ -14,12 +14,17 @@ if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
 
-def show(robot: RobotArgument, as_json: JsonOption = False) -> None:
+def show(
+    robot: RobotArgument,
+    package_dirs: PackageDirsOption = None,
+    trust_paths: TrustPathsOption = False,
+    as_json: JsonOption = False,
+) -> None:
     """Print a robot's joints, limits and frames."""
     from robotraj.robot.known_robots.catalogue import catalogue
     from robotraj.robot.load import load
 
-    mover = load(robot)
+    mover = load(robot, package_dirs=package_dirs or (), trust_paths=trust_paths)
     entry = {known.name: known for known in catalogue()}.get(robot)
     if as_json:
         say_json(_described(mover, entry))

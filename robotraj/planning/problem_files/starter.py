@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -111,7 +111,13 @@ html = {page} # the replay; save = "x.npz" keeps the solution, plot = "x.png" dr
 """
 
 
-def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
+def starter(
+    robot: Robot,
+    source: str,
+    name: str = "problem.toml",
+    package_dirs: Sequence[str] = (),
+    trust_paths: bool = False,
+) -> str:
     """Write a problem file that plans as it stands.
 
     A robot with a fixed root moves from its neutral configuration to one nearby, from rest to rest. Joints without
@@ -125,6 +131,9 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
         Name or path that ``rt.load`` read, as the file will state it.
     name : str
         Name of the file, for its comments.
+    package_dirs : sequence of str
+    trust_paths : bool
+        Options of ``rt.load`` for the meshes, as the file will state them.
 
     Raises
     ------
@@ -137,6 +146,8 @@ def starter(robot: Robot, source: str, name: str = "problem.toml") -> str:
     limits = GIVEN_LIMITS + "".join(_limit(name, values) for name, values in free.items()) if locked else ASKED_LIMITS
     joint = _key(robot.joint_names[0])
     root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
+    root += f"package_dirs = {json.dumps(list(package_dirs))}\n" if package_dirs else ""
+    root += "trust_paths = true\n" if trust_paths else ""
     head = HEAD.format(robot=robot.name, name=name, source=json.dumps(source), root=root, limits=limits)
     middle = _motion(robot, joint) if fixed else _gait(robot)
     page = json.dumps(re.sub(r"\W+", "_", robot.name) + ".html")

@@ -33,7 +33,7 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
         vertices = np.array(shape.vertices())
         count = int(shape.num_tris)
         corners = np.array([[tri[0], tri[1], tri[2]] for tri in (shape.tri_indices(i) for i in range(count))])
-        return np.asarray(vertices[corners])
+        return outward(vertices[corners])
     if kind == "Box":
         return box_triangles(np.array(shape.halfSide))
     if kind in ("Cylinder", "Cone"):
@@ -66,6 +66,16 @@ def sphere_points(count: int = POINTS) -> Array:
     k = np.arange(count) + 0.5
     polar, azimuth = np.arccos(1.0 - 2.0 * k / count), np.pi * (1.0 + 5.0**0.5) * k
     return np.column_stack([np.cos(azimuth) * np.sin(polar), np.sin(azimuth) * np.sin(polar), np.cos(polar)])
+
+
+def outward(triangles: Array) -> Array:
+    """Return triangles (f, 3, 3) that are counter-clockwise from outside; a mirrored mesh has them the other way round.
+
+    The volume about the mean of the corners, a sixth of the sum of a . (b x c), is negative then.
+    """
+    a, b, c = (triangles - triangles.mean(axis=(0, 1))).transpose(1, 0, 2)
+    inside_out = np.einsum("fi,fi->", a, np.cross(b, c)) < 0.0
+    return np.asarray(triangles[:, ::-1] if inside_out else triangles)
 
 
 def subdivided(triangles: Array, longest: float) -> Array:

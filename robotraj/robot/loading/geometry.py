@@ -22,6 +22,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.robot.loading.mesh_units import doubted_sizes, scale_by, unit_of
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.meshes.placed import unread, with_meshes
 from robotraj.robot.meshes.reading import read_meshes
@@ -31,11 +32,7 @@ Array = npt.NDArray[np.float64]
 
 TAGS = {pin.GeometryType.VISUAL: "visual", pin.GeometryType.COLLISION: "collision"}
 
-MISSING = "not found and skipped: {}. Name the folder above the package with package_dirs=."
-OUTSIDE = (
-    "outside the URDF's folder and package_dirs and skipped: {}. Name their folder with package_dirs=, or load with "
-    "trust_paths=True."
-)
+DOUBTED = "of a size that the robot can hardly have: {}. Correct the unit of the file, or scale= of the URDF's <mesh>."
 UNREADABLE = "not readable and skipped: {}. Export them again as STL, OBJ or COLLADA."
 
 
@@ -75,7 +72,7 @@ class UrdfGeometry(OneLine):
     urdf : Path
         The file.
     package_dirs : tuple of str
-        Folders given by the caller; they are searched for meshes before the URDF's own.
+        Absolute folders given by the caller; they are searched for meshes before the URDF's own and its package.
     trust_paths : bool
         Whether meshes anywhere else are read.
     """
@@ -85,7 +82,7 @@ class UrdfGeometry(OneLine):
     trust_paths: bool = False
 
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
-        """Return the shapes of one kind; meshes that cannot be read are skipped with a warning.
+        """Return the shapes of one kind; meshes that cannot be read are skipped, with a warning.
 
         Raises
         ------
@@ -102,10 +99,9 @@ class UrdfGeometry(OneLine):
             found = find_mesh(address, self.urdf, folders)
             if found is not None and (self.trust_paths or is_inside(found, folders)):
                 mesh.set("filename", str(found))
+                scale_by(mesh, unit_of(found))
             else:
-                fault = MISSING if found is None else OUTSIDE
-                faults.setdefault(fault, []).append(f"{address} (link {link.get('name')})")
-                link.remove(shape)
+                link.remove(shape)  # ``missing_meshes`` names it when the robot is loaded
         read = read_meshes(Path(mesh.get("filename", "")) for _, _, mesh in _meshes(root, kind))
         for link, shape, mesh in list(_meshes(root, kind)):
             reason = unread(mesh, read[Path(mesh.get("filename", ""))])
@@ -116,6 +112,9 @@ class UrdfGeometry(OneLine):
         shapes = with_meshes(model, root, kind, read)
         for fault, addresses in faults.items():
             warn(f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}")
+        doubted = doubted_sizes(model, shapes)
+        if doubted:
+            warn(f"{self.urdf.name}: {TAGS[kind]} mesh(es) {DOUBTED.format(', '.join(doubted))}")
         return shapes
 
     def stated(self, kind: pin.GeometryType) -> Counter[str]:

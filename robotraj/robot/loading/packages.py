@@ -1,4 +1,8 @@
-"""Find the mesh files a URDF names: package:// and file:// addresses, absolute and relative paths."""
+"""Find the mesh files a URDF names: package:// and file:// addresses, absolute and relative paths.
+
+Files are read from three places: the folders that the caller names, the folder of the URDF, and its package. A package
+is the folder with ``package.xml``, or the one above ``urdf/``, ``robots/`` or ``models/``, as ROS lays it out.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +10,47 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+MANIFESTS = ("package.xml", "manifest.xml")
+"""Files that mark the folder of a package."""
+INNER = ("urdf", "urdfs", "robot", "robots", "model", "models", "xacro", "mjcf", "mujoco")
+"""Folders of a package that hold descriptions of robots."""
+ENDING = "_description"
+"""End of the name of a package of descriptions."""
+DEPTH = 5
+"""Number of folders above a URDF in which its package is looked for."""
+
+
+def package_of(urdf: Path) -> Path:
+    """Return the package of a URDF; its own folder if it has none.
+
+    Home, temporary and top folders are no packages: files of others lie in them.
+    """
+    folder = urdf.resolve().parent
+    above = [folder, *folder.parents][:DEPTH]
+    marked = [place for place in above if any((place / name).is_file() for name in MANIFESTS)]
+    within = next((i for i, place in enumerate(above) if place.name.lower() in INNER), None)
+    if within is not None:
+        while within + 1 < len(above) and above[within + 1].name.lower() in INNER:
+            within += 1
+        marked += [above[within].parent]
+    marked += [place for place in above if place.name.lower().endswith(ENDING)]
+    temporary = (os.environ.get("TMPDIR", "/tmp"), "/tmp", "/var/tmp")
+    shared = {Path.home().resolve(), Path(folder.anchor), *(Path(place).resolve() for place in temporary)}
+    return next((place for place in marked if place not in shared), folder)
+
 
 def search_folders(urdf: Path, package_dirs: Sequence[str | os.PathLike[str]] = (), trust: bool = False) -> list[Path]:
-    """Return the folders to search: the caller's and the URDF's.
+    """Return the folders to search: the caller's, the URDF's and its package.
 
     Where paths are trusted, the folders above the URDF's and ROS's package paths follow.
     """
     folder = urdf.resolve().parent
-    own = [*(Path(given).expanduser() for given in package_dirs), folder]
+    own = [*(Path(given) for given in package_dirs), folder, package_of(urdf)]
     if not trust:
-        return own
+        return list(dict.fromkeys(own))
     ros = [Path(entry) for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if entry]
     ament = [Path(entry) / "share" for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if entry]
-    return [*own, *folder.parents, *ros, *ament]
+    return list(dict.fromkeys([*own, *folder.parents, *ros, *ament]))
 
 
 def is_inside(path: Path, folders: Sequence[Path]) -> bool:
@@ -31,17 +63,32 @@ def find_mesh(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
     """Return the existing file of a mesh address, or None.
 
     ``package://name/rest`` is ``folder/name/rest``. It is ``folder/rest`` where the folder itself is the package.
+    ``file://rest`` without a leading slash is a relative path.
     """
-    scheme, separator, rest = address.partition("://")
+    paths = (folder / rest for folder, rest in _candidates(address, urdf, folders))
+    return next((path for path in paths if path.is_file()), None)
+
+
+def base_of(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
+    """Return the folder that ``package_dirs=`` must name for a mesh address, if the file exists in ``folders``."""
+    for folder, rest in _candidates(address, urdf, folders):
+        path = folder / rest
+        if path.is_file():
+            plain = not os.path.isabs(rest) and ".." not in Path(rest).parts
+            return folder.resolve() if plain else path.resolve().parent
+    return None
+
+
+def _candidates(address: str, urdf: Path, folders: Sequence[Path]) -> list[tuple[Path, str]]:
+    """Return folders and paths from there that an address may mean, the first one that exists being meant."""
+    scheme, separator, rest = address.replace("\\", "/").partition("://")
     if not separator:
-        scheme, rest = "", address
-    if scheme == "file" or (not scheme and os.path.isabs(rest)):
-        path = Path(rest)
-        return path if path.is_file() else None
-    candidates = [folder / rest for folder in folders]
+        scheme, rest = "", address.replace("\\", "/")
+    own = urdf.resolve().parent
+    if scheme in ("", "file") and os.path.isabs(rest):
+        return [(Path(rest).parent, Path(rest).name)]
+    found = [(folder, rest) for folder in folders]
     if scheme in ("package", "model"):
         inner = rest.partition("/")[2]
-        candidates += [folder / inner for folder in folders if inner]
-    else:
-        candidates.insert(0, urdf.resolve().parent / rest)
-    return next((path for path in candidates if path.is_file()), None)
+        return found + [(folder, inner) for folder in folders if inner]
+    return [(own, rest), *found]

@@ -15,6 +15,7 @@ from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
+from robotraj.robot.loading.missing_meshes import missing_meshes
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.urdf.limits import StatedLimits, stated_limits
 from robotraj.robot.urdf.numbers import check_numbers
@@ -80,7 +81,7 @@ def describe(
     InputError
         A source of another kind, an unreadable file, an unknown name.
     """
-    folders = (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
+    folders = _folders(package_dirs)
     if isinstance(source, pin.Model):
         return Description(source.name or "robot", source, NoGeometry(), "a pin.Model")
     if isinstance(getattr(source, "model", None), pin.Model) and hasattr(source, "visual_model"):
@@ -96,6 +97,18 @@ def describe(
     )
 
 
+def _folders(package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> tuple[Path, ...]:
+    """Return absolute folders: another working folder later does not change them."""
+    given = (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
+    found = tuple(Path(folder).expanduser().resolve() for folder in given)
+    for folder, path in zip(given, found, strict=True):
+        if not path.is_dir():
+            raise InputError(
+                f"package_dirs= names {str(folder)!r}, which is no folder; name the one above the package."
+            )
+    return found
+
+
 def _is_path(text: str) -> bool:
     return "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
 
@@ -107,7 +120,7 @@ def _wrapper(wrapper: pin.RobotWrapper) -> Description:
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
 
 
-def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...], trust_paths: bool) -> Description:
+def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) -> Description:
     root = read_xml(entry.urdf)
     file = repr(str(entry.urdf))
     check_structure(file, root)
@@ -124,7 +137,7 @@ def _from_urdf(entry: KnownRobot, folders: tuple[str | os.PathLike[str], ...], t
         entry.actuated,
         entry.moving,
         entry.end_effector,
-        findings,
+        tuple(filter(None, (*findings, missing_meshes(root, entry.urdf, folders, trust_paths)))),
         stated_limits(root),
         bool(entry.name),
     )

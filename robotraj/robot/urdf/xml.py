@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj.robot.urdf.lenient import parsed, without_definitions
 
 MAX_BYTES = 10_000_000
 """Size of the largest file that is read: fifty times that of a humanoid's URDF."""
@@ -41,10 +42,10 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
             f"{str(path)!r} has {size / 1e6:.0f} MB; a {kind} of at most {MAX_BYTES / 1e6:.0f} MB can be read."
         )
     try:
-        root = ElementTree.parse(path).getroot()
-    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        root = parsed(path.read_bytes())
+    except ValueError as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
-    xacro = path.suffix == ".xacro"
+    xacro = without_definitions(root) or path.suffix == ".xacro"
     for element in root.iter():
         attributes = element.attrib
         if len(attributes) > MAX_ATTRIBUTES:
@@ -62,7 +63,6 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
             attributes[key] = text.strip()
             if element.tag == "limit" and key in ENDLESS and text.strip().lower().lstrip("+") in INFINITE:
                 attributes[key] = UNLIMITED  # that parser takes no infinity
-        xacro = xacro or "ros.org/wiki/xacro" in element.tag
     if root.tag != "robot":
         raise InputError(
             f"{str(path)!r} is no {kind}: its root is <{root.tag}>, not <robot>. Convert it to {kind} first."

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import pickle
+import re
 import shutil
 import warnings
 
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
+from typer.testing import CliRunner
 
 import robotraj as rt
+from robotraj.cli.app import app
 from robotraj.robot.known_robots.catalogue import find
 from robotraj.robot.known_robots.example_robots import folder
+from robotraj.robot.loading.packages import package_of
 
 MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
@@ -63,7 +69,13 @@ def test_a_bare_model_has_no_shapes():
     assert robot.visual_model.ngeoms == robot.collision_model.ngeoms == 0
 
 
-AROUND = ["package://my_robot/meshes/part.obj", "../meshes/part.obj", "{absolute}", "file://{absolute}"]
+BESIDE = [
+    "package://my_robot/meshes/part.obj",
+    "../meshes/part.obj",
+    "file://../meshes/part.obj",
+    "{package}/meshes/part.obj",
+]
+AROUND = ["package://other/part.obj", "../../other/part.obj", "{above}/other/part.obj", "file://{above}/other/part.obj"]
 
 
 @pytest.fixture
@@ -72,45 +84,121 @@ def package(tmp_path, urdf):
 
     def write(address):
         folder = tmp_path / "my_robot"
-        for place in (folder / "meshes", folder / "urdf" / "meshes"):
+        places = (folder / "meshes", folder / "urdf" / "meshes", tmp_path / "other")
+        for place, name in zip(places, ("part.obj", "inside.obj", "part.obj"), strict=True):
             place.mkdir(parents=True)
-        for place in (folder / "meshes" / "part.obj", folder / "urdf" / "meshes" / "inside.obj"):
-            place.write_text(TETRAHEDRON, encoding="utf-8")
-        shapes = MESH.format(address.format(absolute=folder / "meshes" / "part.obj"))
+            (place / name).write_text(TETRAHEDRON, encoding="utf-8")
+        shapes = MESH.format(address.format(package=folder, above=tmp_path))
         return shutil.move(urdf.chain(SLIDER, shapes=shapes), folder / "urdf" / "robot.urdf")
 
     return write
 
 
-@pytest.mark.parametrize("address", [*AROUND, "meshes/inside.obj"])
+@pytest.mark.parametrize("address", [*AROUND, *BESIDE, "meshes/inside.obj"])
 def test_trusted_paths_are_read_wherever_they_lead(package, address):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert rt.load(package(address), trust_paths=True).visual_model.ngeoms == 2
 
 
+@pytest.mark.parametrize("address", [*BESIDE, "meshes/inside.obj"])
+def test_meshes_of_the_package_are_read(package, address):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert rt.load(package(address)).visual_model.ngeoms == 2
+
+
 @pytest.mark.parametrize("address", AROUND)
-def test_meshes_outside_the_folder_are_not_read_unless_it_is_named(package, address):
+def test_meshes_outside_the_package_are_named_once_with_the_call_that_reads_them(package, address):
     path = package(address)
-    with pytest.warns(UserWarning, match=r"skipped: .*part.obj \(link base\).*package_dirs"):
-        assert rt.load(path).visual_model.ngeoms == 0
+    with pytest.warns(UserWarning, match=r"1 of 1 mesh files are not read: 1 in .*other") as caught:
+        robot = rt.load(path)
+    assert robot.visual_model.ngeoms == 0
+    (message,) = (str(each.message) for each in caught)
+    folder = re.search(r"package_dirs='([^']*)'", message).group(1)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert rt.load(path, package_dirs=path.parents[2]).visual_model.ngeoms == 2
+        assert rt.load(path, package_dirs=folder).visual_model.ngeoms == 2
 
 
-def test_meshes_in_the_folder_are_read(package):
+def test_meshes_that_do_not_exist_are_counted_by_folder(tmp_path, urdf):
+    shapes = "".join(MESH.format(f"package://arm/meshes/{name}.stl") for name in "abc") + MESH.format("gone/d.stl")
+    with pytest.warns(UserWarning, match=r"4 of 4 .*: 3 in package://arm/meshes, 1 in gone. .* contains 'arm'"):
+        rt.load(urdf.chain(SLIDER, shapes=shapes))
+
+
+@pytest.mark.parametrize(
+    ("files", "where", "package"),
+    [
+        (["a/package.xml"], "a/robots/deep/er", "a"),
+        ([], "a/urdf", "a"),
+        ([], "a/urdf/robots", "a"),
+        ([], "a/models", "a"),
+        ([], "a_description/x", "a_description"),
+        ([], "a/x", "a/x"),
+        (["package.xml"], "b", "."),
+    ],
+)
+def test_the_package_of_a_urdf(tmp_path, files, where, package):
+    (tmp_path / where).mkdir(parents=True)
+    for name in files:
+        (tmp_path / name).touch()
+    assert package_of(tmp_path / where / "robot.urdf") == (tmp_path / package).resolve()
+
+
+def test_home_and_temporary_folders_are_no_packages(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "robots").mkdir()
+    assert package_of(tmp_path / "robots" / "arm.urdf") == tmp_path / "robots"
+
+
+def test_relative_package_dirs_are_those_of_the_time_of_loading(package, monkeypatch):
+    path = package("package://other/part.obj")
+    monkeypatch.chdir(path.parents[2])
+    robot = rt.load(path, package_dirs=".")
+    monkeypatch.chdir(path.parent)
+    assert robot.visual_model.ngeoms == 2
+    assert pickle.loads(pickle.dumps(robot)).visual_model.ngeoms == 2
+    with pytest.raises(rt.InputError, match="package_dirs= names 'nowhere', which is no folder"):
+        rt.load(path, package_dirs="nowhere")
+
+
+def test_the_shell_and_problem_files_take_package_dirs(package, monkeypatch):
+    path = package("package://other/part.obj")
+    monkeypatch.chdir(path.parents[2])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert rt.load(package("meshes/inside.obj")).visual_model.ngeoms == 2
+        for command in (
+            ("show", str(path), "--package-dirs", "."),
+            ("show", str(path), "--trust-paths"),
+            ("init", str(path), "problem.toml", "--package-dirs", "."),
+        ):
+            result = CliRunner().invoke(app, list(command))
+            assert result.exit_code == 0, result.output
+        robot = rt.load_problem("problem.toml").problem.phases[0].robot
+    assert robot.visual_model.ngeoms == 2
 
 
-def test_a_link_out_of_the_folder_is_not_followed(package):
+def test_a_link_out_of_the_package_is_not_followed(package):
     path = package("meshes/link.obj")
-    (path.parent / "meshes" / "link.obj").symlink_to(path.parents[1] / "meshes" / "part.obj")
-    with pytest.warns(UserWarning, match="outside the URDF's folder.*trust_paths=True"):
+    (path.parent / "meshes" / "link.obj").symlink_to(path.parents[2] / "other" / "part.obj")
+    with pytest.warns(UserWarning, match="outside the URDF's package.*trust_paths=True"):
         assert rt.load(path).visual_model.ngeoms == 0
     assert rt.load(path, trust_paths=True).visual_model.ngeoms == 2
+
+
+@pytest.mark.parametrize(("unit", "size"), [("0.001", 0.4), ("0.0254", 10.16), ("1", 400.0)])
+def test_the_unit_of_a_collada_file_is_applied(urdf, unit, size):
+    trimesh.creation.box((100, 40, 400)).export(urdf.folder / "plain.dae")
+    text = (urdf.folder / "plain.dae").read_text(encoding="utf-8")
+    text = re.sub("<up_axis>.*?</up_axis>", f'<unit name="u" meter="{unit}"/><up_axis>Z_UP</up_axis>', text)
+    (urdf.folder / "box.dae").write_text(text, encoding="utf-8")
+    robot = rt.load(urdf.chain(SLIDER, shapes=MESH.format("box.dae")))
+    doubted = pytest.warns(UserWarning, match=r"size that the robot can hardly have: .*link1 \(400 m\)")
+    with doubted if size > 100 else contextlib.nullcontext():
+        shape = robot.visual_model.geometryObjects[0].geometry
+    shape.computeLocalAABB()
+    assert np.max(shape.aabb_local.max_ - shape.aabb_local.min_) == pytest.approx(size)
 
 
 def test_an_unreadable_mesh_is_named_and_the_other_shapes_stay(urdf):
@@ -138,12 +226,10 @@ def test_package_dirs_and_ros_paths_are_searched(tmp_path, urdf, monkeypatch):
 
 def test_a_missing_mesh_is_named_and_the_other_shapes_stay(urdf):
     box = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
-    robot = rt.load(urdf.chain(SLIDER, shapes=box + MESH.format("package://lost/arm.stl")))
-    with pytest.warns(UserWarning, match=r"package://lost/arm.stl \(link link1\).*package_dirs") as caught:
-        shapes = robot.visual_model
-    assert len(caught) == 1
-    assert shapes.ngeoms == 2
-    assert robot.visual_model is shapes
+    path = urdf.chain(SLIDER, shapes=box + MESH.format("package://lost/arm.stl"))
+    with pytest.warns(UserWarning, match=r"1 of 1 mesh files are not read: 1 in package://lost"):
+        robot = rt.load(path)
+    assert robot.visual_model.ngeoms == 2
 
 
 def test_a_robot_pickles_without_its_meshes():

@@ -1,0 +1,87 @@
+"""XML as other readers of URDFs accept it: what is not well-formed there but unambiguous is repaired.
+
+Prefixes without a declaration, comments with ``--``, text before the declaration, other encodings, bare ampersands and
+a second top element are common in URDFs, since the readers of Pinocchio and MuJoCo accept them. Names keep their
+prefixes, and no namespaces are resolved.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
+
+AMPERSAND = re.compile(r"&(?!#?\w{1,40};)")
+ENCODING = re.compile(rb"<\?xml\b[^>]*encoding\s*=\s*[\"']([A-Za-z0-9._-]+)[\"']")
+HEAD = 1_000
+"""Bytes at the beginning of a file in which its encoding is declared."""
+DEFINITIONS = ("xacro:property", "xacro:arg", "xacro:macro")
+"""Elements of xacro that have no effect where nothing uses them."""
+
+
+def parsed(data: bytes) -> Element:
+    """Return the root element of a file.
+
+    Raises
+    ------
+    ValueError
+        The file is no XML; the message states the line.
+    """
+    text = AMPERSAND.sub("&amp;", _without_declaration(_without_comments(decoded(data))))
+    builder, parser = TreeBuilder(), expat.ParserCreate()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        builder.start(tag, {key: value for key, value in attributes.items() if key.partition(":")[0] != "xmlns"})
+
+    parser.StartElementHandler, parser.EndElementHandler = start, builder.end
+    parser.CharacterDataHandler = builder.data
+    parser.buffer_text = True
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        if error.code != expat.errors.codes[expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]:
+            raise ValueError(str(error)) from error
+    return builder.close()
+
+
+def decoded(data: bytes) -> str:
+    """Return the text of a file: in the encoding of its mark, in UTF-8, in the declared one, or in Latin-1."""
+    marks = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
+    tried = [name for mark, name in marks if data.startswith(mark)] + ["utf-8"]
+    declared = ENCODING.search(data[:HEAD])
+    if declared:
+        tried.append(declared.group(1).decode())
+    for name in tried:
+        try:
+            return data.decode(name)
+        except (LookupError, UnicodeError):
+            continue
+    return data.decode("latin-1")
+
+
+def without_definitions(root: Element) -> bool:
+    """Remove definitions of xacro that nothing uses; return whether the file still needs xacro."""
+    for child in list(root):
+        if child.tag in DEFINITIONS:
+            root.remove(child)
+    return any(
+        element.tag.startswith("xacro:") or any("${" in text or "$(" in text for text in element.attrib.values())
+        for element in root.iter()
+    )
+
+
+def _without_comments(text: str) -> str:
+    """Leave out comments but for their line breaks, so that messages state the lines of the file."""
+    kept, at = [], 0
+    while (begin := text.find("<!--", at)) >= 0 and (end := text.find("-->", begin + 4)) >= 0:
+        kept += [text[at:begin], "\n" * text.count("\n", begin, end)]
+        at = end + 3
+    return "".join([*kept, text[at:]])
+
+
+def _without_declaration(text: str) -> str:
+    """Leave out the declaration of XML, which may follow blank lines; its encoding has been read."""
+    start = text.lstrip("\ufeff \t\r\n")
+    end = start.find("?>") if start.startswith("<?xml") else -1
+    return text[: len(text) - len(start)].strip("\ufeff") + (start[end + 2 :] if end >= 0 else start)
