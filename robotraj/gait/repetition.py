@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import Contact, copied
+from robotraj.dynamics.contacts.base import Contact, copied, has_field
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
@@ -142,7 +142,12 @@ def on_ground(kind: FootKind, ground: Ground | GroundFunction) -> FootKind:
 
     def on(frame: str) -> Contact:
         contact = foot_contact(kind, frame)
-        if getattr(contact, "ground", None) == Flat():
+        if contact.ground == Flat() != ground:
+            if not has_field(contact, "ground"):
+                raise InputError(
+                    f"{type(contact).__name__} {contact.label!r} stands on level ground; give its class a field "
+                    f"'ground', or leave out ground={ground!r}."
+                )
             return copied(contact, ground=ground)
         return contact
 

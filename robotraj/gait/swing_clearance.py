@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from robotraj._util.errors import warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
@@ -63,7 +61,7 @@ def swing_clearance(
             # Gaits of other lengths have the same rows, since the length is a parameter.
             parameters = {STEP: float(gain)}
             arc = SwingArc(terms.clearance, f"{foot_contact(terms.contact, other).label}.x", STEP)
-            rows.append(GroundClearance(_contact_point(terms, foot), arc, ground))
+            rows.append(GroundClearance(_contact_point(robot, terms, foot), arc, ground))
             level += corners if len(corners) > 1 else []
         else:
             level += corners
@@ -83,10 +81,10 @@ def through_ground(feet: Sequence[BoundContact]) -> GroundClearance:
     return GroundClearance([point for foot in feet for point in foot.outline()], None)
 
 
-def _contact_point(terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
+def _contact_point(robot: Robot, terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
     """Return the contact point of a foot: its frame, or its frame and offset."""
-    offset = getattr(foot_contact(terms.contact, foot), "offset", None)
-    return foot if offset is None or not np.any(offset) else (foot, tuple(offset))
+    at = foot_contact(terms.contact, foot).bound_to(robot).touching
+    return (at.frame, at.offset) if any(at.offset) else at.frame
 
 
 @dataclass(frozen=True)

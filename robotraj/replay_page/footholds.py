@@ -13,9 +13,6 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
-from robotraj.dynamics.contacts.footing import Footing
-from robotraj.dynamics.contacts.implicit import BoundImplicitContact
-from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.variable import Scalar
 from robotraj.robot.robot import Robot
@@ -49,7 +46,7 @@ class Foothold(OneLine):
     @property
     def place(self) -> Array:
         """Place of the contact (3,) [m]."""
-        return self.cycle_phase.points(numbers(self._where.place(self.cycle_phase.parameters)))
+        return self.cycle_phase.points(numbers(self.contact.place(self.cycle_phase.parameters) or ()))
 
     @property
     def spans(self) -> list[tuple[float, float]]:
@@ -85,8 +82,9 @@ class Foothold(OneLine):
 
     @property
     def angle(self) -> float:
-        """Half the opening of the friction cone, atan(mu) [rad]."""
-        return float(np.arctan(self.contact.contact.friction))  # type: ignore[attr-defined]
+        """Half the opening of the friction cone, atan(mu) [rad]; 0 without a cone."""
+        friction = self.contact.contact.friction
+        return float(np.arctan(friction)) if np.isfinite(friction) else 0.0
 
     def normal_force(self, sample: Sample | CycleSample) -> Array:
         """Return the force along the normal (m,) [N] in a sample of the phase."""
@@ -112,16 +110,12 @@ class Foothold(OneLine):
         return times, self.cycle_phase.points(places), self.cycle_phase.forces(wrench[:, :3])
 
     @property
-    def _where(self) -> Footing:
-        return self.contact.where  # type: ignore[attr-defined]
-
-    @property
     def _planned_normal(self) -> Array:
-        return numbers(self._where.tangents(self.cycle_phase.parameters)[1])
+        return numbers(self.contact.normal_at(self.cycle_phase.parameters))
 
     def _spots(self, robot: Robot, q: Array) -> Array:
         """Return the places (m, 3) [m] of the contact's point in configurations (m, nq)."""
-        model, data, spot = robot.model, robot.model.createData(), self.contact.spot  # type: ignore[attr-defined]
+        model, data, spot = robot.model, robot.model.createData(), self.contact.touching
         frame, offset, places = robot.frame(spot.frame), np.array(spot.offset), np.empty((len(q), 3))
         for k, configuration in enumerate(q):
             pin.framesForwardKinematics(model, data, configuration)
@@ -130,7 +124,7 @@ class Foothold(OneLine):
 
 
 class FoundContact(Foothold):
-    """An implicit contact: it is held while its force is positive, and it may slide."""
+    """A contact that may slide: it is held while its force is positive."""
 
     @property
     def place(self) -> Array:
@@ -156,20 +150,16 @@ class FoundContact(Foothold):
         force = self.track[2] @ self.normal
         return np.asarray(force > max(TOUCH * float(force.max()), 1e-9))
 
-    @property
-    def _planned_normal(self) -> Array:
-        return np.array(self.contact.normal)  # type: ignore[attr-defined]
-
 
 def footholds(cycle_phase: CyclePhase) -> list[Foothold]:
     """Return the contacts with the ground in a phase of a period.
 
-    Loop closures are not among them: they have no place, normal or friction cone.
+    Contacts without a ground, such as loop closures, have no normal or friction cone.
     """
     found = []
     for contact in cycle_phase.phase.bound_contacts:
-        if not isinstance(contact, BoundLoopClosure):
-            kind = FoundContact if isinstance(contact, BoundImplicitContact) else Foothold
+        if contact.contact.ground is not None:
+            kind = FoundContact if contact.place(cycle_phase.parameters) is None else Foothold
             found.append(kind(cycle_phase.contact(contact), cycle_phase, contact))
     return found
 

@@ -15,8 +15,12 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.mobility import AXES
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.dynamics.variable import Scalar, Variable
 from robotraj.robot.per_robot import PerRobot
 
@@ -45,8 +49,27 @@ def copied(contact: Contact, **fields: object) -> Contact:
     return cast("Contact", replace(cast("DataclassInstance", contact), **fields))
 
 
+def has_field(contact: Contact, name: str) -> bool:
+    """Whether a contact may be copied with another value of a field."""
+    return name in getattr(contact, "__dataclass_fields__", ())
+
+
 class Contact(OneLine, ABC):
-    """A constraint between the robot and the ground or another body. A new kind is one class and its bound form."""
+    """A constraint between the robot and the ground or another body. A new kind is one class and its bound form.
+
+    Guesses, diagnosis, gaits and replay read the two attributes below. A kind replaces them by fields or class
+    attributes.
+
+    Attributes
+    ----------
+    ground : Ground or callable, or None
+        The ground that carries the contact, the level one at z = 0 by default; None between bodies.
+    friction : float
+        Coefficient mu of the cone |f_t| <= mu f_n in which the force lies; infinite by default, without such a cone.
+    """
+
+    ground: Ground | GroundFunction | None = Flat()
+    friction: float = inf
 
     @property
     @abstractmethod
@@ -101,6 +124,20 @@ class BoundContact(OneLine, ABC):
     holds: tuple[Variable, ...]
     limit_rows: tuple[Row, ...]
     footing_rows: tuple[Row, ...]
+
+    @property
+    def touching(self) -> Spot:
+        """The point of the robot on which the force acts; by default the frame's origin."""
+        return Spot(self.frame)
+
+    def place(self, anchors: Mapping[str, Scalar]) -> list[Scalar] | None:
+        """Place (3) [m] where the point stays while the contact holds; None, the default, where it may slide."""
+        return None
+
+    def normal_at(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
+        """Upward unit normal (3) of the ground at the anchors, or at the origin without them."""
+        x, y = (anchors.get(f"{self.name}.{axis}", 0.0) for axis in "xy")
+        return list(as_ground(self.contact.ground or Flat()).normal(x, y))
 
     def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
         """Points that must stay above the ground while the foot swings, as (frame, offset [m]): the frame's origin."""

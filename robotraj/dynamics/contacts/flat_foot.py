@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
-    BoundContact,
     Contact,
     Wrench,
     checked_name,
@@ -27,7 +26,7 @@ from robotraj.dynamics.contacts.base import (
     spread,
 )
 from robotraj.dynamics.contacts.foot_axes import FootAxes, foot_axes, unit
-from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_contact import require_vertical
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
@@ -203,11 +202,9 @@ def _length(value: float | Sequence[float], what: str) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class BoundFlatFoot(BoundContact):
+class BoundFlatFoot(BoundFoothold):
     """A held sole with a wrench."""
 
-    spot: Spot
-    where: Footing
     about: tuple[int, ...]
     feet: FootAxes
     shape: Rectangle
@@ -239,7 +236,7 @@ class BoundFlatFoot(BoundContact):
 
     def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate normal force, friction, centre of pressure and torsion, in the foot's own axes."""
-        vector, friction = self.vector(forces), float(self.contact.friction)  # type: ignore[attr-defined]
+        vector, friction = self.vector(forces), self.contact.friction
         up = self.spot.axis(point, self.feet.up)
         if len(self.about) == 1:
             return self._planar(vector, up, friction)

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import spread
+from robotraj.dynamics.contacts.base import BoundContact, spread
 from robotraj.dynamics.contacts.mobility import AXES
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.contacts.vectors import dot
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
@@ -116,6 +117,35 @@ class Footing:
         """World x and y [m] of the anchor."""
         x, y = (anchors[f"{self.name}.{AXES[i]}"] if i in self.axes else self.still[i] for i in (0, 1))
         return x, y
+
+
+@dataclass(frozen=True, eq=False)
+class BoundFoothold(BoundContact):
+    """A contact whose point stays at its place on the ground while it holds.
+
+    Attributes
+    ----------
+    spot : Spot
+        The point of the robot.
+    where : Footing
+        Its place.
+    """
+
+    spot: Spot
+    where: Footing
+
+    @property
+    def touching(self) -> Spot:
+        """The spot."""
+        return self.spot
+
+    def place(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
+        """Place on the ground (3) [m]."""
+        return self.where.place(anchors)
+
+    def normal_at(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
+        """Return the unit normal there; in a plane that of the curve in which the plane cuts the ground."""
+        return self.where.tangents(anchors)[1]
 
 
 def _size(value: Scalar) -> Scalar:

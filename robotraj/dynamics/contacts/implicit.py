@@ -158,6 +158,15 @@ class BoundImplicitContact(BoundContact):
         """Nothing is held."""
         return []
 
+    @property
+    def touching(self) -> Spot:
+        """The spot."""
+        return self.spot
+
+    def normal_at(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
+        """Return the normal of the plane."""
+        return list(self.normal)
+
     def gap(self, point: FramePoint) -> Scalar:
         """Height above the plane along its normal [m]."""
         x, y, z = self.spot.position(point)

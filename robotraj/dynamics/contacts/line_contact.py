@@ -24,7 +24,7 @@ from robotraj.dynamics.contacts.base import (
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
-from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
@@ -156,11 +156,9 @@ class LineContact(FrictionContact):
 
 
 @dataclass(frozen=True, eq=False)
-class BoundLineContact(BoundContact):
+class BoundLineContact(BoundFoothold):
     """A held edge with a force and two moments."""
 
-    spot: Spot
-    where: Footing
     along: Triple
     width: float
 

@@ -67,6 +67,7 @@ class LoopClosure(Contact):
         relative motion does not span the rows.
     """
 
+    ground = None
     frame_a: str
     frame_b: str
     rigid: bool = False

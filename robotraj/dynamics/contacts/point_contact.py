@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
-    BoundContact,
     Contact,
     Wrench,
     checked_name,
@@ -26,7 +25,7 @@ from robotraj.dynamics.contacts.base import (
     spread,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
-from robotraj.dynamics.contacts.footing import Footing
+from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.point import FramePoint
@@ -165,12 +164,10 @@ def require_vertical(robot: Robot, frame: str, axes: tuple[int, ...]) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class BoundPointContact(BoundContact):
+class BoundPointContact(BoundFoothold):
     """A held spot with a force in a friction cone."""
 
     contact: FrictionContact
-    spot: Spot
-    where: Footing
 
     def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """p(q) - (x, y, h(x, y)) [m]."""

@@ -90,8 +90,8 @@ def step_clearances(
     """
     names = [f"{contact.name}.{axis}" for axis in "xy" if f"{contact.name}.{axis}" in before]
     start, end = (tuple(side[name] for name in names) for side in (before, after))
-    offset = getattr(contact.contact, "offset", None)
-    spot = contact.frame if offset is None or not np.any(offset) else (contact.frame, tuple(offset))
+    at = contact.touching
+    spot = (at.frame, at.offset) if any(at.offset) else at.frame
     short = np.linalg.norm(np.subtract(end, start)) < apex
     arc = TimedArc(apex, *air) if short else FootholdArc(apex, start, end)
     rows = [GroundClearance(spot, arc if apex > 0.0 else -TOUCH, ground)]

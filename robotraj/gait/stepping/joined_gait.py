@@ -264,4 +264,4 @@ def joined_gait(gait: PlannedGait, count: object, what: str) -> JoinedGait:
 
 
 def _ground(contact: Contact) -> Ground | GroundFunction:
-    return getattr(contact, "ground", Flat())
+    return contact.ground or Flat()

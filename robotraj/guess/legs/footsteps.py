@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.centre_of_mass import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, StanceTime
 from robotraj.guess.legs.stance import BalancedStance
@@ -209,18 +210,19 @@ class Footsteps:
     def above(self) -> float:
         """Return the height of the pendulum in the standing configuration [m]."""
         places = self.stance.locate(self.home)
-        ground = [self.ground(c.name, places) for c in self.schedule.contacts if c.anchors]
+        ground = [self.ground(c.name, places) for c in self.stance.feet]
         return pendulum_height(self.stance, float(self._standing_com[2] - np.mean(ground)))
 
     def ground(self, foot: str, places: Mapping[str, float]) -> float:
         """Return the height of the ground [m] under a foot."""
         contact = next(c for c in self.schedule.contacts if c.name == foot)
-        return float(contact.contact.ground.height(places.get(f"{foot}.x", 0.0), places.get(f"{foot}.y", 0.0)))  # type: ignore[attr-defined]
+        ground = as_ground(contact.contact.ground)
+        return float(ground.height(places.get(f"{foot}.x", 0.0), places.get(f"{foot}.y", 0.0)))
 
     @cached_property
     def grounded(self) -> list[list[str]]:
         """Return the feet on the ground in every phase."""
-        feet = {contact.name for contact in self.schedule.contacts if contact.anchors}
+        feet = {contact.name for contact in self.stance.feet}
         return [sorted(held & feet) for held in self.schedule.held]
 
     @cached_property

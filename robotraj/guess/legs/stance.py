@@ -55,8 +55,8 @@ class BalancedStance:
 
     @cached_property
     def feet(self) -> tuple[BoundContact, ...]:
-        """Return the contacts with a foothold on the ground."""
-        return tuple(contact for contact in self.contacts if contact.anchors)
+        """Return the contacts with the ground."""
+        return tuple(contact for contact in self.contacts if contact.contact.ground is not None)
 
     @cached_property
     def upward(self) -> list[int]:

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.stance import ROOT_FREEDOMS, BalancedStance
 from robotraj.robot.root import QUATERNION
 
@@ -139,7 +140,7 @@ def mean_ground(stance: BalancedStance, feet: Mapping[str, float]) -> float:
     """Return the mean height of the ground under the feet [m]."""
     heights = []
     for contact in stance.feet:
-        ground = contact.contact.ground  # type: ignore[attr-defined]
+        ground = as_ground(contact.contact.ground)
         heights.append(float(ground.height(feet.get(f"{contact.name}.x", 0.0), feet.get(f"{contact.name}.y", 0.0))))
     return float(np.mean(heights))
 

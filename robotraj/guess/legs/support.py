@@ -70,7 +70,7 @@ def inside(stance: BalancedStance, held: Sequence[str], forces: Array, least: fl
         if contact.name not in held:
             continue
         axes = [force.name.rsplit(".", 1)[-1] for force in contact.forces]
-        if "z" in axes and hasattr(contact.contact, "friction"):
+        if "z" in axes and contact.contact.ground is not None:
             own = forces[first : first + len(axes)]
             _shrink(contact, axes, own, least, LEVER * stance.size)
         first += len(axes)
@@ -82,7 +82,7 @@ def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float
     own[axes.index("z")] = up
     along = [i for i, axis in enumerate(axes) if axis in "xy"]
     size = np.linalg.norm(own[along])
-    allowed = INSIDE * float(contact.contact.friction) * up  # type: ignore[attr-defined]
+    allowed = INSIDE * contact.contact.friction * up
     if size > allowed:
         own[along] *= allowed / size
     about = [i for i, axis in enumerate(axes) if axis.startswith("m")]

@@ -150,13 +150,13 @@ def _friction_rows(phase: Phase, forces: Sequence[str]) -> Array:
     for bound in phase.bound_contacts:
         contact = bound.contact
         normal = f"force.{bound.name}.z"
-        if not isinstance(getattr(contact, "ground", None), Flat) or normal not in forces:
+        if not isinstance(contact.ground, Flat) or normal not in forces:
             continue
         for axis in "xy":
             name = f"force.{bound.name}.{axis}"
             for sign in (1.0, -1.0) if name in forces else ():
                 row = np.zeros(len(forces))
-                row[forces.index(name)], row[forces.index(normal)] = sign, -float(getattr(contact, "friction", np.inf))
+                row[forces.index(name)], row[forces.index(normal)] = sign, -contact.friction
                 rows.append(row)
     return np.array(rows).reshape(len(rows), len(forces))
 

@@ -35,6 +35,7 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.height_map import HeightMap
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
+from robotraj.dynamics.variable import Variable
 from robotraj.gait.posture import FixedPosture, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
 from robotraj.gait.stepping.foothold_arcs import FootholdArc, TimedArc
@@ -94,6 +95,7 @@ from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.records import ContinuationRecord, MeshStep
 from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.storage.missing_contact import MissingContact
 from robotraj.solution.violation import Violation
 from robotraj.solvers.base import Multipliers
 from robotraj.solvers.interior_point import InteriorPoint
@@ -154,7 +156,7 @@ OF_PLANS: Mapping[str, type] = {
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ClearancePoint, Sum,
         # solutions
         PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Proof, ContinuationRecord, MeshStep, Violation,
-        Multipliers, AddedRow, Settings,
+        Multipliers, AddedRow, Settings, MissingContact, Variable,
     )
 }
 """What loading and planning add, by name."""

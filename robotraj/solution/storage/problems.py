@@ -11,6 +11,7 @@ from dataclasses import fields
 from typing import TypeVar
 
 from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.system import MissingEquations, System
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.objectives.base import Objective, Sum
@@ -19,6 +20,7 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.loading.geometry import unread_shapes
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import mismatch
+from robotraj.solution.storage.missing_contact import MissingContact
 from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
 from robotraj.solution.storage.shapes import pack_robot, with_shapes
@@ -106,18 +108,18 @@ def check_fit(problem: Problem, data: Mapping[str, Json], name: str) -> None:
                 )
 
 
-def _pack_field(phase: Phase, name: str, packer: Packer, path: str) -> Json:
-    """Write a field without which a phase is another; a contact's ground may be a Python function, which cannot be."""
-    try:
-        return packer.pack(getattr(phase, name), path)
-    except NotPlainData as error:
-        if name != "contacts":
-            raise
-        raise InputError(
-            f"Phase {phase.name!r} cannot be saved: a contact of {', '.join(repr(c.label) for c in phase.contacts)} "
-            "stands on a Python function, which a file does not hold. Sample it with rt.terrain.HeightMap.from_array, "
-            "or use rt.terrain.Flat, rt.terrain.Slope or rt.terrain.Steps."
-        ) from error
+def _pack_contacts(phase: Phase, packer: Packer, path: str, left_out: list[str]) -> Json:
+    """Write contacts; one of another class, or on a Python function, as its variables."""
+    held: list[Contact] = []
+    for contact in phase.contacts:
+        try:
+            Packer().pack(contact, path)
+            held.append(contact)
+        except NotPlainData:
+            assert phase.robot is not None
+            held.append(MissingContact.of(contact, phase.robot))
+            left_out.append(f"the equations of contact {_printed(contact)} of phase {phase.name!r}")
+    return packer.pack(tuple(held), path)
 
 
 def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]) -> dict[str, Json]:
@@ -127,8 +129,9 @@ def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left
         left_out.append(f"the equations of system {system.name!r}")
     plain = {}
     for entry in fields(phase):
-        if entry.name not in ("subject", "constraints", "objective"):
-            plain[entry.name] = _pack_field(phase, entry.name, packer, f"{path}.{entry.name}")
+        if entry.name not in ("subject", "constraints", "objective", "contacts"):
+            plain[entry.name] = packer.pack(getattr(phase, entry.name), f"{path}.{entry.name}")
+    plain["contacts"] = _pack_contacts(phase, packer, f"{path}.contacts", left_out)
     terms = phase.objective.terms if phase.objective is not None else ()
     return {
         "robot": robot,

@@ -196,7 +196,7 @@ def split(
         else:
             turned.append(value)
     turn = float(np.linalg.norm(turned))
-    ground = getattr(contact.contact, "ground", None)
+    ground = contact.contact.ground
     if ground is None:
         return float(np.linalg.norm(away)), 0.0, turn
     place = instant.frame(contact.frame).position

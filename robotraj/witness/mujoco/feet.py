@@ -21,7 +21,6 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.contacts.line_contact import BoundLineContact
-from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.contacts.point_contact import BoundPointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
@@ -133,7 +132,7 @@ def feet_of(course: ReferenceMotion) -> tuple[Foot, ...]:
     found: dict[str, Foot] = {}
     for planned in course.phases:
         for bound in getattr(planned.phase, "bound_contacts", ()):
-            if isinstance(bound, BoundLoopClosure):
+            if bound.contact.ground is None:
                 continue
             found.setdefault(bound.name, _foot(course, bound))
     if course.mirrored(1):

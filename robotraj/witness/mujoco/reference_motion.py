@@ -122,7 +122,7 @@ class ReferenceMotion:
     def stands(self, phase: int) -> tuple[str, ...]:
         """Return the contacts with the ground that hold throughout a phase."""
         held = getattr(self.phases[phase].phase, "bound_contacts", ())
-        return tuple(b.name for b in held if hasattr(b.contact, "ground") and not isinstance(b, BoundImplicitContact))
+        return tuple(b.name for b in held if b.contact.ground is not None and not isinstance(b, BoundImplicitContact))
 
     def lands(self, phase: int) -> tuple[str, ...]:
         """Return the contacts that touch down at the start of a phase, none at the start of a plan without period."""

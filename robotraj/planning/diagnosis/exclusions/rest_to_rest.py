@@ -87,13 +87,10 @@ def _follow(problem: Problem) -> bool:
 
 def _friction(phase: Phase) -> float | None:
     """Return the largest friction of the contacts of a phase; None unless all stand on level ground."""
-    found = []
-    for bound in phase.bound_contacts:
-        friction = getattr(bound.contact, "friction", None)
-        if not isinstance(getattr(bound.contact, "ground", None), Flat) or not isinstance(friction, float | int):
-            return None
-        found.append(float(friction))
-    return max(found)
+    contacts = [bound.contact for bound in phase.bound_contacts]
+    if not all(isinstance(contact.ground, Flat) for contact in contacts):
+        return None
+    return max(contact.friction for contact in contacts)
 
 
 def _place_at_rest(robot: Robot, phase: Phase, end: Where) -> Array | None:
@@ -110,7 +107,7 @@ def _place_at_rest(robot: Robot, phase: Phase, end: Where) -> Array | None:
 
 def _greatest_height(robot: Robot, phase: Phase) -> float:
     """Bound the height of the centre of mass while the contacts of a phase hold [m]."""
-    feet = {(bound.frame, bound.contact.ground.level) for bound in phase.bound_contacts}  # type: ignore[attr-defined]
+    feet = {(bound.frame, bound.contact.ground.level) for bound in phase.bound_contacts}  # type: ignore[union-attr]
     return max(level + longest_leg(robot, frame) for frame, level in feet)
 
 

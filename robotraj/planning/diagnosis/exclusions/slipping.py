@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.problem.links.base import Link
 from robotraj.problem.links.continuity import Continuity
@@ -44,12 +45,10 @@ def slipping_contacts(problem: Problem) -> tuple[Conflict, ...]:
     return (Conflict(first.name, name, 0.0, given, needed, "", (needed - given) / given, True, reason, True),)
 
 
-def _stand(contact: object) -> tuple[tuple[float, float], float] | None:
+def _stand(contact: Contact) -> tuple[tuple[float, float], float] | None:
     """Return the slopes of the plane on which a contact stands, and its friction; None for other contacts."""
-    ground, friction = getattr(contact, "ground", None), getattr(contact, "friction", None)
-    if not isinstance(ground, Slope) or not isinstance(friction, float | int):
-        return None
-    return (float(ground.slope_x), float(ground.slope_y)), float(friction)
+    ground = contact.ground
+    return ((float(ground.slope_x), float(ground.slope_y)), contact.friction) if isinstance(ground, Slope) else None
 
 
 def _ends_as_fast_as_it_began(problem: Problem) -> bool:

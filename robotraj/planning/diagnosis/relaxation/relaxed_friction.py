@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.contacts.base import Contact, has_field
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import BoundConstraint, Constraint
@@ -51,14 +51,14 @@ class RelaxedFriction(Constraint):
         """Return the rows of all contacts."""
         bound = []
         for contact in self.contacts:
-            mu = contact.friction  # type: ignore[attr-defined]
+            mu = contact.friction
             multiples = (_with_friction(contact, k * mu).bound_to(self.robot) for k in (1.0, 2.0, 3.0))
             bound.append([contact_limits(each)[0] for each in multiples])
 
         def expression(point: RobotPoint) -> list[ca.SX]:
             found = []
             for contact, limits in zip(self.contacts, bound, strict=True):
-                more = point.p[self.name] / contact.friction  # type: ignore[attr-defined]
+                more = point.p[self.name] / contact.friction
                 once, twice, thrice = (ca.vertcat(*each.expression(point)) for each in limits)
                 first, second = twice - once, 0.5 * (thrice - 2.0 * twice + once)
                 found += ca.vertsplit(once + more * first + more * (more - 1.0) * second)
@@ -76,7 +76,7 @@ class RelaxedFriction(Constraint):
         x, z, u = (curve(part.points) for curve in (part.trajectory.x, part.trajectory.z, part.trajectory.u))
         values = table.sample(rows, part.points, x, z, u, p)
         time, row = np.unravel_index(int(np.argmin(values)), values.shape)
-        given = float(own[str(rows[row].joint)].friction)  # type: ignore[attr-defined]
+        given = float(own[str(rows[row].joint)].friction)
         needed = with_room(given, given + slack)
         reason = "all contacts of the phase need it"
         return Conflict(
@@ -99,7 +99,7 @@ def with_free_friction(phase: Phase, name: str) -> tuple[Sequence[Contact], Rela
     relaxed : RelaxedFriction or None
         None if no contact of the phase has a coefficient below ``MOST``.
     """
-    slipping = tuple(each for each in phase.contacts if getattr(each, "friction", MOST) < MOST)
+    slipping = tuple(each for each in phase.contacts if 0.0 < each.friction < MOST and has_field(each, "friction"))
     if phase.robot is None or not slipping:
         return phase.contacts, None
     contacts = [_with_friction(each, MOST) if each in slipping else each for each in phase.contacts]
