@@ -544,7 +544,7 @@ def test_saving_where_nothing_can_be_saved_is_refused(block: rt.Solution, tmp_pa
         block.save(tmp_path / "folder.npz")
 
 
-def test_a_contact_on_a_function_is_not_saved_and_the_error_names_the_remedy(tmp_path: Path) -> None:
+def test_a_contact_on_a_function_is_saved_without_its_equations(tmp_path: Path) -> None:
     robot = rt.load("hopper", root="planar")
     stand = {"root_x": 0.0, "root_z": 0.5, "root_pitch": 0.0, "hip": 0.0, "leg": 0.5}
     phase = rt.Phase(
@@ -555,8 +555,13 @@ def test_a_contact_on_a_function_is_not_saved_and_the_error_names_the_remedy(tmp
         name="stand",
     )
     solution = rt.plan(phase, mesh=rt.Mesh(3))
-    with pytest.raises(rt.InputError, match=r"Phase 'stand' cannot be saved: .* rt.terrain.HeightMap"):
-        solution.save(tmp_path / "stand.npz")
+    path = solution.save(tmp_path / "stand.npz")
+    with pytest.warns(UserWarning, match=r"without the equations of contact PointContact\(frame='foot'"):
+        loaded = rt.load_solution(path)
+    np.testing.assert_array_equal(loaded.at(0.1).q, solution.at(0.1).q)
+    with pytest.raises(rt.InputError, match="equations of contact PointContact"):
+        rt.validate(loaded)
+    assert rt.load_solution(path, problem=phase).phases[0].phase is phase
 
 
 def test_what_is_given_anew_is_no_longer_missing(tmp_path: Path) -> None:

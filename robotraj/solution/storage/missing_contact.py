@@ -49,8 +49,8 @@ class MissingContact(Contact):
     ground: Ground | None
 
     @classmethod
-    def of(cls, contact: Contact, robot: Robot) -> MissingContact:
-        """Return the placeholder of a contact; its ground is left out too, where it is a function."""
+    def of(cls, contact: Contact, robot: Robot, ground: Ground | None) -> MissingContact:
+        """Return the placeholder of a contact; its ground is that which a file holds."""
         bound = contact.bound_to(robot)
         unit = np.eye(len(bound.forces)).tolist()
         columns = [[float(part) for part in bound.vector(forces)] for forces in unit]
@@ -63,7 +63,7 @@ class MissingContact(Contact):
             bound.anchors,
             np.array(columns).T,
             float(contact.friction),
-            contact.ground if isinstance(contact.ground, Ground) else None,
+            ground,
         )
 
     @property

@@ -13,6 +13,7 @@ from typing import TypeVar
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.system import MissingEquations, System
+from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.objectives.base import Objective, Sum
 from robotraj.problem.phase import Phase
@@ -112,14 +113,23 @@ def _pack_contacts(phase: Phase, packer: Packer, path: str, left_out: list[str])
     """Write contacts; one of another class, or on a Python function, as its variables."""
     held: list[Contact] = []
     for contact in phase.contacts:
-        try:
-            Packer().pack(contact, path)
+        if _is_plain(contact):
             held.append(contact)
-        except NotPlainData:
+        else:
             assert phase.robot is not None
-            held.append(MissingContact.of(contact, phase.robot))
+            ground = contact.ground if isinstance(contact.ground, Ground) and _is_plain(contact.ground) else None
+            held.append(MissingContact.of(contact, phase.robot, ground))
             left_out.append(f"the equations of contact {_printed(contact)} of phase {phase.name!r}")
     return packer.pack(tuple(held), path)
+
+
+def _is_plain(value: object) -> bool:
+    """Whether a file holds a value."""
+    try:
+        Packer().pack(value, "")
+    except NotPlainData:
+        return False
+    return True
 
 
 def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left_out: list[str]) -> dict[str, Json]:
