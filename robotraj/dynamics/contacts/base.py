@@ -45,8 +45,12 @@ def of_impulses(row: Row) -> Row | None:
 
 
 def copied(contact: Contact, **fields: object) -> Contact:
-    """Return a contact with other values of some fields, such as its ``frame``, ``name`` or ``ground``."""
-    return cast("Contact", replace(cast("DataclassInstance", contact), **fields))
+    """Return a contact with other values of some fields, such as its ``frame``, ``name`` or ``ground``.
+
+    None for a field that the kind does not have, such as its own name, changes nothing.
+    """
+    changes = {name: value for name, value in fields.items() if value is not None or has_field(contact, name)}
+    return cast("Contact", replace(cast("DataclassInstance", contact), **changes))
 
 
 def has_field(contact: Contact, name: str) -> bool:

@@ -106,7 +106,7 @@ def _feet(solution: SolutionLike) -> list[_Spot]:
 
 def _spots(contact: BoundContact) -> list[_Spot]:
     """Return the points of a contact with a ground."""
-    ground = getattr(contact.contact, "ground", None)
+    ground = contact.contact.ground
     if ground is None:
         return []
     return [_Spot(frame, offset, as_ground(ground)) for frame, offset in contact.outline()]
