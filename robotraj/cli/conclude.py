@@ -15,7 +15,7 @@ from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json
 from robotraj.replay_page.options import ReplayOptions
 from robotraj.replay_page.write import replay
-from robotraj.solution.errors import NoSolutionFound
+from robotraj.solution.errors import NoSolutionFound, PlanInterrupted
 from robotraj.solution.solution import Solution
 from robotraj.witness.report import Report
 from robotraj.witness.validation import ValidationOptions, validate
@@ -73,10 +73,10 @@ def conclude(
 
 
 def planned(make: Callable[[], Solution], files: Files, as_json: bool) -> Solution:
-    """Plan; where no motion is found, write the files and describe the last iterate before the error goes on."""
+    """Plan; at Ctrl-C, or without a motion, write the files and describe the last iterate before the error goes on."""
     try:
         return make()
-    except NoSolutionFound as error:
+    except (NoSolutionFound, PlanInterrupted) as error:
         written = files.write(error.solution)
         if as_json:
             say_json(described(error.solution, None, written))

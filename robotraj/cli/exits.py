@@ -22,9 +22,10 @@ class ExitCode(IntEnum):
     BAD_INPUT = 2
     NOT_SOLVED = 3
     NOT_PROVED = 4
+    INTERRUPTED = 130
 
 
-EXIT_CODES = "Exit codes: 0 done, 1 other errors, 2 bad input, 3 not solved, 4 solved but not proved."
+EXIT_CODES = "Exit codes: 0 done, 1 other errors, 2 bad input, 3 not solved, 4 solved but not proved, 130 Ctrl-C."
 
 
 def code_of(error: RobotrajError | OSError) -> ExitCode:
@@ -48,6 +49,9 @@ class Group(TyperGroup):
             except BrokenPipeError as error:
                 drop_output()
                 raise typer.Exit(ExitCode.DONE) from error
+            except KeyboardInterrupt as error:
+                say_error("interrupted")
+                raise typer.Exit(ExitCode.INTERRUPTED) from error
             except (RobotrajError, OSError) as error:
                 say_error(f"error: {error}")
                 raise typer.Exit(code_of(error)) from error

@@ -12,6 +12,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.forks import unforked
+from robotraj._util.system.interrupts import noted
 from robotraj._util.time_left import LimitReached, limited
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
@@ -26,7 +27,7 @@ from robotraj.problem.links.unlinked_phases import warn_of_unlinked_phases
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
-from robotraj.solution.errors import NoSolutionFound
+from robotraj.solution.errors import NoSolutionFound, PlanInterrupted
 from robotraj.solution.proof import Goals
 from robotraj.solution.records import ContinuationRecord
 from robotraj.solution.released import released
@@ -34,6 +35,7 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
 from robotraj.solvers.checks import above_zero
+from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
@@ -141,6 +143,9 @@ def plan(
     ------
     NoSolutionFound
         With ``check``, if the status is not solved. ``error.solution`` is the last iterate.
+    KeyboardInterrupt
+        With ``check``, at Ctrl-C. ``error.solution`` is the best motion or the last iterate. Before the first iterate
+        it has no solution, and is raised without ``check`` as well.
     InputError
         An option has another type, or the problem cannot be posed.
 
@@ -233,7 +238,7 @@ def plan(
             from robotraj.planning.diagnosis.oscillation import warn_of_oscillation
 
             warn_of_oscillation(problem)
-    with watching(settings.solver, progress) as terminal, ExitStack() as stack:
+    with noted() as pressed, watching(settings.solver, progress) as terminal, ExitStack() as stack:
         live = None
         if watch is not False:
             from robotraj.planning.live.live_plan import live_plan
@@ -273,6 +278,8 @@ def plan(
             solution = found
         if isinstance(show, PlanLimits):
             solution = show.noted(solution)
+        if pressed():
+            solution = replace(solution, status=Status.INTERRUPTED)
         if live is not None:
             live.end(solution)
     solution = replace(solution, continuation=records, settings=settings)
@@ -280,6 +287,8 @@ def plan(
         solution = released(solution)
     if solution.success and unheld:
         warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.")
+    if check and solution.status is Status.INTERRUPTED:
+        raise PlanInterrupted("Ctrl-C ended the plan; this error's `solution` is the best motion so far.", solution)
     if check and not solution.success:
         names = " and ".join(repr(phase.name) for phase in problem.phases)
         verb = "was" if len(problem.phases) == 1 else "were"

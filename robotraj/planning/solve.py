@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.system.interrupts import stop_if_noted
 from robotraj._util.time_left import LimitReached
 from robotraj.guess.default import as_guess, default_guess
 from robotraj.guess.from_solution import FromSolution
@@ -108,6 +109,7 @@ def _solve_once(
     hold: Callable[[Solution], bool] | None,
     lower: bool,
 ) -> Solution:
+    stop_if_noted()
     if isinstance(progress, PlanLimits):
         progress.before_solve(problem, settings.mesh)
     began = time.perf_counter()

@@ -1,4 +1,4 @@
-"""The error of a plan without a solution."""
+"""The errors of plans: no solution, or Ctrl-C."""
 
 from __future__ import annotations
 
@@ -8,6 +8,23 @@ from robotraj._util.errors import RobotrajError
 
 if TYPE_CHECKING:
     from robotraj.solution.solution import Solution
+
+
+class PlanInterrupted(KeyboardInterrupt):
+    """Ctrl-C ended a plan; ``solution`` is the best motion or the last iterate.
+
+    Attributes
+    ----------
+    solution : robotraj.Solution
+        It may be solved. ``rt.plan(problem, guess=error.solution)`` continues from it.
+    """
+
+    def __init__(self, message: str, solution: Solution) -> None:
+        super().__init__(message)
+        self.solution = solution
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.solution)
 
 
 class NoSolutionFound(RobotrajError):

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import casadi as ca
 import numpy as np
 
+from robotraj._util.system.interrupts import note
 from robotraj.solvers.base import Iteration, Origin, Progress
 
 
@@ -106,6 +107,7 @@ class IterationCallback(ca.Callback):
             return
 
         def request(*_: object) -> None:
+            note()
             self.stop = True
 
         previous = signal.signal(signal.SIGINT, request)

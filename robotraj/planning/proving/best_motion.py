@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj._util.time_left import LimitReached
 from robotraj.planning.proving.measures import Measured, is_motion, measured
 from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.planning.proving.solves import Solves
@@ -157,7 +158,7 @@ class BestMotion:
         """Solve with limits between the points on the meshes of the best solution."""
         assert self.solution is not None and self.measures is not None
         before, self.limits_between = self.measures.before, True
-        with suppress(KeyboardInterrupt):
+        with suppress(LimitReached):
             found = self.solve(tuple(part.mesh for part in self.solution.phases), None, first=False)
             if found.success:
                 self.steps.pop()
@@ -170,7 +171,7 @@ class BestMotion:
         meshes = tuple(with_knots_at(part.mesh, switches(part.phase, part.trajectory)) for part in kept.phases)
         if meshes == tuple(part.mesh for part in kept.phases):
             return
-        with suppress(KeyboardInterrupt):
+        with suppress(LimitReached):
             found = self.solve(meshes, None, first=False)
             if found.success and found.objective < kept.objective:
                 moved = self._with_proof(found, measures.before)

@@ -107,7 +107,10 @@ class _Refining:
                 break
             meshes = following
         assert last is not None
-        return motion.conclude(last)
+        try:
+            return motion.conclude(last)
+        except KeyboardInterrupt:
+            return motion.interrupted(last)
 
     def _after_failure(self, failed: Solution, meshes: Meshes, first: bool) -> Meshes | None:
         """Return the meshes to try after some that could not be solved; None where none would help."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robotraj._util.time_left import LimitReached
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.measures import measured
 from robotraj.planning.proving.soft_friction import SOFTENING, averaging_times, softened
@@ -39,14 +40,12 @@ def soft_solution(
     limits = replace(settings.interval_limits, rounds=0)
     solver = settings.solver.at_most(PATIENCE).until_settled(CHANGE)
     own = replace(settings, restarts=Restarts(0), interval_limits=limits, solver=solver)
-    limited, found = isinstance(solves.progress, PlanLimits), None
+    found = None
     for softening in SOFTENING:
         soft = softened(problem, softening, averaging_times(problem, meshes, found))
         try:
             softer = solves.solve(soft, found or guess, replace(own, mesh=meshes))
-        except KeyboardInterrupt:
-            if not limited:
-                raise
+        except LimitReached:
             break
         if is_guess(softer):
             found, meshes = softer, finer_where_bent(softer, settings)

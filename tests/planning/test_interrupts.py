@@ -1,0 +1,97 @@
+"""Ctrl-C ends a plan at any instant, with any solver, and leaves what was found."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.proving.best_motion import BestMotion
+from robotraj.solution.errors import PlanInterrupted
+from robotraj.solvers.status import Status
+
+
+def reach(end: float = 1.1) -> rt.Phase:
+    first, last = [-1.1, -1.8, 1.6, -1.2, -1.57, 0], [end, -0.8, 0.6, -0.6, -0.6, 1.2]
+    return rt.Phase(rt.load("ur5"), 1.0, rt.State(q=first, v=0), rt.State(q=last, v=0), rt.Effort())
+
+
+@contextmanager
+def ctrl_c_after(seconds: float) -> Iterator[list[float]]:
+    sent: list[float] = []
+
+    def press() -> None:
+        sent.append(time.process_time())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(seconds, press)
+    timer.start()
+    try:
+        yield sent
+    finally:
+        timer.join()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", [None, rt.InteriorPoint(), rt.Ipopt()], ids=["default", "ours", "ipopt"])
+def test_one_press_ends_a_loop_of_plans(solver: rt.solvers.Solver | None) -> None:
+    rng = np.random.default_rng(7)
+    options = {} if solver is None else {"mesh": rt.Mesh(40), "solver": solver}
+    for delay in rng.uniform(0.05, 2.5, 6):
+        with ctrl_c_after(delay) as sent, pytest.raises(KeyboardInterrupt) as stopped:
+            for number in range(1000):
+                rt.plan(reach(1.1 - number / 1000), progress=False, **options)
+        assert time.process_time() - sent[0] < 1.0
+        if isinstance(stopped.value, PlanInterrupted):
+            solution = stopped.value.solution
+            assert solution.status is Status.INTERRUPTED and np.isfinite(solution.at(0.5).q).all()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def press(*_: object, **__: object) -> None:
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(0.1)
+
+
+def test_a_press_that_code_swallows_ends_the_plan_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    conclude = BestMotion.conclude
+
+    def swallowing(self: BestMotion, last: rt.Solution) -> rt.Solution:
+        with suppress(KeyboardInterrupt):
+            press()
+        return conclude(self, last)
+
+    monkeypatch.setattr(BestMotion, "conclude", swallowing)
+    arm = rt.load("two_link_arm")
+    phase = rt.Phase(arm, 5.0, rt.State(q=0, v=0), rt.State(q=[0.5, 0.5], v=0), rt.Effort())
+    with pytest.raises(PlanInterrupted) as stopped:
+        rt.plan(phase)
+    found = stopped.value.solution
+    assert found.at(5.0).q == pytest.approx([0.5, 0.5], abs=1e-6)
+    assert pickle.loads(pickle.dumps(stopped.value)).solution.objective == found.objective
+    kept = rt.plan(phase, check=False)
+    assert kept.status is Status.INTERRUPTED and kept.objective == found.objective
+
+
+def test_a_handler_of_the_users_own_stays() -> None:
+    seen = []
+    before = signal.signal(signal.SIGINT, lambda *_: seen.append(True))
+    try:
+        phase = rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=0.5, v=0), rt.Effort())
+
+        class Pressing(rt.InteriorPoint):
+            def solve(self, *arguments: object, **options: object) -> object:  # type: ignore[override]
+                press()
+                return super().solve(*arguments, **options)  # type: ignore[arg-type]
+
+        assert rt.plan(phase, rt.Mesh(5), solver=Pressing()).success and seen
+    finally:
+        signal.signal(signal.SIGINT, before)
