@@ -57,7 +57,7 @@ def stiff_legged(robot: Robot, frame: str) -> bool:
 
 def _lowest_ground(phases: Sequence[Phase]) -> Ground | None:
     """Return the ground of all contacts; of several level ones the lowest, of other several ones None."""
-    grounds = {as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if hasattr(c.contact, "ground")}
+    grounds = {as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if c.contact.ground is not None}
     if all(isinstance(each, Flat) for each in grounds):
         return min(grounds, key=lambda each: each.level, default=None)  # type: ignore[attr-defined]
     return grounds.pop() if len(grounds) == 1 else None
@@ -78,7 +78,7 @@ def _feet(phases: Sequence[Phase], links: Iterable[Link]) -> list[tuple[Robot, S
             if other != contact.frame and other in phase.robot.frame_names:
                 feet.append(copied(contact.contact, frame=other, name=None))
             for foot in feet:
-                if hasattr(foot, "ground"):
+                if foot.ground is not None:
                     found |= dict.fromkeys(
                         (phase.robot, Spot(*point)) for point in foot.bound_to(phase.robot).outline()
                     )
