@@ -27,6 +27,7 @@ from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
 from .planning.problem_files.load import load_problem
 from .planning.replanning.replanner import Replanner
+from .planning.studies.study import Study
 from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
 from .problem.constraints.bounds import between
@@ -89,6 +90,7 @@ __all__ = [
     "RobotrajError",
     "Solution",
     "State",
+    "Study",
     "System",
     "Touchdown",
     "UnknownName",

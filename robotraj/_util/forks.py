@@ -6,11 +6,15 @@ that another thread may hold. The child would inherit them locked, and its first
 
 from __future__ import annotations
 
+import copyreg
 import os
+import sys
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
+from types import ModuleType
 
 import lazy_loader
 
@@ -45,6 +49,10 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
     Names are imported on first use, while no other thread forks.
     """
     imported, directory, names = lazy_loader.attach_stub(package, file)
+    kind = type(sys.modules.get(package))
+    if issubclass(kind, ModuleType) and kind is not ModuleType:
+        # A function that reads a name of this package travels with it, but only plain modules travel by name.
+        copyreg.pickle(kind, _by_name)
 
     def attribute(name: str) -> object:
         with unforked():
@@ -52,6 +60,10 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
         return found
 
     return attribute, directory, names
+
+
+def _by_name(module: ModuleType) -> tuple[Callable[[str], ModuleType], tuple[str]]:
+    return import_module, (module.__name__,)
 
 
 def _before() -> None:

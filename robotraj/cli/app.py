@@ -19,6 +19,7 @@ from robotraj.cli.commands.replay import replay_file
 from robotraj.cli.commands.robots import robots
 from robotraj.cli.commands.schema import print_schema
 from robotraj.cli.commands.show import show
+from robotraj.cli.commands.sweep import sweep_study
 from robotraj.cli.commands.validate import validate_file
 from robotraj.cli.exits import EXIT_CODES, Group
 from robotraj.cli.terminal import say
@@ -58,6 +59,7 @@ def main(
 app.command("demo", short_help="Plan a built-in demo, prove it, write its replay.")(demo)
 app.command("init", short_help="Write a problem file of a robot, to plan and to change.")(write_problem)
 app.command("plan", short_help="Plan from rest to rest, or the problem of a file.", epilog=EXIT_CODES)(plan_motion)
+app.command("sweep", short_help="Plan a study of many cases, or a part of it.")(sweep_study)
 app.command("validate", short_help="Prove a saved solution by simulation.", epilog=EXIT_CODES)(validate_file)
 app.command("replay", short_help="Write a saved solution as one HTML file.")(replay_file)
 app.command("export", short_help="Write a saved solution for other programs and controllers.")(export_file)

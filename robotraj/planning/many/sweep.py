@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from inspect import signature
-from typing import TYPE_CHECKING
+from os import PathLike
+from typing import TYPE_CHECKING, overload
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.planning.many.case_limits import CaseLimits
@@ -25,24 +26,64 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from robotraj.planning.many.options import GuessedChoices
+    from robotraj.planning.studies.cases import Case
+    from robotraj.planning.studies.study import Study
 
 OF_ONE = "check", "progress", "watch", "keep_program"
 """Options of ``rt.plan`` that are for a single plan."""
 
 
+@overload
 def sweep(
     problems: Sequence[Problem | Phase],
     *,
     executor: Executor | None = None,
     chain: bool = False,
     **options: Unpack[GuessedChoices],
-) -> list[Solution | Failure]:
+) -> list[Solution | Failure]: ...
+
+
+@overload
+def sweep(
+    problems: Callable[[Case], Problem | Phase],
+    cases: object,
+    *,
+    store: str | PathLike[str],
+    executor: Executor | None = None,
+    keep: str = "trajectory",
+    validate: bool = False,
+    part: tuple[int, int] = (0, 1),
+    progress: bool | None = None,
+    **options: Unpack[GuessedChoices],
+) -> Study: ...
+
+
+def sweep(
+    problems: Sequence[Problem | Phase] | Callable[[Case], Problem | Phase],
+    cases: object = None,
+    *,
+    store: str | PathLike[str] | None = None,
+    executor: Executor | None = None,
+    chain: bool = False,
+    keep: str = "trajectory",
+    validate: bool = False,
+    part: tuple[int, int] = (0, 1),
+    progress: bool | None = None,
+    **options: Unpack[GuessedChoices],
+) -> list[Solution | Failure] | Study:
     """Plan many problems with the same options.
 
     Parameters
     ----------
-    problems : sequence of Problem or Phase
-        Problems are sent to workers by cloudpickle, which must be able to pickle the closures of their lambdas.
+    problems : sequence of Problem or Phase, or callable
+        Problems are sent to workers by cloudpickle, which must be able to pickle the closures of their lambdas. With a
+        store, ``make(case)``, which returns the problem of a case; it is sent once.
+    cases : list of dict, ndarray (n, k), or table of pandas, polars or pyarrow
+        Rows of numbers and words for ``make``, such as ``[{"speed": 0.3}, {"speed": 0.4}]``. Equal ones are planned
+        once. Columns of an array are ``x0``, ``x1`` ...
+    store : path, optional
+        Folder of the study. Every case is planned once: the same call goes on where it stopped. Cases are known by
+        their numbers, the code of ``make`` and what it reads, the options and the version of the package.
     executor : concurrent.futures.Executor, optional
         Processes, threads or ``dask.distributed.Client.get_executor()``. By default the first problem is planned in
         this process; if the others are worth it, they go to one process per core. These do not import the script, and
@@ -52,20 +93,31 @@ def sweep(
         was proved. Neighbouring problems, such as gaits of rising speed, take fewer iterations then. All may stay near
         the local optimum of the first. Problems that differ only in numbers share one program: ends, fixed parameters,
         displacements of links. Their objectives are compared on no second mesh: ``proof.unsettled`` is the neighbour's.
+    keep : str
+        With a store, ``"trajectory"`` keeps q, v and tau at 64 times, ``"all"`` whole solutions beside the rows.
+    validate : bool
+        With a store, validate every plan by simulation.
+    part : (int, int)
+        With a store, ``(3, 200)`` plans part 3 of 200, from 0, then what other parts have left: the jobs of an array
+        need no scheduler of their own.
+    progress : bool, optional
+        With a store, show what is done on one line; by default on a terminal.
     **options
         Of ``rt.plan``: mesh, guess, solver, tolerance, continuation ... With ``time_limit`` or ``memory_limit`` the
         operating system also ends a problem whose own equations never return or fill the memory.
 
     Returns
     -------
-    list of Solution or Failure
-        In the order of the problems. A plan that found no motion is a solution with its status. A problem that raised
-        an error, or ended its process, is a ``Failure`` with its ``number``, ``status`` and ``message``.
+    list of Solution or Failure, or Study
+        With a store, the study; see ``rt.Study``. Otherwise a list in the order of the problems. A plan that found no
+        motion is a solution with its status. A problem that raised an error, or ended its process, is a ``Failure``
+        with its ``number``, ``status`` and ``message``.
 
     Raises
     ------
     InputError
-        An entry is no problem, ``rt.plan`` has no such option, or a chain has an executor.
+        An entry is no problem, ``rt.plan`` has no such option, or a chain has an executor. ``make`` has no cases or no
+        store, or pyarrow is not installed: ``pip install 'robotraj[study]'``.
     Interrupted
         Ctrl-C was pressed; ``found`` has the entries so far, by the numbers of their problems.
 
@@ -85,6 +137,26 @@ def sweep(
     [12.0, 1.5]
     """
     check_options("rt.sweep", options)
+    if callable(problems) or store is not None or cases is not None:
+        if not callable(problems) or store is None or cases is None or chain:
+            raise InputError(
+                "A study takes a function, its cases and a folder: rt.sweep(make, cases, store='reaches'); no chain."
+            )
+        from robotraj.planning.studies.begin import StudyPart, study
+
+        return study(
+            problems,
+            cases,
+            store,
+            executor=executor,
+            keep=keep,
+            validate=validate,
+            part=StudyPart(*part),
+            progress=progress,
+            options=options,
+        )
+    if progress is not None:
+        raise InputError("rt.sweep shows no progress without a store: leave progress= out.")
     if isinstance(problems, Problem | Phase) or not isinstance(problems, Iterable):
         raise InputError(f"rt.sweep takes a list of problems or phases; got {type(problems).__name__}.")
     posed = [Problem([problem]) if isinstance(problem, Phase) else problem for problem in problems]

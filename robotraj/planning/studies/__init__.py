@@ -1,0 +1,1 @@
+"""Studies: many cases of one problem, planned once each, in a folder of Parquet files. Start with ``study.py``."""

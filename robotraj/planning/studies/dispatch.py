@@ -1,0 +1,139 @@
+"""Who plans the cases of a study: processes of this machine, or chunks for the executor of a cluster."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from typing import TYPE_CHECKING, Any
+
+import cloudpickle
+
+from robotraj.planning.many.failure import failure_of
+from robotraj.planning.many.processes import WorkerDied, kept, release_kept
+from robotraj.planning.many.workers import KILLED
+from robotraj.planning.studies.progress import Progress
+from robotraj.planning.studies.rows import Row, row_of
+from robotraj.planning.studies.store import Store
+from robotraj.planning.studies.work import Recipe, limited, plan_chunk, write
+
+if TYPE_CHECKING:
+    from robotraj.planning.studies.cases import Case
+    from robotraj.planning.studies.work import Keyed
+
+CHUNK = 20.0
+"""Time of work [s] whose rows are one file: what is lost where a machine fails."""
+WAITING = 3
+"""Cases or chunks that wait for each worker, so that none is idle."""
+WIDEST = 1000
+"""Largest number of cases of a chunk."""
+
+
+def plan_here(recipe: Recipe, cases: Iterator[tuple[str, Case]], store: Store, progress: Progress) -> None:
+    """Plan cases in processes of this machine; rows are written every ``CHUNK`` seconds, and at the end.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Ctrl-C was pressed; what was planned is written.
+    """
+    pool, data = kept(), cloudpickle.dumps(recipe)
+    assert pool is not None
+    running: dict[Future[Row], tuple[str, Case, int]] = {}
+    rows: list[Row] = []
+    written = time.monotonic()
+
+    def begin(key: str, case: Case, attempt: int = 0) -> None:
+        running[pool.submit(limited, data, key, case)] = key, case, attempt
+
+    try:
+        for key, case in cases:
+            begin(key, case)
+            while len(running) >= (1 + WAITING) * len(os.sched_getaffinity(0)):
+                rows += _finished(running, begin, progress)
+            if time.monotonic() - written > CHUNK and rows:
+                write(store, rows, recipe.cases)
+                rows, written = [], time.monotonic()
+        while running:
+            rows += _finished(running, begin, progress)
+    except KeyboardInterrupt:
+        release_kept()
+        raise
+    finally:
+        if rows:
+            write(store, rows, recipe.cases)
+
+
+def _finished(
+    running: dict[Future[Row], tuple[str, Case, int]], begin: Callable[[str, Case, int], None], progress: Progress
+) -> list[Row]:
+    """Wait for a case; return the rows of all that are done. A case that was killed from outside begins again."""
+    done, _ = wait(running, return_when=FIRST_COMPLETED)
+    rows = []
+    for future in done:
+        key, case, attempt = running.pop(future)
+        try:
+            row = future.result()
+        except WorkerDied as died:
+            if died.code == -signal.SIGKILL and attempt < KILLED:
+                begin(key, case, attempt + 1)
+                continue
+            row = row_of(failure_of(0, died), key, case, math.nan)
+        except Exception as error:
+            row = row_of(failure_of(0, error), key, case, math.nan)
+        progress.add(1, not row["success"], row["seconds"], key)
+        rows.append(row)
+    return rows
+
+
+def plan_elsewhere(
+    recipe: Recipe, cases: Iterator[tuple[str, Case]], executor: Executor, progress: Progress
+) -> dict[str, str]:
+    """Hand chunks of about ``CHUNK`` seconds to an executor, whose workers write the rows.
+
+    Returns
+    -------
+    dict of str to str
+        Why chunks were lost, by the key of their first case: the next start plans them.
+    """
+    data = cloudpickle.dumps(recipe)
+    running: dict[Future[tuple[int, int, float]], Keyed] = {}
+    lost: dict[str, str] = {}
+    workers = max(1, int(getattr(executor, "_max_workers", 0) or os.cpu_count() or 1))
+
+    def harvest() -> None:
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        for future in done:
+            chunk = running.pop(future)
+            try:
+                progress.add(*future.result(), chunk[0][0])
+            except Exception as error:
+                lost[chunk[0][0]] = f"{type(error).__name__}: {error}"
+
+    for chunk in _chunks(cases, progress):
+        try:
+            running[executor.submit(plan_chunk, data, chunk)] = chunk
+        except RuntimeError as error:
+            lost[chunk[0][0]] = f"{type(error).__name__}: {error}"
+            break
+        while len(running) >= (1 + WAITING) * workers:
+            harvest()
+    while running:
+        harvest()
+    return lost
+
+
+def _chunks(cases: Iterator[tuple[str, Case]], progress: Progress) -> Iterator[list[tuple[str, Case]]]:
+    """Yield cases of about ``CHUNK`` seconds of work, as measured so far; single ones before the first is done."""
+    chunk: list[tuple[str, Any]] = []
+    for each in cases:
+        chunk.append(each)
+        size = CHUNK * progress.done / max(progress.seconds, 1e-3)
+        if len(chunk) >= min(max(1.0, size), WIDEST):
+            yield chunk
+            chunk = []
+    if chunk:
+        yield chunk

@@ -1,0 +1,158 @@
+"""``Study``: the cases of a folder, what was planned of them, and what is missing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
+from robotraj.planning.studies.rows import CASE, CURVES, KNOTS, arrow
+from robotraj.planning.studies.store import Store
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    from matplotlib.figure import Figure
+
+    from robotraj.planning.studies.cases import Case
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+    from robotraj.solution.solution import Solution
+
+
+class Study(OneLine):
+    """Cases of one problem, planned once each and kept in a folder.
+
+    Parameters
+    ----------
+    folder : path
+        Folder that ``rt.sweep(make, cases, store=folder)`` wrote.
+
+    Raises
+    ------
+    InputError
+        There is no such study, or pyarrow is not installed.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        arrow()
+        self.store = Store(folder)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What the study was begun with: digest, options, version of the package."""
+        return self.store.facts()
+
+    @property
+    def table(self) -> pa.Table:
+        """All rows, one for each case that was planned; ``.to_pandas()``, ``polars.from_arrow`` and DuckDB read it."""
+        return self.store.table()
+
+    @property
+    def figures(self) -> pa.Table:
+        """The rows without messages and motions: key, case, status, objective, duration, seconds ..."""
+        return self.store.table(self._columns("t", *CURVES, "message", "conflicts"))
+
+    @property
+    def failures(self) -> pa.Table:
+        """The rows of cases without a solution, with their messages."""
+        table = self.store.table(self._columns("t", *CURVES))
+        return table.filter(_not(table.column("success"))) if table.num_rows else table
+
+    @property
+    def missing(self) -> list[Case]:
+        """Cases that were not planned yet."""
+        known = self.store.keys()
+        rows = self.store.cases().to_pylist()
+        return [
+            {name.removeprefix(CASE): value for name, value in row.items() if name != "key"}
+            for row in rows
+            if row["key"] not in known
+        ]
+
+    def motion(self, key: str) -> dict[str, np.ndarray]:
+        """Return the motion of a case: ``t`` (64,) [s], and ``q``, ``v``, ``tau`` (64, n) as 32-bit numbers.
+
+        Raises
+        ------
+        InputError
+            No case has the key, or its problem failed.
+        """
+        table = self.store.table(["key", "t", *CURVES])
+        keys = table.column("key").to_pylist()
+        if key not in keys:
+            raise unknown_name("case of the study with the key", key, keys)
+        (row,) = table.slice(keys.index(key), 1).to_pylist()
+        if row["t"] is None:
+            raise InputError(f"Case {key!r} has no motion, since its plan failed; see study.failures.")
+        curves = {name: np.array(row[name], np.float32) for name in CURVES if row[name] is not None}
+        return {"t": np.array(row["t"], np.float32), **{n: c.reshape(KNOTS, -1) for n, c in curves.items()}}
+
+    def solution(self, key: str, problem: Problem | Phase | None = None) -> Solution:
+        """Return the whole solution of a case; equations of Systems and expressions come with the problem.
+
+        Raises
+        ------
+        InputError
+            The study keeps motions alone: ``keep="all"`` keeps solutions.
+        """
+        from robotraj.solution.storage.load import load_solution
+
+        path = self.store.solution(key)
+        if not path.exists():
+            raise InputError(f'No solution of {key!r} is kept; rt.sweep(..., keep="all") keeps them, see .motion(key).')
+        return load_solution(path, problem)
+
+    def plot(self, x: str, y: str = "objective") -> Figure:
+        """Draw one column over another, such as ``study.plot("speed", "objective")``; failures are crosses.
+
+        Raises
+        ------
+        UnknownName
+            There is no such column.
+        """
+        from matplotlib.figure import Figure
+
+        table = self.figures
+        names = [name.removeprefix(CASE) for name in table.column_names]
+        for name in (x, y):
+            if name not in names:
+                raise unknown_name("column of the study", name, names)
+        values = {n: table.column(table.column_names[names.index(n)]).to_numpy(zero_copy_only=False) for n in (x, y)}
+        good = table.column("success").to_numpy(zero_copy_only=False).astype(bool)
+        figure = Figure(layout="constrained")
+        axes = figure.add_subplot(xlabel=x, ylabel=y)
+        axes.plot(values[x][good], values[y][good], "o", markersize=3)
+        for value in values[x][~good]:
+            axes.axvline(value, color="0.85", linewidth=0.5, zorder=0)
+        return figure
+
+    def _columns(self, *without: str) -> list[str]:
+        """Columns of the rows, but for some."""
+        return [name for name in self.store.columns() if name not in without]
+
+    def __len__(self) -> int:
+        return len(self.store.keys())
+
+    def __str__(self) -> str:
+        table = self.figures
+        if not table.num_rows or "status" not in table.column_names:
+            return f"study of {self.store.cases().num_rows} cases: none is planned yet"
+        counts: dict[str, int] = {}
+        for status in table.column("status").to_pylist():
+            counts[status] = counts.get(status, 0) + 1
+        seconds = np.array([s for s in table.column("seconds").to_pylist() if s is not None and s == s])
+        spent = f"{np.sum(seconds):.4g} s of processor time, {np.max(seconds, initial=0.0):.3g} s the slowest"
+        proved = sum(bool(each) for each in table.column("proved").to_pylist())
+        rest = f"{len(self.missing)} missing"
+        return f"study of {table.num_rows} plans, {proved} proved, {rest}; {spent}\n" + "\n".join(
+            f"  {status}: {count}" for status, count in sorted(counts.items(), key=lambda each: -each[1])
+        )
+
+
+def _not(column: Any) -> Any:
+    import pyarrow.compute as compute
+
+    return compute.invert(column)
