@@ -3,6 +3,8 @@
 Start with ``walks.py``. The room may import ``guess``, ``problem`` and what lies below.
 """
 
+from robotraj.gait.bounds.own_sides import OwnSides
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.crawls import crawl
 from robotraj.gait.feet import feet_of, limb_ends
 from robotraj.gait.flight import Flight
@@ -16,13 +18,13 @@ from robotraj.gait.stepping.joining import start, stop
 from robotraj.gait.stepping.over_steps import gap, stairs
 from robotraj.gait.stepping.rest_to_rest import sidestep, start_stop, turn
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.upright import Upright
 from robotraj.gait.walks import run, trot, walk
 
 __all__ = [
     "Flight",
     "Support",
     "GaitTerms",
+    "OwnSides",
     "Upright",
     "crawl",
     "feet_of",

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.base import Ground
-from robotraj.gait.upright import Upright
+from robotraj.gait.bounds.upright import Upright
 from robotraj.problem.constraints.bounds import Between, Interval
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.robot.robot import Robot

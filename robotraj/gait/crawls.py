@@ -11,12 +11,14 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.bounds.margins import MARGIN
+from robotraj.gait.bounds.own_sides import OwnSides
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import TimeSpan, fraction
 from robotraj.gait.feet import FootKind
 from robotraj.gait.phase_sequence import split_duration
 from robotraj.gait.repetition import checked_feet, repeating, step_timing
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
@@ -24,6 +26,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.sides.other_side import other_side
 
 LEVEL = Flat()
+OWN_SIDES = OwnSides()
 UPRIGHT = Upright()
 
 
@@ -40,6 +43,8 @@ def crawl(
     objective: Objective | None = None,
     upright: Upright | None = UPRIGHT,
     ground: Ground | GroundFunction = LEVEL,
+    sides: OwnSides | None = OWN_SIDES,
+    margin: float = MARGIN,
     repeat: Mirror | Periodic | None = None,
 ) -> Problem:
     """Return half a stride of a crawling quadruped: a hind foot swings, then the fore foot of the same side.
@@ -70,12 +75,12 @@ def crawl(
     names = checked_feet(robot, feet, 4, "crawl")
     length, time = step_timing(step_length, duration, speed, "crawl")
     fraction(full_support, "rt.gait.crawl(full_support)")
-    sides = {name: other_side(name, names) for name in names}
+    others = {name: other_side(name, names) for name in names}
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.neutral)
     places = {name: data.oMf[robot.frame(name)].translation for name in names}
     near = [name for name in names if places[name][1] * places[names[0]][1] > 0.0]
-    if len(near) != 2 or any(sides[name] in near for name in near):
+    if len(near) != 2 or any(others[name] in near for name in near):
         raise InputError(f"rt.gait.crawl needs two feet on each side; got {', '.join(names)}.")
     order = sorted(near, key=lambda name: float(places[name][0]))
     parts = [0.5 - 0.5 * full_support, 0.5 - 0.5 * full_support]
@@ -89,5 +94,11 @@ def crawl(
     if full_support > 0.0:
         phases.insert(0, Support(names, spans[0], "full support"))
     return repeating(
-        robot, phases, parts, sides, GaitTerms(contact, clearance, objective, upright, ground), repeat, length
+        robot,
+        phases,
+        parts,
+        others,
+        GaitTerms(contact, clearance, objective, upright, ground, sides, margin),
+        repeat,
+        length,
     )

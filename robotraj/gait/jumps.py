@@ -13,13 +13,15 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
+from robotraj.gait.bounds.margins import MARGIN
+from robotraj.gait.bounds.own_sides import OwnSides
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.posture import posture_objective
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time, standing
 from robotraj.problem.constraints.bounds import Between
@@ -30,6 +32,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach
 
 LEVEL = Flat()
+OWN_SIDES = OwnSides()
 LEAPING = Upright(least_height=0.4, greatest_height=np.inf)
 CROUCH = 2.5
 """Default duration of either stance, in sqrt(h / g): a person crouches and rises in 0.7 s.
@@ -52,6 +55,8 @@ def jump(
     objective: Objective | None = None,
     upright: Upright | None = LEAPING,
     ground: Ground | GroundFunction = LEVEL,
+    sides: OwnSides | None = OWN_SIDES,
+    margin: float = MARGIN,
 ) -> Problem:
     """Return a jump from rest to rest: "push off" on all feet, "flight", "landing" on all feet.
 
@@ -68,7 +73,7 @@ def jump(
     push, land : float or (float, float), optional
         Durations of both stances [s], by default 2.5 sqrt(h / g) with the height h of the centre of mass. Free
         durations, (least, greatest), take many more iterations.
-    feet, contact, clearance, upright, ground
+    feet, contact, clearance, upright, ground, sides, margin
         As for ``walk``; all feet stand. By default the root may sink lower than in a walk and rise without bound.
     objective : Objective, optional
         Objective of every phase; ``rt.gait.posture_objective`` by default. By effort alone, planar robots land on
@@ -99,7 +104,7 @@ def jump(
     push, land = (long if given is None else given for given in (push, land))
     phases = [Support(names, push, "push off"), Support((), air, "flight"), Support(names, land, "landing")]
     cost = posture_objective(robot, q) if objective is None else objective
-    terms = GaitTerms(kind, clearance, cost, upright, ground)
+    terms = GaitTerms(kind, clearance, cost, upright, ground, sides, margin)
     return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
 
 

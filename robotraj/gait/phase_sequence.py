@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.gait.bounds.margins import checked_margin, contact_with, limits_with
+from robotraj.gait.bounds.swing_clearance import partners_of, swing_clearance
 from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.swing_clearance import partners_of, swing_clearance
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.constraints.bounds import Between, Interval, between
@@ -81,8 +82,10 @@ def sequence(
     feet = tuple(dict.fromkeys(foot for support in supports for foot in support.feet))
     partners = partners_of(repeat)
     every = tuple(dict.fromkeys((*feet, *(partners.get(foot, foot) for foot in feet))))
-    contacts = {foot: foot_contact(terms.contact, foot) for foot in every}
-    posture = standing(BalancedStance(robot, tuple(contact.bound_to(robot) for contact in contacts.values())))
+    margin = checked_margin(terms.margin)
+    contacts = {foot: contact_with(foot_contact(terms.contact, foot), margin) for foot in every}
+    bound = {foot: contact.bound_to(robot) for foot, contact in contacts.items()}
+    posture = standing(BalancedStance(robot, tuple(bound.values())))
     objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
@@ -96,6 +99,9 @@ def sequence(
             # A quaternion and its negative represent one attitude; this bound selects one of the two.
             states["q.root_qw"] = between(0.0, None)
         states |= held_attitude(robot, support, posture)
+        if terms.sides is not None:
+            rows += terms.sides.constraints(robot, bound, posture, support.feet)
+        rows += limits_with(robot, margin)
         kind = Phase if support.feet else Flight
         phases.append(
             kind(

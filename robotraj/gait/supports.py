@@ -10,8 +10,10 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.bounds.margins import MARGIN
+from robotraj.gait.bounds.own_sides import OwnSides
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.feet import FootKind
-from robotraj.gait.upright import Upright
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
 
@@ -49,6 +51,10 @@ class GaitTerms(OneLine):
     upright : Upright or None
     ground : Ground or callable
         Ground for the clearance; contacts have their own ground.
+    sides : OwnSides or None
+        Feet keep to their own sides; None lets legs cross.
+    margin : float
+        Share of friction cones, soles, torques and speeds that the plan keeps back, 0 to less than 1.
     """
 
     contact: FootKind = PointContact
@@ -56,3 +62,5 @@ class GaitTerms(OneLine):
     objective: Objective | None = None
     upright: Upright | None = None
     ground: Ground | GroundFunction = Flat()
+    sides: OwnSides | None = OwnSides()
+    margin: float = MARGIN

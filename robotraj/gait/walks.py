@@ -11,12 +11,14 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.bounds.margins import MARGIN
+from robotraj.gait.bounds.own_sides import OwnSides
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import TimeSpan, fraction
 from robotraj.gait.feet import FootKind
 from robotraj.gait.phase_sequence import split_duration
 from robotraj.gait.repetition import checked_feet, repeating, step_timing
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.upright import Upright
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
@@ -24,6 +26,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.sides.other_side import other_side
 
 LEVEL = Flat()
+OWN_SIDES = OwnSides()
 UPRIGHT = Upright()
 
 
@@ -40,6 +43,8 @@ def walk(
     objective: Objective | None = None,
     upright: Upright | None = UPRIGHT,
     ground: Ground | GroundFunction = LEVEL,
+    sides: OwnSides | None = OWN_SIDES,
+    margin: float = MARGIN,
     repeat: Mirror | Periodic | None = None,
 ) -> Problem:
     """Return one step of a biped that repeats mirrored: the first foot stands, the other one swings and lands.
@@ -75,6 +80,10 @@ def walk(
         Bounds on height and attitude of the root; None for none.
     ground : Ground or callable
         Ground for the clearance, and for contacts on the default level ground.
+    sides : OwnSides or None
+        The feet of a floating robot keep to their own sides; None lets its legs cross.
+    margin : float
+        Share of friction cones, soles, torques and speeds that the plan keeps back for a controller, 0 to less than 1.
     repeat : Mirror or Periodic, optional
         ``rt.gait.mirror(robot)`` by default. The displacement along x and the rise of the ground are added to it.
 
@@ -93,7 +102,7 @@ def walk(
     phases = [Support((first,), spans[-1], "single support")]
     if double_support > 0.0:
         phases.insert(0, Support((first, second), spans[0], "double support"))
-    terms = GaitTerms(contact, clearance, objective, upright, ground)
+    terms = GaitTerms(contact, clearance, objective, upright, ground, sides, margin)
     return repeating(robot, phases, parts, {first: second, second: first}, terms, repeat, length)
 
 
@@ -110,6 +119,8 @@ def run(
     objective: Objective | None = None,
     upright: Upright | None = UPRIGHT,
     ground: Ground | GroundFunction = LEVEL,
+    sides: OwnSides | None = OWN_SIDES,
+    margin: float = MARGIN,
     repeat: Mirror | Periodic | None = None,
 ) -> Problem:
     """Return one step of a running biped: "stance" on one foot, ``Liftoff``, "flight", ``Touchdown`` of the other.
@@ -133,7 +144,7 @@ def run(
     parts = [1.0 - flight, flight]
     stance, air = split_duration(time, parts)
     phases = [Support((names[0],), stance, "stance"), Support((), air, "flight")]
-    terms = GaitTerms(contact, clearance, objective, upright, ground)
+    terms = GaitTerms(contact, clearance, objective, upright, ground, sides, margin)
     return repeating(robot, phases, parts, {names[0]: names[1], names[1]: names[0]}, terms, repeat, length)
 
 
@@ -150,6 +161,8 @@ def trot(
     objective: Objective | None = None,
     upright: Upright | None = UPRIGHT,
     ground: Ground | GroundFunction = LEVEL,
+    sides: OwnSides | None = OWN_SIDES,
+    margin: float = MARGIN,
     repeat: Mirror | Periodic | None = None,
 ) -> Problem:
     """Return half a stride of a trotting quadruped: one diagonal pair stands, the other one swings and lands.
@@ -171,11 +184,11 @@ def trot(
     """
     names = checked_feet(robot, feet, 4, "trot")
     length, time = step_timing(step_length, duration, speed, "trot")
-    sides = {name: other_side(name, names) for name in names}
+    others = {name: other_side(name, names) for name in names}
     diagonal = next(
-        (n for n in names if n not in (names[0], sides[names[0]]) and _are_diagonal(robot, n, names[0])), None
+        (n for n in names if n not in (names[0], others[names[0]]) and _are_diagonal(robot, n, names[0])), None
     )
-    if diagonal is None or any(sides[name] == name for name in names):
+    if diagonal is None or any(others[name] == name for name in names):
         raise InputError(f"rt.gait.trot needs two feet on each side; got {', '.join(names)}.")
     pair = (names[0], diagonal)
     title = f"{pair[0]} and {pair[1]} stand"
@@ -183,7 +196,13 @@ def trot(
     stance, *air = split_duration(time, parts)
     phases = [Support(pair, stance, title), *(Support((), span, "flight") for span in air)]
     return repeating(
-        robot, phases, parts, sides, GaitTerms(contact, clearance, objective, upright, ground), repeat, length
+        robot,
+        phases,
+        parts,
+        others,
+        GaitTerms(contact, clearance, objective, upright, ground, sides, margin),
+        repeat,
+        length,
     )
 
 

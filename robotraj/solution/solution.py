@@ -21,6 +21,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
+from robotraj.solution.reserves.shares import Share, shares_of
 from robotraj.solution.sample import Sample, Times, as_times, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
@@ -151,6 +152,11 @@ class Solution(OneLine):
         from robotraj.solution.feedback.gains import gains_of
 
         return gains_of(self)
+
+    @cached_property
+    def shares(self) -> tuple[Share, ...]:
+        """How much of cone, sole, torque and speed a plan with contacts uses; see ``solution.reserves.shares``."""
+        return shares_of(self.phases)
 
     @property
     def duration(self) -> float:

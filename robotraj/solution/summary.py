@@ -13,6 +13,7 @@ from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import ContinuationRecord, MeshStep
+from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
 
@@ -51,6 +52,10 @@ class Summarised(Planned, Protocol):
     @property
     def proof(self) -> Proof | None:
         """Measures between the collocation points."""
+
+    @property
+    def shares(self) -> Sequence[Share]:
+        """Shares of cone, sole, torque and speed."""
 
     @property
     def interval_violations(self) -> Sequence[Violation]:
@@ -100,6 +105,8 @@ def summary(solution: Summarised) -> str:
         lines += str(solution.proof).splitlines()
     elif converged and not solution.refinement and (error := solution.error) is not None:
         lines.append(f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)")
+    if converged and solution.shares:
+        lines.append("uses " + ", ".join(map(str, solution.shares)))
     if converged and solution.interval_violations:
         advice = "" if _is_kept_by_its_path(solution) else "; plan on a finer mesh"
         lines.append(f"between collocation points: {solution.interval_violations[0]}{advice}")

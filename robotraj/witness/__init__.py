@@ -4,9 +4,11 @@ Start with ``validation.py``. The room may import ``solution``, ``problem`` and 
 ``transcription`` nor ``solvers``.
 """
 
+from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
+from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding
@@ -26,6 +28,7 @@ from robotraj.witness.plants.plant import Landing
 from robotraj.witness.point import NumericPoint
 from robotraj.witness.report import Report
 from robotraj.witness.robustness.disturbances import Disturbances
+from robotraj.witness.robustness.followed import Followed, followed
 from robotraj.witness.robustness.margin import DisturbanceMargin, disturbance_margin
 from robotraj.witness.robustness.monte_carlo import MonteCarlo, monte_carlo
 from robotraj.witness.simulation.drift import Drift, DriftRow
@@ -40,6 +43,8 @@ __all__ = [
     "DriftRow",
     "Energy",
     "Feedback",
+    "Followed",
+    "FootOrder",
     "FootReport",
     "Holding",
     "Impact",
@@ -53,6 +58,7 @@ __all__ = [
     "Report",
     "Residual",
     "SecondOpinion",
+    "Share",
     "Simulation",
     "SoftGround",
     "SwingingFoot",
@@ -60,6 +66,7 @@ __all__ = [
     "TrackingResult",
     "Violation",
     "disturbance_margin",
+    "followed",
     "monte_carlo",
     "second_opinion",
     "simulate",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.checks.watch import SOLVER_NOISE
-from robotraj.witness.contacts.failures import contact_failures, swing_failures
+from robotraj.witness.contacts.failures import contact_failures, crossed_legs, swing_failures
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.peak import Peak
 from robotraj.witness.simulation.closed_loop import ClosedLoop
@@ -30,6 +30,7 @@ def failures_of(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
         found += _off("Open loop, the simulation drifts from the plan:", figures.drift.worst, tolerances.drift, advice)
     found += contact_failures(figures.holdings, figures.impacts, tolerances)
     found += swing_failures(figures.swings, tolerances.ground)
+    found += crossed_legs(figures.foot_orders)
     found += _limits(figures, tolerances.limits)
     found += _overlaps(figures)
     found += _balances(figures, tolerances)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
+from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding
@@ -105,6 +107,10 @@ class Figures(OneLine):
     impacts : tuple of Impact
     swings : tuple of SwingingFoot
         Depth below the ground and rise at touchdown of every foot in every phase that does not hold it.
+    foot_orders : tuple of FootOrder
+        Least lateral distance of left and right feet in every phase; legs that cross do not pass.
+    shares : tuple of Share
+        Largest shares of friction cones, soles, torques and speeds that a plan with contacts uses; without a threshold.
     stiff : float or None
         Time [s] from which implicit steps simulated open loop, because the motion is stiff.
     clearances : tuple of Clearance
@@ -140,6 +146,8 @@ class Figures(OneLine):
     holdings: tuple[Holding, ...] = ()
     impacts: tuple[Impact, ...] = ()
     swings: tuple[SwingingFoot, ...] = ()
+    foot_orders: tuple[FootOrder, ...] = ()
+    shares: tuple[Share, ...] = ()
     stiff: float | None = None
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()

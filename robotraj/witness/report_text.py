@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from robotraj.witness.contacts.contact_table import contacts, swing_lines
+from robotraj.witness.contacts.contact_table import contacts, order_lines, swing_lines
 from robotraj.witness.figures import Figures
 from robotraj.witness.peak import Peak
 from robotraj.witness.report_tables import table, worst_of, wrapped
@@ -38,7 +38,8 @@ def render(figures: Figures, failures: Sequence[str], verdict: str) -> str:
     lines += _clearances(figures)
     if figures.holdings:
         lines += contacts(figures.holdings, figures.impacts, figures.landings, figures.tolerances)
-        lines += [*swing_lines(figures.swings), ""]
+        lines += [*swing_lines(figures.swings), *order_lines(figures.foot_orders)]
+        lines += [*wrapped("the plan uses " + ", ".join(map(str, figures.shares))), ""] if figures.shares else [""]
     lines += [*_residual(figures), *_energy(figures), *_unseen(figures)]
     lines += [line for failure in failures for line in wrapped(failure, "  ! ", "    ")]
     return "\n".join([*lines, f"{verdict} in {figures.seconds:.2g} s of processor time"])

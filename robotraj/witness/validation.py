@@ -8,13 +8,15 @@ from typing import TypedDict, TypeVar
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj.solution.reserves.shares import shares_of
 from robotraj.witness.checks import energy as energies
 from robotraj.witness.checks.clearance import clearance_of
 from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.self_collision import own_body_of
-from robotraj.witness.checks.violations import violations_of
+from robotraj.witness.checks.violations import FEW_SAMPLES, violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
+from robotraj.witness.contacts.foot_order import foot_orders_of
 from robotraj.witness.contacts.ground import swings_of
 from robotraj.witness.contacts.impact import impacts_of
 from robotraj.witness.contacts.slip_and_friction import holding_of
@@ -87,7 +89,7 @@ def validate(
     - distances of the exact shapes from obstacles and each other, by coal, for every ``CollisionFree``;
     - overlaps of the robot's own links as solids, unless the phase has ``self_collision=False``;
     - contact forces: those of the plan against those of the equations;
-    - the ground: feet that swing stay above it, and land from above;
+    - the ground: feet that swing stay above it, and land from above; left feet stay on the left of right ones;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
     - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
@@ -122,6 +124,7 @@ def validate(
     if samples_per_interval < 2:
         raise InputError(f"samples_per_interval is {samples_per_interval}; give 2 or more.")
     clock, samples = ProcessorClock(time_limit), samples_per_interval
+    few = min(FEW_SAMPLES, samples)
     skipped: list[str] = []
     unseen: list[str] = []
 
@@ -146,6 +149,8 @@ def validate(
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)
     impacts = within("impacts", lambda: impacts_of(solution), True)
+    orders = within("lateral order of the feet", lambda: foot_orders_of(solution, few, clock), True)
+    shares = within("shares of cone, sole, torque and speed", lambda: shares_of(phases), False)
     swings = within("swinging feet", lambda: swings_of(solution, samples, clock), True)
     followed = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
     residuals = within(
@@ -181,6 +186,8 @@ def validate(
         landings=() if drifted is None else drifted.landings,
         holdings=tuple(holdings or ()),
         impacts=tuple(impacts or ()),
+        foot_orders=tuple(orders or ()),
+        shares=tuple(shares or ()),
         swings=tuple(swings or ()),
         stiff=None if drifted is None else drifted.stiff,
         clearances=tuple(each for nearest, _ in distances for each in nearest),

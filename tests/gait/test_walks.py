@@ -15,7 +15,7 @@ import robotraj as rt
 from robotraj import gait
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.point_contact import PointContact
-from robotraj.gait.swing_clearance import SwingArc
+from robotraj.gait.bounds.swing_clearance import SwingArc
 
 
 def held(problem: rt.Problem) -> list[list[str]]:

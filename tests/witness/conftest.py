@@ -119,7 +119,14 @@ def limits_of(nv: int, **bounds: Any) -> SimpleNamespace:
         "acceleration": np.full(nv, INF),
         "effort": np.full(nv, INF),
     }
-    return SimpleNamespace(**{**given, **{k: np.asarray(v, dtype=float) for k, v in bounds.items()}})
+    known = {**given, **{k: np.asarray(v, dtype=float) for k, v in bounds.items()}}
+
+    def sides(quantity: str) -> tuple[Any, Any]:
+        if quantity == "position":
+            return known["position_lower"], known["position_upper"]
+        return -known[quantity], known[quantity]
+
+    return SimpleNamespace(**known, sides=sides)
 
 
 Curve = Callable[[Any, int], Any]

@@ -61,7 +61,7 @@ def has_field(contact: Contact, name: str) -> bool:
 class Contact(OneLine, ABC):
     """A constraint between the robot and the ground or another body. A new kind is one class and its bound form.
 
-    Guesses, diagnosis, gaits and replay read the two attributes below. A kind replaces them by fields or class
+    Guesses, diagnosis, gaits and replay read the attributes below. A kind replaces them by fields or class
     attributes.
 
     Attributes
@@ -70,10 +70,18 @@ class Contact(OneLine, ABC):
         The ground that carries the contact, the level one at z = 0 by default; None between bodies.
     friction : float
         Coefficient mu of the cone |f_t| <= mu f_n in which the force lies; infinite by default, without such a cone.
+    margin : float
+        Share of friction and sole that plans keep back, 0 to less than 1; 0 by default.
     """
 
     ground: Ground | GroundFunction | None = Flat()
     friction: float = inf
+    margin: float = 0.0
+
+    @property
+    def planned_friction(self) -> float:
+        """The coefficient of friction that plans use: (1 - margin) mu."""
+        return (1.0 - self.margin) * self.friction
 
     @property
     @abstractmethod
@@ -174,6 +182,10 @@ class BoundContact(OneLine, ABC):
         """Values of ``limit_rows``."""
         return []
 
+    def shares(self, point: FramePoint, forces: Sequence[float], anchors: Mapping[str, float]) -> dict[str, float]:
+        """Return how much of the ``"cone"`` and of the ``"sole"`` forces in numbers use; 1 is all, without a margin."""
+        return {}
+
     def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Values of ``footing_rows``, evaluated once per phase, since anchors are constant."""
         return []
@@ -241,6 +253,14 @@ def force_range(value: ArrayLike, what: str) -> tuple[float, float]:
             "the ground cannot pull."
         )
     return least, greatest
+
+
+def share_kept(value: object, what: str) -> float:
+    """Read the share of friction and sole that a plan keeps back, from 0 to less than 1."""
+    number = _number(value)
+    if not 0.0 <= number < 1.0:
+        raise InputError(f"The margin of {what} is {value!r}; give a share from 0 to less than 1.")
+    return number
 
 
 def keep(contact: Contact, **values: object) -> None:

@@ -23,12 +23,13 @@ from robotraj.dynamics.contacts.base import (
     keep,
     label_of,
     positive,
+    share_kept,
     spread,
 )
 from robotraj.dynamics.contacts.foot_axes import FootAxes, foot_axes, unit
 from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
-from robotraj.dynamics.contacts.point_contact import require_vertical
+from robotraj.dynamics.contacts.point_contact import cone_share, require_vertical
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.soles import PressureAndTorsion, Rectangle, Sole
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
@@ -77,6 +78,8 @@ class FlatFoot(Contact):
         Least and greatest f_n [N].
     offset : sequence of 3 float
         The sole's point in the frame's axes [m], (0, 0, -0.1) for a frame 0.1 m above the sole.
+    margin : float
+        Share of friction and sole that plans keep back, 0 to less than 1.
     normal, forward : sequence of 3 float, optional
         Up and forward axis of the foot in the frame's axes. Default: the frame's axes nearest the ground's normal
         and world x (the horizontal of the plane, in a plane) where the robot is neutral.
@@ -98,6 +101,7 @@ class FlatFoot(Contact):
     offset: Triple = (0.0, 0.0, 0.0)
     normal: Triple | None = None
     forward: Triple | None = None
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         what = f"FlatFoot {self.label!r}"
@@ -118,7 +122,7 @@ class FlatFoot(Contact):
             keep(self, forward=unit(self.forward, f"forward axis of {what}"))
         if self.normal is not None and self.forward is not None:
             foot_axes(np.eye(3), self.normal, self.normal, self.forward, what)
-        keep(self, ground=as_ground(self.ground))
+        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 
     @property
     def label(self) -> str:
@@ -236,14 +240,31 @@ class BoundFlatFoot(BoundFoothold):
 
     def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate normal force, friction, centre of pressure and torsion, in the foot's own axes."""
-        vector, friction = self.vector(forces), self.contact.friction
-        up = self.spot.axis(point, self.feet.up)
+        contact: FlatFoot = self.contact  # type: ignore[assignment]
+        shape = self.shape.scaled(1.0 - contact.margin)
+        friction = contact.planned_friction
         if len(self.about) == 1:
-            return self._planar(vector, up, friction)
-        axes = [self.spot.axis(point, self.feet.forward), self.spot.axis(point, self.feet.left), up]
-        force, moment = ([dot(part, axis) for axis in axes] for part in (vector[:3], vector[3:]))
-        sole: Sole = self.contact.sole  # type: ignore[attr-defined]
-        return [force[2], *sole.rows(friction, self.shape, force, moment)]
+            return self._planar(self.vector(forces), self.spot.axis(point, self.feet.up), friction, shape)
+        force, moment = self._in_axes(point, forces)
+        return [force[2], *contact.sole.rows(friction, shape, force, moment)]
+
+    def shares(self, point: FramePoint, forces: Sequence[float], anchors: Mapping[str, float]) -> dict[str, float]:
+        """Return the shares of the cone, and of the sole: the way of the centre of pressure to the nearest edge."""
+        if len(self.about) == 1:
+            vector, up = self.vector(forces), self.spot.axis(point, self.feet.up)
+            axis = spread([1.0], self.about)
+            force = [dot(vector[:3], cross(axis, up)), 0.0, dot(vector[:3], up)]
+            moment = [0.0, dot(vector[3:], axis), 0.0]
+        else:
+            force, moment = self._in_axes(point, forces)
+        cone = cone_share((force[2], force[:2]), self.contact.friction)
+        return {**cone, "sole": self.shape.share(float(force[2]), [float(part) for part in moment])}
+
+    def _in_axes(self, point: FramePoint, forces: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+        """Return force and moment along the forward, left and up axes of the foot."""
+        vector = self.vector(forces)
+        axes = [self.spot.axis(point, each) for each in (self.feet.forward, self.feet.left, self.feet.up)]
+        return [dot(vector[:3], axis) for axis in axes], [dot(vector[3:], axis) for axis in axes]
 
     def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the ground's foothold rows for the whole sole."""
@@ -279,13 +300,15 @@ class BoundFlatFoot(BoundFoothold):
         ahead = self.spot.axis(point, self.feet.forward)
         return add(scale(-dot(up, second), first), scale(dot(up, first), second), scale(dot(ahead, across), normal))
 
-    def _planar(self, vector: Sequence[Scalar], up: Sequence[Scalar], friction: float) -> list[Scalar]:
+    def _planar(
+        self, vector: Sequence[Scalar], up: Sequence[Scalar], friction: float, shape: Rectangle
+    ) -> list[Scalar]:
         """Rows of a foot in an upright plane: forward is along left x up, and left is out of the plane."""
         axis = spread([1.0], self.about)
         along, normal, moment = dot(vector[:3], cross(axis, up)), dot(vector[:3], up), dot(vector[3:], axis)
         reach = friction * normal
         # An upward force f at a distance c forward has the moment -c f about the axis to the left.
-        front, back = self.shape.front * normal + moment, self.shape.back * normal - moment
+        front, back = shape.front * normal + moment, shape.back * normal - moment
         return [normal, reach - along, reach + along, front, back]
 
     def _held(self, linear: Sequence[Scalar], angular: Sequence[Scalar]) -> list[Scalar]:

@@ -21,12 +21,13 @@ from robotraj.dynamics.contacts.base import (
     keep,
     label_of,
     positive,
+    share_kept,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
 from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
-from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point
+from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point, cone_share
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
@@ -67,6 +68,8 @@ class LineContact(FrictionContact):
         As for ``PointContact``.
     offset : sequence of 3 float
         Middle of the edge in the frame's axes [m], (0.1, 0, 0) for a toe 0.1 m ahead of the frame.
+    margin : float
+        Share of friction and edge that plans keep back, 0 to less than 1.
     direction : sequence of 3 float, optional
         l, to the foot's left, in the frame's axes. Default: the left axis that ``FlatFoot`` derives.
 
@@ -85,6 +88,7 @@ class LineContact(FrictionContact):
     normal_force: tuple[float, float] = (0.0, np.inf)
     offset: Triple = (0.0, 0.0, 0.0)
     direction: Triple | None = None
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         what = f"LineContact {self.label!r}"
@@ -99,7 +103,7 @@ class LineContact(FrictionContact):
         keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         if self.direction is not None:
             keep(self, direction=unit(self.direction, f"direction of {what}"))
-        keep(self, ground=as_ground(self.ground))
+        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 
     @property
     def label(self) -> str:
@@ -201,9 +205,19 @@ class BoundLineContact(BoundFoothold):
         moment = self._moment(point, forces)
         ahead, upward = self._heading_and_normal(anchors)
         tipping, twist = dot(moment, ahead), dot(moment, upward)
-        reach, grip = 0.5 * self.width * normal, 0.25 * self.width * float(contact.friction) * normal
-        friction = contact.cone.rows(float(contact.friction), normal, *tangential)
+        width, mu = (1.0 - contact.margin) * self.width, contact.planned_friction
+        reach, grip = 0.5 * width * normal, 0.25 * width * mu * normal
+        friction = contact.cone.rows(mu, normal, *tangential)
         return [normal, *friction, reach - tipping, reach + tipping, grip - twist, grip + twist]
+
+    def shares(self, point: FramePoint, forces: Sequence[float], anchors: Mapping[str, float]) -> dict[str, float]:
+        """Return the shares of the cone, and of half the edge by the centre of pressure."""
+        normal, tangential = self.where.components([forces[i] for i in range(3)], anchors)
+        ahead, _ = self._heading_and_normal(anchors)
+        tipping = abs(float(dot(self._moment(point, forces), ahead)))
+        reach = 0.5 * self.width * float(normal)
+        share = tipping / reach if reach > 0.0 else np.inf if tipping else 0.0
+        return {**cone_share((normal, tangential), self.contact.friction), "sole": share}
 
     def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the ground's foothold rows for the whole edge."""

@@ -22,6 +22,7 @@ from robotraj.dynamics.contacts.base import (
     keep,
     label_of,
     positive,
+    share_kept,
     spread,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
@@ -83,12 +84,14 @@ class PointContact(FrictionContact):
         Least and greatest f_n [N].
     offset : sequence of 3 float
         The point in the frame's axes [m].
+    margin : float
+        Share of the friction that plans keep back, 0 to less than 1: |f_t| <= (1 - margin) mu f_n.
 
     Raises
     ------
     InputError
-        The friction is not positive, the bounds of the normal force are crossed, or the ground or cone is of a wrong
-        type.
+        The friction is not positive, the bounds of the normal force are crossed, the margin is no share, or the ground
+        or cone is of a wrong type.
     """
 
     frame: str
@@ -98,6 +101,7 @@ class PointContact(FrictionContact):
     cone: FrictionCone = field(default_factory=SecondOrder)
     normal_force: tuple[float, float] = (0.0, np.inf)
     offset: Triple = (0.0, 0.0, 0.0)
+    margin: float = 0.0
 
     def __post_init__(self) -> None:
         what = f"PointContact {self.label!r}"
@@ -108,7 +112,7 @@ class PointContact(FrictionContact):
                 f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
             )
         keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
-        keep(self, ground=as_ground(self.ground))
+        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 
     @property
     def label(self) -> str:
@@ -197,6 +201,10 @@ class BoundPointContact(BoundFoothold):
         normal, tangential = self.where.components(self.vector(forces), anchors)
         return [normal, *friction_values(self.contact, normal, tangential)]
 
+    def shares(self, point: FramePoint, forces: Sequence[float], anchors: Mapping[str, float]) -> dict[str, float]:
+        """Return the share |f_t| / (mu f_n) of the cone."""
+        return cone_share(self.where.components(self.vector(forces), anchors), self.contact.friction)
+
     def footing(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate the ground's foothold rows."""
         return self.where.values(anchors)
@@ -214,9 +222,16 @@ class BoundPointContact(BoundFoothold):
 def friction_values(contact: FrictionContact, normal: Scalar, tangential: Sequence[Scalar]) -> list[Scalar]:
     """Friction rows for two tangents (the contact's cone), for one (two lines) or for none."""
     if len(tangential) == 2:
-        return contact.cone.rows(float(contact.friction), normal, *tangential)
-    reach = float(contact.friction) * normal
+        return contact.cone.rows(contact.planned_friction, normal, *tangential)
+    reach = contact.planned_friction * normal
     return [row for along in tangential for row in (reach - along, reach + along)]
+
+
+def cone_share(components: tuple[Scalar, Sequence[Scalar]], friction: float) -> dict[str, float]:
+    """Return the share of the cone that a normal force and tangential forces in numbers use."""
+    normal, tangential = components
+    size = float(np.linalg.norm([float(part) for part in tangential]))
+    return {"cone": size / (float(friction) * float(normal)) if normal > 0.0 else np.inf if size else 0.0}
 
 
 def friction_rows(contact: FrictionContact, tangents: int, name: str) -> tuple[Row, ...]:

@@ -33,6 +33,27 @@ class Rectangle:
     front: float
     half: float
 
+    def scaled(self, factor: float) -> Rectangle:
+        """Return the rectangle with all sides multiplied, about its middle."""
+        middle, length = 0.5 * (self.front - self.back), 0.5 * (self.front + self.back)
+        return Rectangle(factor * length - middle, factor * length + middle, factor * self.half)
+
+    def share(self, normal: float, moment: Sequence[float]) -> float:
+        """Return the way of the centre of pressure from the middle towards an edge, 1 at the edge.
+
+        Parameters
+        ----------
+        normal : float
+            Normal force [N].
+        moment : sequence of 3 float
+            About the axes forward, left and up, at the point at which the wrench acts [N m].
+        """
+        if normal <= 0.0:
+            return np.inf if np.any(moment[:2]) else 0.0
+        middle, length = 0.5 * (self.front - self.back), 0.5 * (self.front + self.back)
+        ahead, left = -moment[1] / normal - middle, moment[0] / normal
+        return max(abs(ahead) / length, abs(left) / self.half if self.half else 0.0)
+
 
 class Sole(OneLine, ABC):
     """Rows that are not negative for wrenches that the sole can transmit. A new model is one new class."""

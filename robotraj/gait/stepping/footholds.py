@@ -11,10 +11,15 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.bounds.margins import MARGIN, checked_margin, limits_with
+from robotraj.gait.bounds.own_sides import OwnSides
+from robotraj.gait.bounds.swing_clearance import through_ground
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import check_options, number, positive
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
@@ -23,25 +28,28 @@ from robotraj.gait.repetition import on_ground
 from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.gait.stepping.foothold_arcs import step_clearances
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.swing_clearance import through_ground
-from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, mean_ground, pendulum_time, standing
+from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
+from robotraj.robot.sides.foot_pairs import foot_pairs
 
 Array = NDArray[np.float64]
 
 LEVEL = Flat()
+OWN_SIDES = OwnSides()
 
 SWING, SUPPORT, SHIFT = 1.8, 0.4, 1.4
 """Default durations of a step, and of the supports by all feet between steps and at both ends, in sqrt(h / g)."""
 TILT = 0.6
 """Default bound of ``Upright``, to which a turn is added [rad]."""
 
+ROOM = 0.9
+"""Part of the distance of two footholds that feet keep to their own sides, in turns by large angles."""
 LEVELLING = 3
 """Number of Newton steps from a small roll to none."""
 
@@ -61,6 +69,8 @@ class StepOptions(TypedDict, total=False):
     objective: Objective | None
     upright: Upright | None
     ground: Ground | GroundFunction
+    sides: OwnSides | None
+    margin: float
 
 
 def steps(
@@ -76,6 +86,8 @@ def steps(
     objective: Objective | None = None,
     upright: Upright | None = None,
     ground: Ground | GroundFunction = LEVEL,
+    sides: OwnSides | None = OWN_SIDES,
+    margin: float = MARGIN,
 ) -> Problem:
     """Return a motion from rest to rest in which feet step onto given footholds, in the given order.
 
@@ -93,7 +105,7 @@ def steps(
     swing, support, shift : float
         Durations [s] of a step, of the support by all feet between steps (0 for none), and of that at both ends. By
         default 1.8, 0.4 and 1.4 times sqrt(h / g), with h the height of the centre of mass in the first configuration.
-    feet, contact, objective, ground
+    feet, contact, objective, ground, sides, margin
         As for ``rt.gait.walk``.
     clearance : float or None
         Height [m] of a swinging foot halfway between its footholds; 0 keeps it above the ground, None adds no row.
@@ -140,7 +152,7 @@ def steps(
         if k + 1 < len(footholds) and support > 0.0:
             supports.append(Support(names, support, f"support {k + 1}"))
     supports.append(Support(names, shift, "stop"))
-    terms = GaitTerms(kind, None, objective, None, ground)
+    terms = GaitTerms(kind, None, objective, None, ground, None, margin)
     problem = sequence(robot, supports, terms, None, State(q=first, v=0.0), State(q=last, v=0.0))
     # The root's height above an edge of the ground would be discontinuous, so it is measured from the feet's level.
     levels = [mean_ground(stance, place) for place in places]
@@ -149,18 +161,24 @@ def steps(
         replace(
             phase,
             states={**bounds.states(robot), **phase.states},
-            constraints=bounds.constraints(robot, first, Flat(levels[0]), _span(levels, k)),
+            constraints=[
+                *bounds.constraints(robot, first, Flat(levels[0]), _span(levels, k)),
+                *limits_with(robot, checked_margin(margin)),
+            ],
         )
         for phase, k in zip(problem.phases, begun, strict=True)
     ]
     for i, k in swings:
         begin = sum(float(cast(float, support.duration)) for support in supports[:i])
         ends, air = (places[k], places[k + 1]), (begin, begin + swing)
-        rows = (
+        rows: list[Constraint] = (
             [through_ground([contacts[f] for f in footholds[k]])]
             if clearance is None
             else [row for f in footholds[k] for row in step_clearances(contacts[f], *ends, air, clearance, ground)]
         )
+        if sides is not None:
+            room = _room(robot, contacts, first, ends)
+            rows += sides.constraints(robot, contacts, first, supports[i].feet, room)
         phases[i] = replace(phases[i], constraints=[*phases[i].constraints, *rows])
         # The end of the motion fixes the last foothold of every foot; those before it are fixed where the feet land.
         later = {foot for step in footholds[k + 1 :] for foot in step}
@@ -168,6 +186,15 @@ def steps(
         fixed = {**phases[i + 1].parameters} | {name: places[k + 1][name] for name in landed}
         phases[i + 1] = replace(phases[i + 1], parameters={**phases[i + 1].parameters, **fixed})
     return replace(problem, phases=phases)
+
+
+def _room(
+    robot: Robot, contacts: Mapping[str, BoundContact], first: Array, ends: Sequence[Mapping[str, float]]
+) -> float:
+    """Return the distance [m] of left and right feet that the footholds before and after a step allow."""
+    names = [[contacts[foot].name for foot in pair[:2]] for pair in foot_pairs(robot, list(contacts), first)]
+    apart = [[place[f"{a}.{axis}"] - place[f"{b}.{axis}"] for axis in "xy"] for a, b in names for place in ends]
+    return ROOM * float(np.min(np.linalg.norm(apart, axis=1))) if apart else np.inf
 
 
 def _span(levels: Sequence[float], k: int) -> tuple[float, float]:

@@ -16,17 +16,19 @@ from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.bounds.own_sides import LateralDistance, OwnSides
+from robotraj.gait.bounds.swing_clearance import partners_of
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import positive
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.standing import FOOT_TOLERANCE, stand
 from robotraj.gait.stepping.capture import capture_point, caught
 from robotraj.gait.stepping.footholds import SHIFT
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.swing_clearance import partners_of
-from robotraj.gait.upright import Upright
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time
 from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.objectives.base import Objective
@@ -231,7 +233,14 @@ class JoinedGait:
         own = self.gait.phases[0].phase.objective if objective is None else objective
         if clearance == 0.0 and not self._clears_ground:
             clearance = None
-        return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact))
+        sides, margin = OwnSides() if self._keeps_sides else None, self.contact.margin
+        return GaitTerms(self.contact, clearance, own, upright, _ground(self.contact), sides, margin)
+
+    @property
+    def _keeps_sides(self) -> bool:
+        """Whether feet of the gait keep to their own sides; legs of others may cross in the motions joined to it."""
+        rows = [row for part in self.gait.phases for row in part.phase.constraints if isinstance(row, PathConstraint)]
+        return any(isinstance(row.expression, LateralDistance) for row in rows)
 
     @property
     def _clears_ground(self) -> bool:

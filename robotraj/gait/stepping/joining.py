@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.stepping.joined_gait import PlannedGait, joined_gait
 from robotraj.gait.supports import Support
-from robotraj.gait.upright import Upright
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State

@@ -38,7 +38,7 @@ def stairs(
     rise: float,
     count: int,
     step_length: float | None = None,
-    margin: float | None = None,
+    edge_distance: float | None = None,
     **options: Unpack[StepOptions],
 ) -> Problem:
     """Return a walk over equal stairs along x from rest to rest, downwards if the rise is negative.
@@ -58,7 +58,7 @@ def stairs(
         Number of stairs.
     step_length : float, optional
         Displacement of the root in a step [m]; by default ``run``.
-    margin : float, optional
+    edge_distance : float, optional
         Least distance of feet from edges [m]; by default 3 percent of the robot's reach, the farthest that its
         masses can be from its first joint.
     **options
@@ -74,7 +74,7 @@ def stairs(
         raise InputError(f"rt.gait.stairs(count) is {count!r}; give at least 1 stair.")
     ground = Steps.stairs(start, run, rise, count, RAMP * reach(robot.model))
     treads = [(low, high) for low, high, _ in ground.treads]
-    return _over(robot, ground, treads, run if step_length is None else step_length, margin, "stairs", options)
+    return _over(robot, ground, treads, run if step_length is None else step_length, edge_distance, "stairs", options)
 
 
 def gap(
@@ -83,7 +83,7 @@ def gap(
     start: float,
     width: float,
     step_length: float,
-    margin: float | None = None,
+    edge_distance: float | None = None,
     **options: Unpack[StepOptions],
 ) -> Problem:
     """Return a walk on level ground across a gap along x, from rest to rest; no foot stands in the gap.
@@ -96,7 +96,7 @@ def gap(
     robot : Robot
     start, width : float
         World x of the first edge, and distance of the edges [m].
-    step_length, margin, **options
+    step_length, edge_distance, **options
         As for ``stairs``.
 
     Raises
@@ -109,7 +109,7 @@ def gap(
         raise InputError(f"rt.gait.gap(width) is {width!r}; give a positive length [m].")
     first = number(start, "rt.gait.gap(start)")
     sides = [(-np.inf, first), (first + width, np.inf)]
-    return _over(robot, LEVEL, sides, step_length, margin, "gap", options)
+    return _over(robot, LEVEL, sides, step_length, edge_distance, "gap", options)
 
 
 def _over(
@@ -117,7 +117,7 @@ def _over(
     ground: Ground,
     treads: Sequence[tuple[float, float]],
     step_length: float,
-    margin: float | None,
+    edge_distance: float | None,
     what: str,
     options: StepOptions,
 ) -> Problem:
@@ -125,7 +125,9 @@ def _over(
     length = number(step_length, f"rt.gait.{what}(step_length)")
     if not length > 0.0:
         raise InputError(f"rt.gait.{what}(step_length) is {step_length!r}; give a positive length [m].")
-    margin = SAFE * reach(robot.model) if margin is None else number(margin, f"rt.gait.{what}(margin)")
+    away = (
+        SAFE * reach(robot.model) if edge_distance is None else number(edge_distance, f"rt.gait.{what}(edge_distance)")
+    )
     if "ground" in options:
         raise InputError(f"rt.gait.{what} sets its own ground; omit ground=, or use rt.gait.steps.")
     options = {**options, "ground": ground}
@@ -133,16 +135,16 @@ def _over(
     kind = on_ground(options.get("contact", PointContact), ground)
     extents = {foot: _extent(foot_contact(kind, foot).bound_to(robot)) for foot in home}
     shortest = min(high - low for low, high in treads)
-    if shortest < max(sum(each) for each in extents.values()) + 2.0 * margin:
+    if shortest < max(sum(each) for each in extents.values()) + 2.0 * away:
         raise InputError(
-            f"rt.gait.{what}: the shortest level tread is {shortest:.3g} m, too short for a foot and its margin of "
-            f"{margin:.3g} m. Decrease margin= or the size of the foot."
+            f"rt.gait.{what}: the shortest level tread is {shortest:.3g} m, too short for a foot and its distance of "
+            f"{away:.3g} m. Decrease edge_distance= or the size of the foot."
         )
 
     def landing(foot: str, x: float) -> float:
         """Return the place nearest to x where the whole foot lies on a tread."""
         back, front = extents[foot]
-        inside = [float(np.clip(x, low + margin + back, high - margin - front)) for low, high in treads]
+        inside = [float(np.clip(x, low + away + back, high - away - front)) for low, high in treads]
         return min(inside, key=lambda place: abs(place - x))
 
     offs = {foot: float(place[0]) - landing(foot, float(place[0])) for foot, place in home.items()}
@@ -152,9 +154,9 @@ def _over(
         advice = f"Increase start= by {offs[foot]:.3g} m" if offs[foot] > 0.0 else "Decrease start="
         raise InputError(
             f"rt.gait.{what}: at the beginning {foot!r} covers x = {ends[0]:.3g} to {ends[1]:.3g} m, less than "
-            f"{margin:.3g} m from an edge. {advice}, or decrease margin=."
+            f"{away:.3g} m from an edge. {advice}, or decrease edge_distance=."
         )
-    rear = min(home[foot][0] - margin - extents[foot][0] for foot in home)
+    rear = min(home[foot][0] - away - extents[foot][0] for foot in home)
     count = max(int(np.ceil((treads[-1][0] - rear) / length - 1e-9)), 1)
     places = {foot: float(spot[0]) for foot, spot in home.items()}
     written: list[Step] = []

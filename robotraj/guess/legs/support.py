@@ -82,7 +82,7 @@ def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float
     own[axes.index("z")] = up
     along = [i for i, axis in enumerate(axes) if axis in "xy"]
     size = np.linalg.norm(own[along])
-    allowed = INSIDE * contact.contact.friction * up
+    allowed = INSIDE * contact.contact.planned_friction * up
     if size > allowed:
         own[along] *= allowed / size
     about = [i for i, axis in enumerate(axes) if axis.startswith("m")]

@@ -36,11 +36,12 @@ from robotraj.dynamics.terrain.height_map import HeightMap
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
 from robotraj.dynamics.variable import Variable
+from robotraj.gait.bounds.own_sides import LateralDistance, OwnSides
+from robotraj.gait.bounds.swing_clearance import SwingArc
+from robotraj.gait.bounds.upright import RootHeight, Upright
 from robotraj.gait.posture import FixedPosture, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
 from robotraj.gait.stepping.foothold_arcs import FootholdArc, TimedArc
-from robotraj.gait.swing_clearance import SwingArc
-from robotraj.gait.upright import RootHeight, Upright
 from robotraj.native.engines.base import VirtualMachine
 from robotraj.native.engines.compiled import Compiled
 from robotraj.native.engines.native import Native
@@ -139,6 +140,7 @@ OF_PROBLEMS: Mapping[str, type] = {
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
         DurationRatio, SwingArc, FootholdArc, TimedArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
+        OwnSides, LateralDistance,
         # settings
         Goals, Restarts, VirtualMachine, Compiled, Native, InteriorPoint, Ipopt, BernsteinBounds,
         ConstraintGeneration, Equidistribute, RaiseOrder, SplitOrRaise, SplitAndMerge, Mesh, MovingMesh,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robotraj.witness.contacts.failures import Allowed
+from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding, part_of
@@ -72,6 +73,17 @@ def _differences(holdings: Sequence[Holding]) -> list[str]:
     if shared:
         lines += wrapped(f"forces that the equations do not determine alone, as planned: {', '.join(shared)}")
     return lines
+
+
+def order_lines(orders: Sequence[FootOrder]) -> list[str]:
+    """Return the pair of feet that comes nearest to crossing."""
+    if not orders:
+        return []
+    low = min(orders, key=lambda order: order.distance)
+    return wrapped(
+        f"left and right feet are {low.distance:.3g} m apart at least, {low.neutral:.3g} m in the neutral "
+        f"configuration ({low.first}, {low.second}, t = {low.time:.4g} s)"
+    )
 
 
 def swing_lines(swings: Sequence[SwingingFoot]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding, part_of
@@ -56,6 +57,17 @@ def swing_failures(swings: Sequence[SwingingFoot], allowed: float | None) -> lis
     return [
         f"Foot {worst.frame!r} is below the ground while it swings: by {worst.depth:.3g} m at t = {worst.time:.4g} s "
         f"{where}. Use a finer mesh, or rt.GroundClearance({worst.frame!r}, None) for a foot that may pass through it."
+    ]
+
+
+def crossed_legs(orders: Sequence[FootOrder]) -> list[str]:
+    """Return a sentence about the feet that are furthest on each other's side."""
+    worst = min(orders, key=lambda order: order.distance, default=None)
+    if worst is None or worst.distance > 0.0:
+        return []
+    return [
+        f"Legs cross: {worst.first!r} is {-worst.distance:.3g} m on the side of {worst.second!r} at t = "
+        f"{worst.time:.4g} s in phase {worst.phase!r}. Plan with sides=rt.gait.OwnSides(), the default of gaits."
     ]
 
 

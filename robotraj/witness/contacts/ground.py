@@ -65,7 +65,7 @@ class SwingingFoot(OneLine):
     free: bool
 
 
-class _Spot(NamedTuple):
+class FootPoint(NamedTuple):
     """A point of a frame that touches a ground in some phase."""
 
     frame: str
@@ -77,7 +77,7 @@ def swings_of(
     solution: SolutionLike, samples: int, clock: Callable[[], None] = lambda: None
 ) -> tuple[SwingingFoot, ...]:
     """Follow every foot through the phases that do not hold it, at ``samples`` points of every interval."""
-    feet = _feet(solution)
+    feet = feet_of_plan(solution)
     found: list[SwingingFoot] = []
     for index, planned in enumerate(solution.phases):
         held = {(spot.frame, spot.offset) for contact in planned.phase.bound_contacts for spot in _spots(contact)}
@@ -87,13 +87,13 @@ def swings_of(
     return tuple(found)
 
 
-def _feet(solution: SolutionLike) -> list[_Spot]:
-    """Return the points of the feet of all phases, and of their mirror images."""
+def feet_of_plan(solution: SolutionLike) -> list[FootPoint]:
+    """Return the points of the feet of all phases, and of their mirror images, in the order of the phases."""
     both: dict[str, str] = {}
     for link in getattr(solution.problem, "links", ()):
         repeat = getattr(link, "repeat", link)
         both |= repeat.partner_of if isinstance(repeat, Mirror) else {}
-    spots: dict[_Spot, None] = {}
+    spots: dict[FootPoint, None] = {}
     for planned in solution.phases:
         robot = planned.phase.robot
         for contact in planned.phase.bound_contacts:
@@ -104,12 +104,12 @@ def _feet(solution: SolutionLike) -> list[_Spot]:
     return list(spots)
 
 
-def _spots(contact: BoundContact) -> list[_Spot]:
+def _spots(contact: BoundContact) -> list[FootPoint]:
     """Return the points of a contact with a ground."""
     ground = contact.contact.ground
     if ground is None:
         return []
-    return [_Spot(frame, offset, as_ground(ground)) for frame, offset in contact.outline()]
+    return [FootPoint(frame, offset, as_ground(ground)) for frame, offset in contact.outline()]
 
 
 def _landing(solution: SolutionLike, index: int) -> set[str]:
@@ -125,7 +125,7 @@ def _landing(solution: SolutionLike, index: int) -> set[str]:
 
 
 def _followed(
-    planned: PhaseSolutionLike, spots: Sequence[_Spot], landing: set[str], samples: int, clock: Callable[[], None]
+    planned: PhaseSolutionLike, spots: Sequence[FootPoint], landing: set[str], samples: int, clock: Callable[[], None]
 ) -> list[SwingingFoot]:
     """Return the swing of each frame in one phase."""
     robot = realised(planned)
@@ -158,7 +158,7 @@ def _followed(
     return swings
 
 
-def _passing(planned: PhaseSolutionLike, robot: Robot, spots: Sequence[_Spot]) -> set[str]:
+def _passing(planned: PhaseSolutionLike, robot: Robot, spots: Sequence[FootPoint]) -> set[str]:
     """Return the frames that may pass through the ground: by a constraint, or because their legs cannot be bent."""
     phase = planned.phase
     rows = [each for each in phase.constraints if isinstance(each, GroundClearance) and each.height is None]
@@ -167,7 +167,7 @@ def _passing(planned: PhaseSolutionLike, robot: Robot, spots: Sequence[_Spot]) -
     return allowed | stiff
 
 
-def _rise(planned: PhaseSolutionLike, spots: Sequence[_Spot]) -> float:
+def _rise(planned: PhaseSolutionLike, spots: Sequence[FootPoint]) -> float:
     """Return the largest speed of points along the ground's normal at the end of a phase, 0 if they come down."""
     robot = realised(planned)
     model, data = robot.model, robot.model.createData()

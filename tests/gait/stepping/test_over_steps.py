@@ -53,7 +53,7 @@ def test_the_root_is_bounded_above_the_feet_and_not_above_the_riser_below_it(bip
 
 def test_no_foot_stands_near_an_edge(solo: rt.Robot) -> None:
     start, width, margin = 0.25, 0.06, 0.02
-    problem = rt.gait.gap(solo, start=start, width=width, step_length=0.08, margin=margin, **PAW)
+    problem = rt.gait.gap(solo, start=start, width=width, step_length=0.08, edge_distance=margin, **PAW)
     feet = rt.gait.feet_of(solo, None)
     places = np.array([x for foot in feet for x in footholds(problem, foot)])
     assert len(places) > 4

@@ -24,7 +24,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.planning.diagnosis.exclusions.slipping import PRESERVING
+from robotraj.planning.diagnosis.exclusions.slipping import PRESERVING, margin_text
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -50,15 +50,15 @@ def slipping_motions(problem: Problem) -> tuple[Conflict, ...]:
     if not frictions or None in frictions or begin is None or end is None:
         return ()
     most, level = _reaches(robot, phases, begin, end)
-    given = max(friction for friction in frictions if friction is not None)
+    given, kept = max(friction for friction in frictions if friction is not None)
     length = float(np.linalg.norm(end[:2] - begin[:2]))
-    if not np.isfinite(most) or length <= given * most or not level > 0.0:
+    if not np.isfinite(most) or length <= kept * given * most or not level > 0.0:
         return ()
-    needed = with_room(given, length / level)
+    needed = with_room(given, length / level / kept)
     total = sum(phase.duration_bounds[1] for phase in phases)
     pushing = next(phase for phase in phases if phase.bound_contacts)
     name = f"friction cone, {pushing.bound_contacts[0].name}"
-    reason = f"the centre of mass moves {length:.3g} m from rest to rest in {total:.3g} s"
+    reason = f"the centre of mass moves {length:.3g} m from rest to rest in {total:.3g} s{margin_text(kept)}"
     return (Conflict(pushing.name, name, 0.0, given, needed, "", (needed - given) / given, True, reason, True),)
 
 
@@ -85,12 +85,16 @@ def _follow(problem: Problem) -> bool:
     return all(pair in joined for pair in pairwise(range(len(problem.phases))))
 
 
-def _friction(phase: Phase) -> float | None:
-    """Return the largest friction of the contacts of a phase; None unless all stand on level ground."""
+def _friction(phase: Phase) -> tuple[float, float] | None:
+    """Return the largest friction of the contacts of a phase, and the share of it that plans use.
+
+    None unless all stand on level ground.
+    """
     contacts = [bound.contact for bound in phase.bound_contacts]
     if not all(isinstance(contact.ground, Flat) for contact in contacts):
         return None
-    return max(contact.friction for contact in contacts)
+    slippery = max(contacts, key=lambda each: each.planned_friction)
+    return slippery.friction, 1.0 - slippery.margin
 
 
 def _place_at_rest(robot: Robot, phase: Phase, end: Where) -> Array | None:

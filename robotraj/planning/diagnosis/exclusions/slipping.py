@@ -32,23 +32,30 @@ def slipping_contacts(problem: Problem) -> tuple[Conflict, ...]:
     slopes = {None if stand is None else stand[0] for stand in stands}
     if len(slopes) != 1 or None in slopes or not _ends_as_fast_as_it_began(problem):
         return ()
-    given = max(stand[1] for stand in stands if stand is not None)
+    given, kept = max((stand[1:] for stand in stands if stand is not None), key=lambda each: each[0] * each[1])
     planar = any(phase.robot is not None and phase.robot.root == "planar" for phase in problem.phases)
     (slope,) = slopes
     assert slope is not None
-    needed = abs(slope[0]) if planar else float(np.hypot(*slope))
+    needed = (abs(slope[0]) if planar else float(np.hypot(*slope))) / kept
     if needed <= given:
         return ()
     first = next(phase for phase in problem.phases if phase.bound_contacts)
     name = f"friction cone, {first.bound_contacts[0].name}"
-    reason = "the slope of the ground, on which all contacts stand"
+    reason = f"the slope of the ground, on which all contacts stand{margin_text(kept)}"
     return (Conflict(first.name, name, 0.0, given, needed, "", (needed - given) / given, True, reason, True),)
 
 
-def _stand(contact: Contact) -> tuple[tuple[float, float], float] | None:
-    """Return the slopes of the plane on which a contact stands, and its friction; None for other contacts."""
+def margin_text(kept: float) -> str:
+    """Return the margin of contacts for a reason; empty without one."""
+    return f", with a margin of {100.0 * (1.0 - kept):.3g} %" if kept < 1.0 else ""
+
+
+def _stand(contact: Contact) -> tuple[tuple[float, float], float, float] | None:
+    """Return the slopes of the plane on which a contact stands, its friction and the used share; None for others."""
     ground = contact.ground
-    return ((float(ground.slope_x), float(ground.slope_y)), contact.friction) if isinstance(ground, Slope) else None
+    if not isinstance(ground, Slope):
+        return None
+    return (float(ground.slope_x), float(ground.slope_y)), contact.friction, 1.0 - contact.margin
 
 
 def _ends_as_fast_as_it_began(problem: Problem) -> bool:

@@ -19,7 +19,8 @@ def solo() -> rt.Robot:
 
 
 def leap(robot: rt.Robot, length: float, friction: float, **options: object) -> rt.Problem:
-    return rt.gait.jump(robot, length=length, contact=partial(rt.PointContact, friction=friction), **options)
+    contact = partial(rt.PointContact, friction=friction)
+    return rt.gait.jump(robot, length=length, contact=contact, **{"margin": 0.0, **options})
 
 
 def test_a_jump_on_ice_names_the_friction_that_it_needs_without_an_iteration(solo: rt.Robot) -> None:
@@ -48,6 +49,12 @@ def test_the_needed_friction_of_a_jump_is_that_of_the_derivation(solo: rt.Robot)
     (conflict,) = slipping_motions(leap(solo, 1.0, 0.01, **times))
     least = 1.0 / (0.5 * 9.81 * (0.3**2 + 0.5**2))
     assert conflict.certain and conflict.needed == pytest.approx(1.015 * least, rel=1e-3)
+
+
+def test_a_margin_needs_more_friction(solo: rt.Robot) -> None:
+    (all_of_it,) = slipping_motions(leap(solo, 0.3, 0.02))
+    (part,) = slipping_motions(leap(solo, 0.3, 0.02, margin=0.2))
+    assert part.needed == pytest.approx(all_of_it.needed / 0.8, rel=1e-2)
 
 
 def pushed(robot: rt.Robot, friction: float, duration: object = 0.2) -> rt.Problem:

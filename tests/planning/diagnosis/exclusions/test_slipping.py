@@ -17,8 +17,9 @@ def solo() -> rt.Robot:
 
 def trot(robot: rt.Robot, slopes: tuple[float, float], friction: float, **options: object) -> rt.Problem:
     contact = partial(rt.PointContact, friction=friction)
+    more = {"margin": 0.0, **options}
     return rt.gait.trot(
-        robot, step_length=0.05, duration=0.2, contact=contact, ground=rt.terrain.Slope(*slopes), **options
+        robot, step_length=0.05, duration=0.2, contact=contact, ground=rt.terrain.Slope(*slopes), **more
     )
 
 
@@ -36,6 +37,11 @@ def test_the_needed_friction_is_the_steepest_slope(
 ) -> None:
     (conflict,) = slipping_contacts(trot(solo, slopes, friction))
     assert conflict.needed == pytest.approx(needed) and conflict.bound == friction and conflict.certain
+
+
+def test_a_margin_needs_more_friction_than_the_slope(solo: rt.Robot) -> None:
+    (conflict,) = slipping_contacts(trot(solo, (0.5, 0.0), 0.52, margin=0.1))
+    assert conflict.needed == pytest.approx(0.5 / 0.9) and "margin of 10 %" in str(conflict)
 
 
 def test_gentle_slopes_and_other_grounds_are_not_named(solo: rt.Robot) -> None:

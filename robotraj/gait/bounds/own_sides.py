@@ -1,0 +1,113 @@
+"""Feet keep to their own sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.variable import Scalar
+from robotraj.gait.bounds.upright import root_link
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.path import PathConstraint
+from robotraj.robot.robot import Robot
+from robotraj.robot.sides.foot_pairs import foot_pairs
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class OwnSides(OneLine):
+    """The left foot stays on the left of the right one, seen from the root, in every phase of a gait.
+
+    For a left foot l and a right foot r the row is  e . (p_l - p_r) >= w  with the root's axis e from right to left,
+    of which only the horizontal part counts. w is the width of the soles and a share of the gap between them in the
+    standing configuration. Without the row an optimal biped crosses its legs, which are bodies, to put its feet below
+    its centre of mass. ``sides=None`` of the gait functions omits it.
+
+    Parameters
+    ----------
+    share : float
+        Share of the gap between both soles that remains, from 0 to 1.
+    """
+
+    share: float = 0.5
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.share <= 1.0:
+            raise InputError(f"{self!r} is invalid: share is a part of the gap between the feet, from 0 to 1.")
+
+    def constraints(
+        self,
+        robot: Robot,
+        contacts: Mapping[str, BoundContact],
+        standing: Array,
+        held: Sequence[str],
+        most: float = np.inf,
+    ) -> list[Constraint]:
+        """Return one row for each pair of feet of which not both are held, for ``rt.Phase(constraints=...)``.
+
+        Parameters
+        ----------
+        robot : Robot
+        contacts : mapping of str to BoundContact
+            Contacts of all feet, by frame.
+        standing : ndarray (nq,)
+            Standing configuration.
+        held : sequence of str
+            Frames that the phase holds.
+        most : float
+            Greatest distance that the footholds of the phase allow [m].
+        """
+        rows: list[Constraint] = []
+        for pair in foot_pairs(robot, list(contacts), standing):
+            if pair.first in held and pair.second in held:
+                continue
+            soles = min(sum(_half_width(contacts[foot]) for foot in pair[:2]), pair.distance)
+            width = min(soles + self.share * (pair.distance - soles), most)
+            if width > 0.0:
+                distance = LateralDistance(pair.first, pair.second, root_link(robot), pair.across)
+                rows.append(PathConstraint(distance, lower=width, name="own sides", unit="m"))
+        return rows
+
+
+@dataclass(frozen=True)
+class LateralDistance:
+    """Distance [m] of a foot from another one along a horizontal axis of the root, as an expression of a point.
+
+    Attributes
+    ----------
+    first, second : str
+        Frames of the feet.
+    root : str
+        Frame of the root link.
+    across : tuple of 3 float
+        The axis from the second foot to the first one, in the axes of the root.
+    """
+
+    first: str
+    second: str
+    root: str
+    across: tuple[float, float, float]
+
+    def __call__(self, point: RobotPoint) -> Scalar:
+        """Evaluate (R e) . (p_first - p_second), horizontal parts only."""
+        turn = point.frame(self.root).rotation
+        first, second = (point.frame(name).position for name in (self.first, self.second))
+        axis = [sum(turn[i, k] * part for k, part in enumerate(self.across) if part) for i in range(2)]
+        return sum(axis[i] * (first[i] - second[i]) for i in range(2))
+
+
+def _half_width(contact: BoundContact) -> float:
+    """Return half the width of a sole [m], 0 for a point."""
+    corners = np.array([offset for _, offset in contact.outline()])
+    if len(corners) < 4:
+        return 0.0
+    sides = sorted(float(np.linalg.norm(corners[k] - corners[0])) for k in range(1, len(corners)))
+    return 0.5 * sides[0]

@@ -1,0 +1,68 @@
+"""Whether a robot follows a plan under ``solution.gains`` in MuJoCo, judged where it is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+
+from robotraj._util.errors import InputError
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.witness.mujoco.following import second_opinion
+from robotraj.witness.mujoco.report import SecondOpinion
+from robotraj.witness.protocols import SolutionLike
+
+
+@dataclass(frozen=True)
+class Followed(OneLine):
+    """How a robot followed a plan in MuJoCo.
+
+    Attributes
+    ----------
+    holds : bool or None
+        Whether it completed all periods without a fall; None where this was not judged.
+    reason : str
+        Why it failed, or why it was not judged; empty where it holds.
+    opinion : SecondOpinion or None
+        The simulation, with deviation, slip and the share of time at an effort limit.
+    """
+
+    holds: bool | None
+    reason: str = ""
+    opinion: SecondOpinion | None = None
+
+    def __str__(self) -> str:
+        if self.holds is None:
+            return f"followed: not judged, {self.reason}"
+        if self.opinion is None or not self.holds:
+            return f"followed: fails, {self.reason}"
+        worst = self.opinion.deviation.worst
+        return (
+            f"followed: holds, {self.opinion.periods} periods, deviation at most {worst.largest:.2g} {worst.unit} "
+            f"({worst.name}), at an effort limit {100 * self.opinion.saturated:.1f} % of the time"
+        )
+
+
+def followed(solution: SolutionLike, periods: int | None = None) -> Followed:
+    """Let MuJoCo's robot follow a plan under ``solution.gains``, on soft ground and with all limits of its motors.
+
+    Parameters
+    ----------
+    solution : Solution
+    periods : int, optional
+        As of ``second_opinion``: three of a plan that repeats, else one.
+
+    Returns
+    -------
+    Followed
+        Not judged where MuJoCo is not installed, the plan moves a System, or it has no gains.
+    """
+    if importlib.util.find_spec("mujoco") is None:
+        return Followed(None, "MuJoCo is not installed: pip install 'robotraj[mujoco]'")
+    try:
+        opinion = second_opinion(solution, periods)
+    except InputError as error:
+        return Followed(None, str(error))
+    if opinion.completed:
+        return Followed(True, "", opinion)
+    fell = f"it falls at t = {opinion.fell:.4g} s" if opinion.fell is not None else ""
+    return Followed(False, opinion.failure or fell, opinion)

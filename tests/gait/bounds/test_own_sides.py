@@ -1,0 +1,94 @@
+"""Feet keep to their own sides by default, and the witness notices legs that cross."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.robot.sides.foot_pairs import foot_pairs
+
+FEET = ("FL_FOOT", "FR_FOOT")
+
+
+@pytest.fixture(scope="module")
+def bolt() -> rt.Robot:
+    return rt.load("bolt", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
+
+
+def step(bolt: rt.Robot, **more: Any) -> rt.Solution:
+    foot = partial(rt.PointContact, friction=0.6)
+    problem = rt.gait.walk(bolt, feet=FEET, contact=foot, step_length=0.06, duration=0.2, clearance=0.03, **more)
+    return rt.plan(problem, progress=False)
+
+
+def lateral(solution: rt.Solution) -> np.ndarray:
+    """The left foot's y minus the right one's along a plan [m]."""
+    robot = solution.phases[0].phase.robot
+    places = []
+    for t in np.linspace(0.0, solution.duration, 80):
+        s = solution.at(float(t))
+        point = rt.witness.NumericPoint(robot, t, s.q, s.v, s.a, s.tau)
+        places.append(point.frame(FEET[0]).position[1] - point.frame(FEET[1]).position[1])
+    return np.array(places)
+
+
+def test_the_default_walk_keeps_the_left_foot_on_the_left(bolt: rt.Robot) -> None:
+    solution = step(bolt)
+    assert solution.proof.holds and lateral(solution).min() > 0.02
+    report = rt.validate(solution)
+    assert report.passed
+    assert 0.024 < min(order.distance for order in report.foot_orders) < 0.03
+
+
+def test_crossed_legs_are_noticed(bolt: rt.Robot) -> None:
+    solution = step(bolt, sides=None)
+    assert lateral(solution).max() < 0.0
+    report = rt.validate(solution)
+    assert not report.passed
+    assert any(sentence.startswith("Legs cross: ") for sentence in report.failures(report.tolerances))
+
+
+def widths(problem: rt.Problem) -> list[float]:
+    return [row.lower for phase in problem.phases for row in phase.rows if row.name == "own sides"]
+
+
+def test_the_width_is_that_of_the_soles_and_a_share_of_the_gap_between_them() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    feet = ("left_sole_link", "right_sole_link")
+    sole = rt.FlatFoot(feet[0], length=0.2, width=0.1)
+    posture = rt.gait.stand(robot, feet, sole)
+    (pair,) = foot_pairs(robot, feet, posture)
+    assert pair.distance == pytest.approx(0.17, abs=1e-3)
+    make = partial(rt.gait.walk, robot, step_length=0.2, duration=0.8, feet=feet, contact=sole, repeat=rt.Periodic())
+    for share in (0.0, 0.5, 1.0):
+        (width, again) = widths(make(sides=rt.gait.OwnSides(share)))
+        assert width == again == pytest.approx(0.1 + share * (pair.distance - 0.1))
+    assert not widths(make(sides=None))
+
+
+def test_quadrupeds_have_two_pairs_and_planar_robots_none() -> None:
+    solo = rt.load("solo12", root="floating")
+    assert len(widths(rt.gait.trot(solo, step_length=0.05, duration=0.2))) == 2
+    assert not widths(rt.gait.walk(rt.load("five_link", root="planar"), step_length=0.4, duration=0.6))
+
+
+def test_phases_that_hold_both_feet_have_no_row(bolt: rt.Robot) -> None:
+    problem = rt.gait.jump(bolt, feet=FEET)
+    named = [phase.name for phase in problem.phases if any(row.name == "own sides" for row in phase.rows)]
+    assert named == ["flight"]
+
+
+@pytest.mark.parametrize("angle", [0.5, 2.8])
+def test_the_footholds_of_a_turn_satisfy_the_row(bolt: rt.Robot, angle: float) -> None:
+    problem = rt.gait.turn(bolt, angle=angle, feet=FEET)
+    assert all(0.0 < width <= 0.5 * 0.052 for width in widths(problem))
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.1])
+def test_a_share_outside_its_range_is_refused(share: float) -> None:
+    with pytest.raises(rt.InputError, match="share"):
+        rt.gait.OwnSides(share)

@@ -1,0 +1,44 @@
+"""Whether a plan is followed in MuJoCo is one value: it holds, fails or was not judged."""
+
+from __future__ import annotations
+
+import importlib.util
+from types import SimpleNamespace
+
+import pytest
+
+import robotraj as rt
+from robotraj.witness.robustness import followed as module
+
+
+@pytest.fixture(scope="module")
+def swing() -> rt.Solution:
+    pendulum = rt.Phase(rt.load("pendulum"), 1.5, rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Effort())
+    return rt.plan(pendulum, progress=False)
+
+
+def test_a_swing_is_followed(swing: rt.Solution) -> None:
+    pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+    result = rt.witness.followed(swing)
+    assert result.holds and result.opinion is not None and "followed: holds" in str(result)
+
+
+def test_it_is_not_judged_without_mujoco(swing: rt.Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    result = rt.witness.followed(swing)
+    assert result.holds is None and "not judged, MuJoCo is not installed" in str(result)
+
+
+def test_a_fall_fails(swing: rt.Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    fallen = SimpleNamespace(completed=False, fell=0.4, failure="the robot fell at t = 0.4 s")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: object())
+    monkeypatch.setattr(module, "second_opinion", lambda solution, periods: fallen)
+    result = rt.witness.followed(swing)
+    assert result.holds is False and str(result) == "followed: fails, the robot fell at t = 0.4 s"
+
+
+def test_the_motion_of_a_system_is_not_judged() -> None:
+    pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    phase = rt.Phase(block, 1.0, rt.State({"x": 0, "v": 0}), rt.State({"x": 1, "v": 0}), rt.Effort())
+    assert rt.witness.followed(rt.plan(phase, rt.Mesh(4), progress=False)).holds is None
