@@ -30,7 +30,7 @@ from .planning.replanning.replanner import Replanner
 from .planning.studies.study import Study
 from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
-from .problem.constraints.bounds import between
+from .problem.constraints.bounds import between, turns
 from .problem.constraints.clearance import GroundClearance
 from .problem.constraints.collision_free import CollisionFree
 from .problem.constraints.frame_pose import FramePose, FramePosition
@@ -126,6 +126,7 @@ __all__ = [
     "symbolic",
     "terrain",
     "transcription",
+    "turns",
     "validate",
     "witness",
 ]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj._util.errors import FailedExpression, InputError, unknown_name
+from robotraj._util.errors import FailedExpression, InputError, unknown_name, warn
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own
@@ -33,7 +33,7 @@ from robotraj.problem.objectives.base import EndCost, Integral, Objective
 from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts, check_kinds
 from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows, phase_table
 from robotraj.problem.rows import RowTable
-from robotraj.problem.state import State
+from robotraj.problem.state import State, far_turns, near_turns
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import NoGeometry
 from robotraj.robot.robot import Robot
@@ -123,6 +123,10 @@ class Phase(OneLine):
                 f"limits= of phase {self.name!r} must be None or Limits of the robot, such as "
                 f"robot.limits.with_(velocity=2.0); Systems use states= and controls=."
             )
+        if self.robot is not None:
+            limits, (start, end) = self.limits, (self.start, self.end)
+            object.__setattr__(self, "start", near_turns(start, end, self.robot, limits, "start"))
+            object.__setattr__(self, "end", near_turns(end, start, self.robot, limits, "end"))
         if self.bound_design is not None:
             self.bound_design.check(self.parameter_names, self.parameter_bounds.lower)
         try:
@@ -143,6 +147,9 @@ class Phase(OneLine):
         if self.robot is None:
             return
         ends = self.joint_ends
+        far = far_turns(ends, self.robot, self.limits) if self.path is None else ""  # type: ignore[arg-type]  # resolved
+        if far:
+            warn(f"Phase {self.name!r}: {far}")
         if any(each.avoids_collisions for each in self.constraints):
             from robotraj.problem.clearance.end_checks import check_ends, check_path
 

@@ -8,9 +8,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.splines import through
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
@@ -19,6 +21,8 @@ JointPath: TypeAlias = "ArrayLike | Solution | PiecewisePolynomial | Callable[[A
 """What ``as_path`` takes."""
 HIGHEST = 5
 """Degree of the spline through configurations, which has continuous jerks; lower with fewer than six of them."""
+NEARLY_A_TURN = 1.5 * np.pi
+"""Jump between two configurations above which an angle was wrapped [rad]."""
 PIECES = 32
 """Number of pieces by which a function of the parameter is approximated."""
 
@@ -58,6 +62,31 @@ def as_path(path: JointPath, parameters: ArrayLike | None = None) -> PiecewisePo
     except (TypeError, ValueError) as error:
         raise InputError(f"A path is an array (m, nq), a spline or a solution; got {type(path).__name__}.") from error
     return _through(points, parameters)
+
+
+def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
+    """Return configurations without jumps by nearly a turn, which files have whose angles are wrapped to [-pi, pi].
+
+    Only joints without position limits are unwrapped; another shape is returned as it is.
+
+    Warns
+    -----
+    UserWarning
+        A joint was unwrapped. The message names it and the configuration.
+    """
+    found = np.array(points, dtype=float)
+    if found.ndim != 2 or found.shape[1] != robot.nq or robot.nq != robot.nv:
+        return points
+    low, high = limits.positions
+    jumped = []
+    for i, name in enumerate(robot.position_names):
+        jumps = np.abs(np.diff(found[:, i])) > NEARLY_A_TURN
+        if robot.position_units[i] == "rad" and np.isinf([low[i], high[i]]).all() and jumps.any():
+            jumped.append(f"{name!r} at configuration {int(np.argmax(jumps)) + 1}")
+            found[:, i] = np.unwrap(found[:, i])
+    if jumped:
+        warn(f"The path jumps by nearly a turn, which was read as the short way: {', '.join(jumped)}.")
+    return found
 
 
 def _through(points: Array, parameters: ArrayLike | None) -> PiecewisePolynomial:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj.planning.paths.joint_path import JointPath, as_path
+from robotraj.planning.paths.joint_path import JointPath, as_path, unwrapped
 from robotraj.planning.paths.smooth_path import smoothed
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import Constraint
@@ -118,6 +118,8 @@ def retime(
     if not isinstance(robot, Robot):
         raise InputError("rt.retime needs robot=, a robot of rt.load(...), except for the path of a robot's solution.")
     given = robot.limits if limits is None else limits
+    if isinstance(path, list | tuple | np.ndarray):
+        path = unwrapped(path, robot, given)
     joints = as_path(path, parameters)
     _check_positions(joints, given)
     if deviation is None:

@@ -166,7 +166,9 @@ WORDS = {
     "Between": "{ between = [lower, upper] }", "Solution": "the path of a saved solution",
     "Limits": "a table of limits", "Robot": "the name of a robot",
 }  # fmt: skip
-UNWRITTEN = ("Any", "Callable", "PointExpression", "EndExpression", "OwnLimits", "Quaternion", "Interval", "object")
+UNWRITTEN = (
+    "Any", "Callable", "PointExpression", "EndExpression", "OwnLimits", "Quaternion", "Interval", "NearTurn", "object"
+)  # fmt: skip
 """Alternatives that are not described: a file has no expressions, or other alternatives cover them."""
 
 

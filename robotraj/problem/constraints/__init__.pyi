@@ -1,7 +1,7 @@
 """Constraints: small frozen values, each written once and read by transcription, witness and printing."""
 
 from .base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
-from .bounds import Between, Bounds, as_bounds, between
+from .bounds import Between, Bounds, NearTurn, as_bounds, between, turns
 from .clearance import GroundClearance
 from .clearance_geometry import CollisionShapes
 from .collision_free import CollisionFree
@@ -50,6 +50,7 @@ __all__ = [
     "JointVelocity",
     "LinearPath",
     "MotorPower",
+    "NearTurn",
     "OneOf",
     "PathConstraint",
     "PayloadScenarios",
@@ -63,4 +64,5 @@ __all__ = [
     "as_bounds",
     "between",
     "own_limits",
+    "turns",
 ]

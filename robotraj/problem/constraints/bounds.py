@@ -28,8 +28,15 @@ class Between(OneLine):
     upper: SideLike
 
 
-Interval = float | Between | None
-"""Bounds of one scalar: a number fixes it, ``rt.between`` bounds it, None leaves it free."""
+@dataclass(frozen=True)
+class NearTurn(OneLine):
+    """An angle [rad] up to whole turns; make one with ``rt.turns``."""
+
+    angle: float
+
+
+Interval = float | Between | NearTurn | None
+"""Bounds of one scalar: a number fixes it, ``rt.between`` bounds it, None leaves it free; ends may be ``rt.turns``."""
 
 BoundsLike: TypeAlias = Interval | Sequence[Interval] | NDArray[np.float64] | Mapping[str, Interval]
 """Bounds of n scalars: one value for all, one for each, or some by name."""
@@ -61,6 +68,31 @@ def between(lower: SideLike, upper: SideLike) -> Between:
     if crossed:
         raise InputError(f"between({lower}, {upper}): the lower bound lies above the upper bound; swap them.")
     return Between(own(lower), own(upper))
+
+
+def turns(angle: float) -> NearTurn:
+    """Ask for an angle up to whole turns, as an end of a joint's motion: ``rt.State(q={"wrist": rt.turns(-3.0)})``.
+
+    The phase takes angle + 2 pi k with the whole number k that is nearest to the joint's other end, or to the neutral
+    configuration where that is free, within the joint's position limits.
+
+    Parameters
+    ----------
+    angle : float
+        [rad].
+
+    Raises
+    ------
+    InputError
+        The angle is no finite number.
+    """
+    try:
+        found = _numbers(angle)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"turns({angle!r}): the angle is a finite number [rad].") from error
+    if found.size != 1 or not np.isfinite(found).all():
+        raise InputError(f"turns({angle!r}): the angle is a finite number [rad].")
+    return NearTurn(found.item())
 
 
 class Bounds(NamedTuple):
