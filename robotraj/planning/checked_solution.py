@@ -17,6 +17,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.extract import extract
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.refinement.objective_quadrature import surplus
+from robotraj.transcription.smoothing import smoothing_cost
 
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as met, when rows are evaluated outside the solver."""
@@ -52,7 +53,11 @@ def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Sol
         for phase, layout, trajectory in zip(nlp.problem.phases, nlp.layouts, trajectories, strict=True)
     )
     # Slacks of absolute values count with their least values: the solver's are larger by its barrier.
-    beyond = sum(surplus(part.phase, part.trajectory, part.mesh.schemes) for part in phases)
+    beyond = sum(
+        surplus(part.phase, part.trajectory, part.mesh.schemes)
+        + smoothing_cost(part.phase, part.trajectory, part.mesh.schemes, nlp.smoothing)
+        for part in phases
+    )
     return Solution(
         nlp.problem,
         phases,

@@ -58,6 +58,7 @@ def plan(
     continuation: Sequence[ContinuationStep] = (),
     interval_limits: ConstraintGeneration | None = None,
     restarts: Restarts | None = None,
+    smoothing: float | None = None,
     goals: Goals | None = None,
     settings: Settings | None = None,
     time_limit: float | None = None,
@@ -106,6 +107,10 @@ def plan(
     restarts : Restarts, optional
         Other initial guesses for a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
         The message of a solution on one mesh names its restart.
+    smoothing : float, optional
+        A duration T that is minimised counts as the integral of 1 + smoothing * m in the program of the solver. m is
+        the mean square of torques and accelerations relative to their limits. Of motions that take the same time it
+        selects a smooth one. T is at most ``1 + smoothing`` times the least, mostly far less, and is the objective.
     goals : Goals, optional
         Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,
         until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved. If the guess
@@ -194,6 +199,8 @@ def plan(
     restarts         contacts                                    Restarts(count=0)
                      joints without a motor                      Restarts(count=12, seeds=(0, 1, 2, 3, 4, 5, 6, 7, 8))
                      otherwise                                   Restarts()
+    smoothing        goals                                       0.005
+                     otherwise                                   0.0
     ===============  ==========================================  =====================================================
     """
     if isinstance(problem, Phase):
@@ -211,6 +218,7 @@ def plan(
         "interval_limits": interval_limits,
         "refinement": refinement,
         "restarts": restarts,
+        "smoothing": smoothing,
     }
     settings = resolve(problem, given, settings)
     if time_limit is not None:

@@ -44,6 +44,10 @@ from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
+SMOOTHING = 5e-3
+"""Weight of the mean square of torques beside a duration.
+
+The loss is of second order: at most 7e-4 of the least times of benchmarks/smoothness.py, and 1e-8 in the middle."""
 GIVEN = "given"
 """Reason of a setting that the user gave."""
 
@@ -183,6 +187,8 @@ RULES: tuple[Rule, ...] = (
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),
     _rule("restarts", when.PASSIVE, Restarts(12, seeds=range(9)), "their motions have many local optima"),
     _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or cross an obstacle"),
+    _rule("smoothing", when.PROVED, SMOOTHING, "of motions that take the same time the smoothest is chosen"),
+    _rule("smoothing", when.ALWAYS, 0.0, "a mesh or a tolerance is given"),
 )
 
 SETTINGS = tuple(dict.fromkeys(rule.setting for rule in RULES))
@@ -261,6 +267,10 @@ def _is_tolerance(value: object) -> bool:
     return isinstance(value, float | int | np.number) and bool(0 < value < 1)
 
 
+def _is_share(value: object) -> bool:
+    return isinstance(value, float | int | np.number) and bool(0 <= value <= 1)
+
+
 def _is_mesh(value: object) -> bool:
     return isinstance(value, Mesh) or (isinstance(value, Sequence) and all(isinstance(mesh, Mesh) for mesh in value))
 
@@ -280,6 +290,7 @@ _CHECKS: Mapping[str, tuple[Callable[[object], bool], str]] = {
         "must be rt.interval_limits.ConstraintGeneration() or rt.interval_limits.BernsteinBounds()",
     ),
     "refinement": (_is_a(Refinement), "must be one such as rt.refinement.SplitOrRaise()"),
+    "smoothing": (_is_share, "is a share from 0 to 1, such as 1e-3"),
     "restarts": (_is_a(Restarts), "must be rt.planning.Restarts(), or rt.planning.Restarts(0) for none"),
 }
 """For each setting, a test of the given value and a description of valid ones."""

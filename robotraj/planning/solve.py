@@ -114,10 +114,10 @@ def _solve_once(
         progress.before_solve(problem, settings.mesh)
     began = time.perf_counter()
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine
-    interval_limits = settings.interval_limits
+    interval_limits, smoothing = settings.interval_limits, settings.smoothing
     start = as_guess(guess) or default_guess(problem)
-    nlp = earlier_program(problem, mesh, guess, engine, interval_limits) or transcribe(
-        problem, mesh, start, engine, interval_limits
+    nlp = earlier_program(problem, mesh, guess, engine, interval_limits, smoothing) or transcribe(
+        problem, mesh, start, engine, interval_limits, smoothing
     )
     added, same = earlier_rows(problem, mesh, guess) if interval_limits.rounds else ([], False)
     plain = nlp
@@ -175,7 +175,8 @@ def _solve_once(
             began = time.perf_counter()
             if moving:
                 # Knots start again from those of the mesh, since moved knots stay on the arcs that they have reached.
-                without_clearance = transcribe(problem, mesh, FromSolution(solution), engine, interval_limits)
+                last = FromSolution(solution)
+                without_clearance = transcribe(problem, mesh, last, engine, interval_limits, smoothing)
                 without_clearance = with_added_rows(without_clearance, [*added, *new], without_clearance.guess)
             else:
                 without_clearance = (

@@ -46,13 +46,14 @@ def earlier_program(
     guess: InitialGuess | Solution | None,
     engine: Engine | None,
     interval_limits: ConstraintGeneration,
+    smoothing: float,
 ) -> Nlp | None:
     """Return the NLP of an earlier solution or of earlier starts, with the numbers of this problem.
 
     None is returned if the NLP has another structure, or further rows on distances or between its points.
     """
     if isinstance(guess, Start):
-        return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits)
+        return guess.shared.transcribed(problem, mesh, guess, engine, interval_limits, smoothing)
     if (
         not isinstance(guess, Solution)
         or guess.added_rows
@@ -63,7 +64,7 @@ def earlier_program(
     origin = guess.multipliers.origin
     if origin.nlp.keeps_clear:
         return None
-    return transcribed_again(origin.nlp, problem, mesh, engine, interval_limits, origin.w)
+    return transcribed_again(origin.nlp, problem, mesh, engine, interval_limits, smoothing, origin.w)
 
 
 def earlier_rows(

@@ -9,6 +9,9 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 
+SMOOTH = 0.02
+"""Largest height of teeth of a control, relative to its limit."""
+
 
 @dataclass(frozen=True)
 class Goals(OneLine):
@@ -57,6 +60,8 @@ class Proof(OneLine):
     goals : Goals
     shortfall : float
         Largest shortfall of a distance of ``CollisionFree`` in the proof [m]; 0 where all distances are proved.
+    roughness : float
+        Height of the largest teeth of a torque or another control, relative to its limit (``solution.roughness``).
     """
 
     error: float
@@ -65,6 +70,7 @@ class Proof(OneLine):
     unsettled: float
     goals: Goals
     shortfall: float = 0.0
+    roughness: float = 0.0
 
     @property
     def motion_holds(self) -> bool:
@@ -76,6 +82,11 @@ class Proof(OneLine):
         """Whether all measures are within their goals."""
         settled = max(self.quadrature, self.unsettled) <= self.goals.objective
         return self.motion_holds and settled
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether no torque or other control alternates with the mesh by more than 2 percent of its limit."""
+        return self.roughness <= SMOOTH
 
     @property
     def missed(self) -> str:
@@ -96,6 +107,8 @@ class Proof(OneLine):
         )
         if self.shortfall > 0.0:
             measures = (*measures, ("distance not proved [m]", self.shortfall, 0.0))
+        if not self.is_smooth:
+            measures = (*measures, ("teeth of a control, of its limit", self.roughness, SMOOTH))
         shown = (
             f"{name} {value:.1e}" + (f" (allowed {goal:.0e})" if not value <= goal else "")
             for name, value, goal in measures

@@ -76,6 +76,8 @@ class Settings(OneLine):
     refinement : Refinement or None
         None where there is no tolerance.
     restarts : Restarts
+    smoothing : float
+        Weight of the mean square of bounded torques and accelerations beside a duration.
     reasons : mapping of str to str
         Why each of them was chosen, by name.
     """
@@ -88,6 +90,7 @@ class Settings(OneLine):
     interval_limits: ConstraintGeneration
     refinement: Refinement | None
     restarts: Restarts
+    smoothing: float
     reasons: Mapping[str, str] = field(default_factory=dict)
 
     def __str__(self) -> str:

@@ -69,6 +69,8 @@ class Nlp(OneLine):
         Engine that evaluates the blocks' point functions.
     interval_limits : ConstraintGeneration
         Method that imposes limits between the collocation points.
+    smoothing : float
+        Weight of the mean square of bounded variables beside a duration (``transcription.smoothing``).
     loose_rows : Scalars or None
         The rows without margins, if ``rows`` have margins.
     keeps_clear : bool
@@ -92,6 +94,7 @@ class Nlp(OneLine):
     free: Scalars
     engine: Engine = field(default_factory=VirtualMachine)
     interval_limits: ConstraintGeneration = field(default_factory=ConstraintGeneration)
+    smoothing: float = 0.0
     loose_rows: Scalars | None = None
     keeps_clear: bool = False
     additions: tuple[tuple[AddedRow, ...], ...] = ()
@@ -118,7 +121,7 @@ class Nlp(OneLine):
         return tuple(block.outputs(w) for block in self.blocks)
 
     def objective(self, w: Array, outputs: Sequence[Array] | None = None) -> float:
-        """Return the objective at w, in physical units."""
+        """Return the objective at w in physical units, with the cost of ``smoothing``."""
         every = self.outputs(w) if outputs is None else outputs
         return sum(block.objective(own) for block, own in zip(self.blocks, every, strict=True))
 

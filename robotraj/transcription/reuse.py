@@ -42,6 +42,7 @@ def transcribed_again(
     mesh: Mesh | Sequence[Mesh],
     engine: Engine | None,
     interval_limits: ConstraintGeneration,
+    smoothing: float,
     w: Array,
 ) -> Nlp | None:
     """Return an NLP with the numbers of another problem: bounds, constants and the start of the solver change.
@@ -51,7 +52,7 @@ def transcribed_again(
     nlp : Nlp
     problem : Problem
         A problem whose phases share their equations with those of ``nlp``, by ``Phase.with_`` or ``sharing``.
-    mesh, engine, interval_limits
+    mesh, engine, interval_limits, smoothing
         See ``transcribe``.
     w : ndarray (n_w,)
         Start of the solver, in physical units.
@@ -68,6 +69,7 @@ def transcribed_again(
         and _alike_links(before, problem)
         and (engine is None or engine == nlp.engine)
         and interval_limits == nlp.interval_limits
+        and smoothing == nlp.smoothing
         and all(_alike(*each) for each in zip(before.phases, problem.phases, nlp.layouts, strict=True))
         and all(layout.mesh == own for layout, own in zip(nlp.layouts, meshes, strict=True))
         and not any(isinstance(m, MovingMesh) or isinstance(s, OneStep) for m in meshes for s in m.given)

@@ -73,6 +73,7 @@ def transcribe(
     guess: InitialGuess | KnownStart,
     engine: Engine | None = None,
     interval_limits: ConstraintGeneration | None = None,
+    smoothing: float = 0.0,
 ) -> Nlp:
     """Transcribe a problem by the schemes of its meshes.
 
@@ -89,6 +90,8 @@ def transcribe(
     interval_limits : ConstraintGeneration, optional
         Method that imposes limits between the collocation points. The default,
         ``rt.interval_limits.ConstraintGeneration()``, adds rows only after a first solution.
+    smoothing : float
+        Weight of the mean square of bounded variables beside a duration (``transcription.smoothing``).
 
     Returns
     -------
@@ -119,7 +122,7 @@ def transcribe(
             points.append(point)
             blocks += more
         else:
-            points.append(collocate(phase, i, layout, rows, linear, as_tapes, interval_limits, known))
+            points.append(collocate(phase, i, layout, rows, linear, as_tapes, interval_limits, known, smoothing))
         impose_on_controls(interval_limits, phase, i, layout, rows, linear)
         impose_on_rates(phase, i, layout, rows, linear)
         ends = end_constraint_blocks(phase, i, layout, rows, as_tapes)
@@ -166,6 +169,7 @@ def transcribe(
         free,
         engine,
         interval_limits,
+        smoothing,
     )
 
 

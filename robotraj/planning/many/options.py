@@ -30,6 +30,7 @@ class Choices(TypedDict, total=False):
     continuation: Sequence[ContinuationStep]
     interval_limits: ConstraintGeneration | None
     restarts: Restarts | None
+    smoothing: float | None
     goals: Goals | None
     settings: Settings | None
     time_limit: float | None

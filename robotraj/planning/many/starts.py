@@ -47,17 +47,20 @@ class Shared:
         guess: InitialGuess,
         engine: Engine | None,
         interval_limits: ConstraintGeneration,
+        smoothing: float,
     ) -> Nlp | None:
-        """Return the NLP with a guess; None if problem, mesh, engine or interval limits differ from the first."""
+        """Return the NLP with a guess; None if more than the guess differs from the first."""
         meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
         if self._nlp is None:
-            self._problem, self._nlp = problem, transcribe(problem, meshes, self._reference, engine, interval_limits)
+            self._problem = problem
+            self._nlp = transcribe(problem, meshes, self._reference, engine, interval_limits, smoothing)
         nlp = self._nlp
         same = (
             problem is self._problem
             and [layout.mesh for layout in nlp.layouts] == meshes
             and (engine is None or engine == nlp.engine)
             and interval_limits == nlp.interval_limits
+            and smoothing == nlp.smoothing
         )
         return started_at(nlp, guess) if same else None
 

@@ -13,6 +13,7 @@ from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
+from robotraj.solution.roughness import roughness
 from robotraj.solution.solution import Solution
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
@@ -220,7 +221,8 @@ def measured(
         np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
     )
     quadrature = abs(solution.objective - true) / size
-    proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals)
+    rough = max(float(roughness(part).max(initial=0.0)) for part in parts)
+    proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals, roughness=rough)
     meshes = tuple(part.mesh for part in parts)
     return Measured(proof, true, meshes, errors, before, needs, broken, coarse, order).with_violations(solution)
 

@@ -229,7 +229,8 @@ def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
 
     settings, problem = first.settings, first.problem
     assert settings is not None
-    nlp = transcribe(problem, settings.mesh, FromSolution(first), settings.engine, settings.interval_limits)
+    how = settings.engine, settings.interval_limits, settings.smoothing
+    nlp = transcribe(problem, settings.mesh, FromSolution(first), *how)
     rows = PlaneRows(nlp)
     found = InteriorPoint(fallback=None).solve(rows.added(nlp))
     return rows, origin_of(found.multipliers)

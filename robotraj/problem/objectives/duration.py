@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 class Duration(EndCost):
     """Duration of the phase, t_end - t_start [s].
 
-    With least time alone, torques that do not affect the time are not determined and may oscillate. A small weight of
-    effort determines them: ``rt.Duration() + 1e-3 * rt.Effort()``. With T* and E* the time and effort of the fastest
-    motion, the time T found with weight w and effort E satisfies T* <= T <= T* + w (E* - E).
+    With least time alone, torques that do not affect the time are not determined and may oscillate. Plans that are
+    proved therefore minimise their mean square as well, with the small weight ``smoothing`` of ``rt.plan``. On a given
+    mesh that weight is 0 unless it is given.
     """
 
     def value(self, start: Point, end: Point) -> Scalar:

@@ -42,6 +42,7 @@ from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import MovingMesh
+from robotraj.transcription.smoothing import smoothing_rate
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -65,6 +66,7 @@ def collocate(
     separate: bool = False,
     interval_limits: ConstraintGeneration | None = None,
     carried: frozenset[int] | None = frozenset(),
+    smoothing: float = 0.0,
 ) -> tuple[Block, Triplets, Triplets]:
     """Write the rows of a phase; return its block and the triplets of its gather and scatter, still to be sized.
 
@@ -74,9 +76,11 @@ def collocate(
         Keep a robot's inverse dynamics out of the graph of the point function, if possible.
     carried : frozenset of int or None
         See ``index_reduction.impose_equalities``.
+    smoothing : float
+        See ``transcription.smoothing``.
     """
     dae = phase.dae
-    stage = _stage(phase, layout, separate)
+    stage = _stage(phase, layout, separate, smoothing)
     nx, nz, held = len(dae.states), len(dae.residuals), len(dae.invariants)
     corrected = stage.outputs - held - nx
     scatter = Triplets()
@@ -134,33 +138,37 @@ def collocate(
     return Block(stage, empty, constants, empty, weights, (index,)), gather, scatter
 
 
-_STAGES: WeakKeyDictionary[Phase, dict[tuple[bool, ...], PointFunctions]] = WeakKeyDictionary()
+_STAGES: WeakKeyDictionary[Phase, dict[tuple[float, ...], PointFunctions]] = WeakKeyDictionary()
 """Point functions with their derivatives, for phases that are transcribed again, such as on finer meshes."""
 
 
-def _stage(phase: Phase, layout: PhaseLayout, separate: bool) -> PointFunctions:
+def _stage(phase: Phase, layout: PhaseLayout, separate: bool, smoothing: float) -> PointFunctions:
     """Return the point functions of a phase: the same ones on all meshes with the same free scalars."""
     scalars = interval_scalars(layout, 0)
-    key = separate, *(scalar.column is not None for scalar in scalars)
+    key = smoothing, separate, *(scalar.column is not None for scalar in scalars)
     known = _STAGES.setdefault(phase, {})
     if key not in known:
-        known[key] = _make_stage(phase, scalars, separate)
+        known[key] = _make_stage(phase, scalars, separate, smoothing)
     return known[key]
 
 
-def _make_stage(phase: Phase, scalars: Sequence[Scalar], separate: bool) -> PointFunctions:
+def _make_stage(phase: Phase, scalars: Sequence[Scalar], separate: bool, smoothing: float) -> PointFunctions:
     s = point_symbols(phase, scalars)
     dae = phase.dae
     point = dae.point(s.t, s.x, s.z, s.u, s.p, phase.parameter_names)
     torques, c = separate_torques(point) if separate else None, ca.SX.sym("c", len(dae.invariants))
     contacts = () if torques is None else separate_contact_terms(phase.body, point, c)
-    integrand = weighted_sum([(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals])
+    costs = [(w, as_rows(term.rate(point), "integrand")[0]) for w, term in phase.integrals]
+    smoothed = smoothing_rate(phase, smoothing, s.z, s.u)
+    if smoothed is not None:
+        costs.append((1.0, smoothed))
+    integrand = weighted_sum(costs)
     path, sums = (phase.rows.column(rows, point) for rows in (phase.rows.path, phase.rows.integrals))
     # The last two are mostly empty, and a product takes time even then.
     rates, *more = (s.duration * part if part.numel() else part for part in (dae.rates(point), sums, integrand))
     equations = rates_of(phase, s.t, s.x, s.p)
     y = ca.vertcat(*(part for part in (rates, dae.residual(point), path, *equations, *more) if part.numel()))
-    costed = int(y.numel()) - 1 if phase.integrals else None
+    costed = int(y.numel()) - 1 if costs else None
     if not dae.invariants:
         return PointFunctions(s.unknowns, s.constants, y, costed, torques, contacts, separate)
     y = ca.vertcat(y, dae.correction(point, c), dae.invariant(point))

@@ -1,0 +1,75 @@
+"""The smoothest of motions that take the same time.
+
+Least time leaves a joint free that can wait for others. Its torques may then alternate from point to point. In the
+program of the solver a duration therefore counts as
+
+    integral of (1 + epsilon m) dt,    m = mean of (y_i / size_i)^2,
+
+with every control and algebraic variable y_i that is bounded on both sides, and size_i its largest bound. Torques that
+do not affect the time are then least squares. With m <= 1 the duration T satisfies T* <= T <= (1 + epsilon) T*. The
+objective of a solution is that of the problem, without epsilon.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.problem.objectives.duration import Duration
+from robotraj.transcription.schemes.collocation import Collocation
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.transcription.extract import PhaseTrajectory
+    from robotraj.transcription.schemes.collocation import Scheme
+
+Array = NDArray[np.float64]
+
+
+def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
+    """Return the weights of the squares of algebraic variables, (nz,), and of controls, (nu,).
+
+    They are 0 where no duration is minimised, on a path, whose timing alone is free, and for unbounded variables.
+    """
+    terms = phase.objective.terms if phase.objective is not None else ()
+    weight = sum(weight for weight, term in terms if isinstance(term, Duration))
+    dae, sizes = phase.dae, []
+    for variables in (dae.algebraic, dae.controls):
+        lower, upper = phase.rows.limits_of(variables)
+        size = np.maximum(np.abs(lower), np.abs(upper))
+        sizes.append(np.where(size > 0.0, size, np.inf))
+    bounded = sum(int(np.isfinite(size).sum()) for size in sizes)
+    if weight <= 0.0 or smoothing <= 0.0 or phase.path is not None or not bounded:
+        return np.zeros(len(dae.algebraic)), np.zeros(len(dae.controls))
+    of_algebraic, of_controls = (weight * smoothing / bounded / size**2 for size in sizes)
+    return of_algebraic, of_controls
+
+
+def smoothing_rate(phase: Phase, smoothing: float, z: ca.SX, u: ca.SX) -> ca.SX | None:
+    """Return epsilon m with the weight of the duration, at symbols of one point; None where nothing is smoothed."""
+    squares = [
+        float(weight) * symbol[i] ** 2
+        for symbol, weights in zip((z, u), smoothing_weights(phase, smoothing), strict=True)
+        for i, weight in enumerate(weights)
+        if weight
+    ]
+    return sum(squares[1:], squares[0]) if squares else None
+
+
+def smoothing_cost(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], smoothing: float) -> float:
+    """Return the integral of epsilon m in the program of a solver, by the sum at the nodes."""
+    weights = smoothing_weights(phase, smoothing)
+    if not any(each.any() for each in weights):
+        return 0.0
+    total, lengths = 0.0, np.diff(trajectory.x.breaks)
+    for scheme in dict.fromkeys(schemes):
+        if isinstance(scheme, Collocation):
+            which = np.array([k for k, own in enumerate(schemes) if own == scheme])
+            curves = (curve.inside(scheme.nodes)[which] for curve in (trajectory.z, trajectory.u))
+            rates = sum(values**2 @ own for values, own in zip(curves, weights, strict=True))
+            total += float(lengths[which] @ (rates @ scheme.objective_weights))
+    return total

@@ -1,0 +1,42 @@
+"""The height of teeth: curves that alternate with the mesh, on meshes of any grading."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robotraj.solution.roughness import teeth
+
+KNOTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
+TIMES = np.sort(np.append(KNOTS, 0.5 * (KNOTS[1:] + KNOTS[:-1])))
+ALTERNATING = np.where(np.arange(len(TIMES)) % 2, -1.0, 1.0)
+
+
+@pytest.mark.parametrize("height", [0.5, 3.0])
+def test_teeth_on_a_straight_line_have_their_own_height(height: float) -> None:
+    curves = np.stack([2.0 - TIMES + 0.5 * height * ALTERNATING, np.zeros(len(TIMES))], axis=1)
+    assert teeth(TIMES, curves) == pytest.approx([height, 0.0], rel=0.02, abs=1e-12)
+
+
+def test_teeth_of_one_side_count_as_well() -> None:
+    """Scallops hang from the knots; every middle is low."""
+    scallops = np.where(ALTERNATING > 0.0, 0.0, -0.7)
+    assert teeth(TIMES, scallops[:, None]) == pytest.approx(0.7, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        lambda t: np.where(t < 0.5, 1.0, -1.0),
+        lambda t: np.where((t > 0.4) & (t < 0.5), 1.0, -1.0),
+        lambda t: np.where(np.abs(t - 0.5) < 0.01, 1.0, 0.0),
+        lambda t: np.sin(4.0 * np.pi * t),
+        lambda t: np.abs(t - 0.3),
+    ],
+)
+def test_switches_spikes_and_smooth_curves_have_no_teeth(curve: object) -> None:
+    assert teeth(TIMES, curve(TIMES)[:, None])[0] < 0.01  # type: ignore[operator]
+
+
+def test_few_points_have_no_teeth() -> None:
+    assert np.all(teeth(TIMES[:9], ALTERNATING[:9, None]) == 0.0)
