@@ -188,6 +188,12 @@ class RobotPoint(Point):
         return self.symbolic.inverse_dynamics(self.q, self.v, self.a, no_force)
 
     @property
+    def gravity(self) -> ca.SX:
+        """RNEA(q, 0, 0), the generalised force (nv,) that holds the robot against gravity [N m, N]."""
+        still = ca.SX.zeros(self.robot.nv)
+        return self.symbolic.inverse_dynamics(self.q, still, still, ca.SX(6, self.robot.model.njoints))
+
+    @property
     def tau(self) -> ca.SX:
         """Torques of the actuated joints (nu,) [N m, N]."""
         if self._tau is None:

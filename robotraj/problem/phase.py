@@ -24,6 +24,7 @@ from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.bounds import Between, Bounds, Interval, as_bounds, as_duration
 from robotraj.problem.constraints.contact_limits import contact_limits
 from robotraj.problem.constraints.joint_limits import OwnLimits
+from robotraj.problem.constraints.motors.end_accelerations import end_accelerations
 from robotraj.problem.constraints.motors.own_limits import own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows
@@ -264,9 +265,17 @@ class Phase(OneLine):
         return (*every, *self.constraints)
 
     @cached_property
+    def _at_ends(self) -> tuple[Constraint, ...]:
+        """Constraints on accelerations at the ends."""
+        pairs = ((Where.START, self.start, self.start_bounds), (Where.END, self.end, self.end_bounds))
+        given = [(where, state.a if state is not None else None, bounds) for where, state, bounds in pairs]
+        return end_accelerations(self.body, self._imposed, given)
+
+    @cached_property
     def bound_constraints(self) -> tuple[BoundConstraint, ...]:
         """Every constraint bound to the dynamics: limits, bounds of variables, those given, those of the objective."""
-        bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in self._imposed]
+        every = (*self._imposed, *self._at_ends)
+        bound = [replace(each.bind(self.body, self.parameter_names), source=each) for each in every]
         bound += [limits for contact in self.bound_contacts for limits in contact_limits(contact)]
         terms = self.objective.terms if self.objective is not None else ()
         # Two terms may define the same slacks.
@@ -306,7 +315,8 @@ class Phase(OneLine):
         changed = replace(self, **changes)
         numbers = {"start", "end"} if self.design else {"start", "end", "parameters"}
         same_names = changed.parameter_names == self.parameter_names
-        if set(changes) <= numbers and same_names and changed.parameter_bounds.alike(self.parameter_bounds):
+        alike = changed.parameter_bounds.alike(self.parameter_bounds) and changed._at_ends == self._at_ends
+        if set(changes) <= numbers and same_names and alike:
             own = {entry.name for entry in fields(self)} | {"start_bounds", "end_bounds", "parameter_bounds"}
             changed.__dict__.update({name: value for name, value in self.__dict__.items() if name not in own})
         return changed

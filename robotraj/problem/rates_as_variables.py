@@ -11,6 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics, TimeOrders
+from robotraj.dynamics.path_body import ACCELERATION as PATH_ACCELERATION
 from robotraj.dynamics.path_body import PathBody, PathPoint
 from robotraj.dynamics.point import AnyPoint, Point, symbolic_model
 from robotraj.dynamics.rigid_body import RigidBody
@@ -92,7 +93,26 @@ class ControlRates(Augmented):
 
 @dataclass(frozen=True)
 class PathRates(ControlRates):
-    """On a path s'' becomes a state and s''' the control, of which jerks and rates of torques are functions."""
+    """On a path s'' becomes a state and s''' the control, of which jerks and rates of torques are functions.
+
+    s'' is 0 at an end at which s' is: the robot rests there.
+    """
+
+    @property
+    def start(self) -> Mapping[str, float]:
+        """No acceleration at a start at rest."""
+        return {**super().start, **self._resting(last=False)}
+
+    @property
+    def end(self) -> Mapping[str, float]:
+        """No acceleration at an end at rest."""
+        return {**super().end, **self._resting(last=True)}
+
+    def _resting(self, last: bool) -> Mapping[str, float]:
+        body = body_of(self.inner)
+        assert isinstance(body, PathBody)
+        speed = body.ends(last)[1][1]
+        return {PATH_ACCELERATION: 0.0} if speed == 0.0 else {}
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
         """Put the jerks and the rates of the torques into ``point.extra``."""

@@ -42,11 +42,15 @@ class State(OneLine):
         names are ``robot.position_names`` and ``robot.velocity_names``. The quaternion of a floating root, (x, y, z,
         w), must have length 1. Its negative is the same attitude, one full turn later. An end quaternion q is an even
         number of full turns away, and -q an odd number; the guess determines the direction.
+    a : None, number, Between, sequence or mapping by joint name, optional
+        Accelerations (nv) [rad/s^2, m/s^2], such as measured ones of a moving robot. None is 0 at rest under limits
+        of jerk, and free otherwise (``rt.constraints.JointJerk``).
     """
 
     values: BoundsLike = None
     q: BoundsLike = None
     v: BoundsLike = None
+    a: BoundsLike = None
 
     def __post_init__(self) -> None:
         own_fields(self)
@@ -71,7 +75,7 @@ class State(OneLine):
 
     def _bounds(self, dynamics: Dynamics, which: str) -> Bounds:
         if isinstance(dynamics, PathBody):
-            if not (self.values is None and self.q is None and self.v is None):
+            if not all(given is None for given in (self.values, self.q, self.v, self.a)):
                 raise InputError(f"FollowPath determines the {which} of the phase; leave {which}= out.")
             return Bounds(*dynamics.ends(which == "end"))
         if isinstance(dynamics, RigidBody):
@@ -85,8 +89,8 @@ class State(OneLine):
             if robot.root == "floating":
                 _turn(q, f"{which} position")
             return Bounds(np.concatenate([q.lower, v.lower]), np.concatenate([q.upper, v.upper]))
-        if self.q is not None or self.v is not None:
-            raise InputError(f"The {which} of a System is rt.State({{name: value}}); q= and v= are for robots.")
+        if not all(given is None for given in (self.q, self.v, self.a)):
+            raise InputError(f"The {which} of a System is rt.State({{name: value}}); q=, v= and a= are for robots.")
         return as_bounds(self.values, [s.name for s in dynamics.states], f"{which} state", "state")
 
 

@@ -122,6 +122,12 @@ class NumericPoint(Point):
         return self._vector(pin.centerOfMass(model, model.createData(), self._q).copy())
 
     @cached_property
+    def gravity(self) -> Array | ca.DM:
+        """Generalised force (nv,) that holds the robot against gravity [N m, N]."""
+        model = self._robot.model
+        return self._vector(pin.computeGeneralizedGravity(model, model.createData(), self._q).copy())
+
+    @cached_property
     def momentum(self) -> Array | ca.DM:
         """Centroidal momentum (6,): linear [kg m/s], angular [kg m^2/s]."""
         model = self._robot.model

@@ -123,7 +123,8 @@ def retime(
     joints = as_path(path, parameters)
     _check_positions(joints, given)
     if deviation is None:
-        abrupt = isinstance(path, Solution) and (jerk is not None or torque_rate is not None)
+        limited = jerk is not None or torque_rate is not None or bool(np.isfinite(given.jerk).any())
+        abrupt = isinstance(path, Solution) and limited
         deviation = DEVIATION if abrupt else 0.0
     if not (is_number(deviation) and 0.0 <= deviation < np.inf):
         raise InputError(f"deviation must be a number of 0 or more [rad, m], got {deviation!r}.")

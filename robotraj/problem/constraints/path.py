@@ -62,6 +62,7 @@ class PathConstraint(Constraint):
     point.frame(name).acceleration    the same of the acceleration [m/s^2, rad/s^2]
     point.com, point.momentum         centre of mass (3,) [m], centroidal momentum (6,) [kg m/s, kg m^2/s]
     point.mass, point.damping         mass of all bodies [kg], damping (nv,) [N m s/rad, N s/m]
+    point.gravity                     generalised force (nv,) against gravity [N m, N]
     point.robot, point.symbolic       the Robot, Pinocchio's algorithms on symbols
     point.extra, point.contact_terms  variables of the objective, terms of contacts (for new classes)
     ================================  ======================================================================

@@ -31,6 +31,9 @@ class RateLimit(Constraint):
     bounded. It must be continuous at the knots. The scheme therefore needs points at both ends of an interval, as
     ``rt.HermiteSimpson()`` has. On a path (``FollowPath``) they are path rows of s, s', s'' and s''' instead.
 
+    The limit holds across the ends: from rest and to rest the quantity is that of a robot at rest
+    (``motors.end_accelerations``).
+
     Parameters
     ----------
     bounds : Between, number, sequence or mapping by joint
@@ -65,7 +68,7 @@ class RateLimit(Constraint):
         units = {j: self.units[unit == "m"] for j, unit in zip(robot.velocity_names, robot.units, strict=True)}
         rows = tuple(
             Row(self.quantity, units[j], low, high, j, None if on_path else f"{self.bounded}{j}")
-            for j, low, high in self._limited(robot)
+            for j, low, high in self.limited(robot)
         )
 
         def expression(point: RobotPoint) -> list[Scalar]:
@@ -73,7 +76,7 @@ class RateLimit(Constraint):
 
         return BoundConstraint(self.quantity, rows, expression, Where.THROUGHOUT if on_path else Where.RATE)
 
-    def _limited(self, robot: Robot) -> list[tuple[str, float, float]]:
+    def limited(self, robot: Robot) -> list[tuple[str, float, float]]:
         """Joints that are bounded on a side, with both bounds."""
         joints = list(robot.actuated if self.prefix == "tau" else robot.velocity_names)
         lower, upper = as_bounds(as_limits(self.bounds), joints, self.quantity)
@@ -115,6 +118,6 @@ class JointTorqueRate(RateLimit):
         body = body_of(dynamics)
         if isinstance(body, PathBody):
             return super().augment(dynamics)
-        limited = [joint for joint, _, _ in self._limited(robot_of(body, type(self).__name__))]
+        limited = [joint for joint, _, _ in self.limited(robot_of(body, type(self).__name__))]
         added = tuple(joint for joint in limited if not has(dynamics, [f"{self.bounded}{joint}"]))
         return FrictionlessTorques(dynamics, added) if added else dynamics
