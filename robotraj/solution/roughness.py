@@ -49,6 +49,8 @@ def roughness(part: PhaseSolution) -> Array:
 
     It is 0 for controls without a limit on a side.
     """
+    if not part.phase.dae.controls:
+        return np.zeros(0)
     lower, upper = part.phase.rows.limits_of(part.phase.dae.controls)
     sizes = np.maximum(np.abs(lower), np.abs(upper))
     breaks = part.trajectory.x.breaks

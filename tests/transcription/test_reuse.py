@@ -165,7 +165,7 @@ def test_steps_of_another_length_have_the_rows_of_a_new_transcription(gait: str)
     assert shared.phases[0].dae is first.phases[0].dae
     mesh, limits, engine = rt.Mesh(3), rt.interval_limits.BernsteinBounds(), rt.engines.VirtualMachine()
     known = nlp_of(first, mesh, engine, limits)
-    again = transcribed_again(known, shared, mesh, engine, limits, known.guess)
+    again = transcribed_again(known, shared, mesh, engine, limits, 0.0, known.guess)
     fresh = nlp_of(second, mesh, engine, limits)
     assert again is not None
     w = known.guess + 0.01 * np.random.default_rng(0).standard_normal(len(known.guess))

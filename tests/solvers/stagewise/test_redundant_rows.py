@@ -105,7 +105,7 @@ def test_another_goal_that_holds_the_row_refreshes_the_program(robot: rt.Robot) 
     problem = level(robot, rt.State(q=reaching(robot, 0.4, -0.3), v=0))
     first = nlp_of(problem, MESH)
     moved = problem.with_(end=rt.State(q=reaching(robot, 0.4, -0.25), v=0))
-    other = transcribed_again(first, moved, MESH, None, rt.interval_limits.ConstraintGeneration(), first.guess)
+    other = transcribed_again(first, moved, MESH, None, rt.interval_limits.ConstraintGeneration(), 0.0, first.guess)
     assert other is not None
     refreshed = reduce(first).refreshed(other)
     assert refreshed is not None

@@ -275,7 +275,7 @@ def test_another_goal_takes_the_transcription_over_where_its_rows_are_the_same()
         assert solution.objective == pytest.approx(alone.objective, rel=1e-7)
         known = nlp_of(problem, mesh)
         assert (
-            transcribed_again(known, other, mesh, None, rt.interval_limits.ConstraintGeneration(), known.guess)
+            transcribed_again(known, other, mesh, None, rt.interval_limits.ConstraintGeneration(), 0.0, known.guess)
             is not None
         ) == again
 
