@@ -16,8 +16,7 @@ from robotraj.solvers.base import Outcome
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import extract
 from robotraj.transcription.nlp import Nlp
-from robotraj.transcription.refinement.objective_quadrature import surplus
-from robotraj.transcription.smoothing import smoothing_cost
+from robotraj.transcription.refinement.objective_quadrature import smoothing_cost, surplus
 
 ROW_TOLERANCE = 1e-6
 """Largest violation of a scaled row or bound that counts as met, when rows are evaluated outside the solver."""

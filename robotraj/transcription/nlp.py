@@ -70,7 +70,7 @@ class Nlp(OneLine):
     interval_limits : ConstraintGeneration
         Method that imposes limits between the collocation points.
     smoothing : float
-        Weight of the mean square of bounded variables beside a duration (``transcription.smoothing``).
+        Weight of the mean square of bounded variables beside a duration (``transcription.smoothness``).
     loose_rows : Scalars or None
         The rows without margins, if ``rows`` have margins.
     keeps_clear : bool

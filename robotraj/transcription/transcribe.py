@@ -91,7 +91,7 @@ def transcribe(
         Method that imposes limits between the collocation points. The default,
         ``rt.interval_limits.ConstraintGeneration()``, adds rows only after a first solution.
     smoothing : float
-        Weight of the mean square of bounded variables beside a duration (``transcription.smoothing``).
+        Weight of the mean square of bounded variables beside a duration (``transcription.smoothness``).
 
     Returns
     -------

@@ -13,7 +13,6 @@ from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
-from robotraj.solution.roughness import roughness
 from robotraj.solution.solution import Solution
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
@@ -23,6 +22,7 @@ from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.smoothness.roughness import roughness
 
 Array = NDArray[np.float64]
 
@@ -221,7 +221,7 @@ def measured(
         np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
     )
     quadrature = abs(solution.objective - true) / size
-    rough = max(float(roughness(part).max(initial=0.0)) for part in parts)
+    rough = max(float(roughness(part.phase, part.trajectory, part.inputs).max(initial=0.0)) for part in parts)
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals, roughness=rough)
     meshes = tuple(part.mesh for part in parts)
     return Measured(proof, true, meshes, errors, before, needs, broken, coarse, order).with_violations(solution)

@@ -42,7 +42,7 @@ from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import MovingMesh
-from robotraj.transcription.smoothing import smoothing_rate
+from robotraj.transcription.smoothness.smoothing import smoothing_rate
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -77,7 +77,7 @@ def collocate(
     carried : frozenset of int or None
         See ``index_reduction.impose_equalities``.
     smoothing : float
-        See ``transcription.smoothing``.
+        See ``transcription.smoothness``.
     """
     dae = phase.dae
     stage = _stage(phase, layout, separate, smoothing)

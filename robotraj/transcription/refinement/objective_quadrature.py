@@ -23,6 +23,7 @@ from robotraj._util.polynomials import gauss
 from robotraj.problem.objectives.base import Integral
 from robotraj.transcription.driven_motion import PlannedInputs
 from robotraj.transcription.schemes.collocation import Collocation
+from robotraj.transcription.smoothness.smoothing import smoothing_weights
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,6 +79,19 @@ def surplus(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]
         lengths, values = _values(summed, trajectory, which, scheme.nodes, curves)
         values = values - _values(least, trajectory, which, scheme.nodes, curves)[1]
         total += float(lengths @ (values @ scheme.objective_weights))
+    return total
+
+
+def smoothing_cost(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], smoothing: float) -> float:
+    """Return what ``smoothness.smoothing`` adds to the sum at the nodes."""
+    weights = smoothing_weights(phase, smoothing)
+    if not any(each.any() for each in weights):
+        return 0.0
+    total, lengths = 0.0, np.diff(trajectory.x.breaks)
+    for scheme, which in _groups(schemes):
+        curves = (curve.inside(scheme.nodes)[which] for curve in (trajectory.z, trajectory.u))
+        rates = sum(values**2 @ own for values, own in zip(curves, weights, strict=True))
+        total += float(lengths[which] @ (rates @ scheme.objective_weights))
     return total
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solution.roughness import roughness
-from robotraj.transcription.smoothing import smoothing_cost
+from robotraj.transcription.refinement.objective_quadrature import smoothing_cost
+from robotraj.transcription.smoothness.roughness import roughness
 
 
 @pytest.fixture(scope="module")
@@ -88,5 +88,8 @@ def test_other_smoothing_needs_another_program(around_a_post: rt.Phase) -> None:
     first = rt.plan(free, rt.Mesh(10))
     again = rt.plan(free, rt.Mesh(10), guess=first, smoothing=0.05)
     afresh = rt.plan(free, rt.Mesh(10), smoothing=0.05)
-    assert roughness(again.phases[0]) == pytest.approx(roughness(afresh.phases[0]), abs=1e-4)
+    first, second = (
+        roughness(each.phase, each.trajectory, each.inputs) for each in (again.phases[0], afresh.phases[0])
+    )
+    assert first == pytest.approx(second, abs=1e-4)
     assert again.settings == replace(again.settings, smoothing=0.05)

@@ -12,7 +12,6 @@ objective of a solution is that of the problem, without epsilon.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -20,12 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.problem.objectives.duration import Duration
-from robotraj.transcription.schemes.collocation import Collocation
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-    from robotraj.transcription.schemes.collocation import Scheme
 
 Array = NDArray[np.float64]
 
@@ -58,18 +54,3 @@ def smoothing_rate(phase: Phase, smoothing: float, z: ca.SX, u: ca.SX) -> ca.SX 
         if weight
     ]
     return sum(squares[1:], squares[0]) if squares else None
-
-
-def smoothing_cost(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], smoothing: float) -> float:
-    """Return the integral of epsilon m in the program of a solver, by the sum at the nodes."""
-    weights = smoothing_weights(phase, smoothing)
-    if not any(each.any() for each in weights):
-        return 0.0
-    total, lengths = 0.0, np.diff(trajectory.x.breaks)
-    for scheme in dict.fromkeys(schemes):
-        if isinstance(scheme, Collocation):
-            which = np.array([k for k, own in enumerate(schemes) if own == scheme])
-            curves = (curve.inside(scheme.nodes)[which] for curve in (trajectory.z, trajectory.u))
-            rates = sum(values**2 @ own for values, own in zip(curves, weights, strict=True))
-            total += float(lengths[which] @ (rates @ scheme.objective_weights))
-    return total

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotraj.solution.roughness import teeth
+from robotraj.transcription.smoothness.roughness import teeth
 
 KNOTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
 TIMES = np.sort(np.append(KNOTS, 0.5 * (KNOTS[1:] + KNOTS[:-1])))

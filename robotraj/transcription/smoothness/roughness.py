@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from robotraj.solution.phase_solution import PhaseSolution
+    from robotraj.problem.phase import Phase
+    from robotraj.transcription.driven_motion import Inputs
+    from robotraj.transcription.extract import PhaseTrajectory
 
 Array = NDArray[np.float64]
 
@@ -44,17 +46,17 @@ def teeth(times: Array, values: Array) -> Array:
     return np.asarray(0.5 * np.maximum(heights.max(axis=0), 0.0))
 
 
-def roughness(part: PhaseSolution) -> Array:
+def roughness(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs) -> Array:
     """Return the height of the teeth of the controls along a motion relative to their limits, (nu,).
 
     It is 0 for controls without a limit on a side.
     """
-    if not part.phase.dae.controls:
+    if not phase.dae.controls:
         return np.zeros(0)
-    lower, upper = part.phase.rows.limits_of(part.phase.dae.controls)
+    lower, upper = phase.rows.limits_of(phase.dae.controls)
     sizes = np.maximum(np.abs(lower), np.abs(upper))
-    breaks = part.trajectory.x.breaks
-    _, inside = part.inputs.inside(np.array([0.0, 0.5, 1.0]))
+    breaks = trajectory.x.breaks
+    _, inside = inputs.inside(np.array([0.0, 0.5, 1.0]))
     times = np.append(np.stack([breaks[:-1], 0.5 * (breaks[:-1] + breaks[1:])], axis=1).ravel(), breaks[-1])
     values = np.concatenate([inside[:, :2].reshape(-1, inside.shape[-1]), inside[-1, 2:]])
     return teeth(times, values) / np.where(sizes > 0.0, sizes, np.inf)
