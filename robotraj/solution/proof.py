@@ -61,7 +61,7 @@ class Proof(OneLine):
     shortfall : float
         Largest shortfall of a distance of ``CollisionFree`` in the proof [m]; 0 where all distances are proved.
     roughness : float
-        Height of the largest teeth of a torque or another control, relative to its limit (``transcription.smoothness``).
+        Height of the largest teeth of a torque or another control, relative to its limit (``smoothness.roughness``).
     """
 
     error: float
