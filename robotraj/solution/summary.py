@@ -9,6 +9,8 @@ import numpy as np
 
 from robotraj._util.printing import wrapped
 from robotraj.dynamics.path_body import ACCELERATION
+from robotraj.robot.limits import Limits
+from robotraj.robot.size.reach import reaches
 from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
@@ -80,6 +82,8 @@ SMOOTH_PATH = (
     "Third derivatives of the path jump, and limits of jerk or torque rate hold on both sides of each jump. Give "
     "rt.retime a deviation=, for example 1e-3, within which a smooth path replaces it."
 )
+GRAVITY, IMPLAUSIBLE = 9.81, 10.0
+"""Acceleration of gravity [m/s^2], and the multiple of it from which the acceleration of a link's masses is doubted."""
 JUMP = 1e-3
 """Least jump of a third derivative that counts, relative to the largest one."""
 
@@ -116,6 +120,8 @@ def summary(solution: Summarised) -> str:
             f"between collocation points: {worst}; plan without mesh= and tolerance=, which proves limits there, or "
             "bound torques with interval_limits=rt.interval_limits.BernsteinBounds(controls=True)"
         )
+    if converged:
+        lines += _implausible_accelerations(solution)
     if not solution.success:
         lines += [f"in conflict: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
         lines += [f"solver: {solution.message}"]
@@ -123,6 +129,32 @@ def summary(solution: Summarised) -> str:
         lines += [f"try: {_remedy(solution)}"]
     # A line that is too long continues below with more indentation.
     return "\n".join(part for line in lines for part in wrapped(line.lstrip(), line[: len(line) - len(line.lstrip())]))
+
+
+def _implausible_accelerations(solution: Summarised) -> list[str]:
+    """Return a doubt on the joint whose masses accelerate most, beyond what motors and gears give; none below."""
+    worst, doubt = IMPLAUSIBLE * GRAVITY, list[str]()
+    for part in solution.phases:
+        robot, limits = part.phase.robot, part.phase.limits
+        times = np.sort(np.append(part.knots, 0.5 * (part.knots[1:] + part.knots[:-1])))
+        accelerations = part.at(times).a
+        if robot is None or robot.root != "fixed" or not isinstance(limits, Limits) or accelerations is None:
+            continue
+        far = reaches(robot.model)
+        for joint, unit, largest, limit in zip(
+            robot.velocity_names, robot.units, np.abs(accelerations).max(axis=0), limits.acceleration, strict=True
+        ):
+            lever = 1.0 if unit == "m" else far[robot.model.getJointId(joint)]
+            if joint in robot.actuated and not np.isfinite(limit) and largest * lever > worst:
+                worst = largest * lever
+                at = "" if unit == "m" else f" at {lever:.2g} m"
+                doubt = [
+                    f"doubt: {joint} accelerates with {largest:.4g} {unit}/s^2, "
+                    f"{worst / GRAVITY:.0f} times gravity{at}, "
+                    "without a limit of acceleration or rotors in the model. Give the maker's, "
+                    "rt.load(..., limits={'acceleration': ...}, rotors=...)"
+                ]
+    return doubt
 
 
 def _remedy(solution: Summarised) -> str:

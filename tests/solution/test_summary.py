@@ -51,3 +51,15 @@ def test_a_power_exceeded_between_the_points_is_printed_and_the_default_plan_kee
     assert "power[" in text.split("between collocation points: ")[1] and "plan without mesh= and tolerance=" in text
     assert largest(proved) < 6.0 * 1.002
     assert "between collocation points" not in str(proved)
+
+
+def test_accelerations_that_no_gear_gives_are_doubted_and_limits_remove_the_doubt() -> None:
+    """A URDF has no rotors, so a wrist in least time accelerates with its torque over the inertia of its links."""
+    ur5 = rt.load("ur5")
+    ends = rt.State(q=[0.2, -1.6, 1.2, -1.2, -1.57, 0.0], v=0), rt.State(q=[0.2, -1.6, 1.2, -1.2, -1.57, 1.5], v=0)
+    fast = rt.plan(rt.Phase(ur5, (0.1, 5.0), *ends, rt.Duration()), rt.Mesh(12))
+    text = " ".join(str(fast).split())
+    assert "doubt: wrist_3_joint accelerates with" in text and "times gravity at" in text
+    limited = ur5.limits.with_(acceleration=15.0)
+    slow = rt.plan(rt.Phase(ur5, (0.1, 5.0), *ends, rt.Duration(), limits=limited), rt.Mesh(12))
+    assert "doubt" not in str(slow)
