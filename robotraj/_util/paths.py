@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from threading import get_ident
 
 from robotraj._util.errors import InputError
+
+LONGEST = 255
+"""Largest length of the name of a file [bytes]."""
 
 
 def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str) -> Path:
@@ -28,16 +29,24 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str
     InputError
         Another suffix, no such directory, one that cannot be written to, or a directory of that name.
     """
-    target = Path(path).expanduser().absolute()
-    if suffixes and target.suffix.lower() not in suffixes:
-        raise InputError(f"{what} is {str(path)!r}; let it end in {' or '.join(suffixes)}.")
-    if not target.parent.is_dir():
-        parent = str(target.parent)
-        raise InputError(f"{what} is {str(path)!r}, but the directory {parent!r} does not exist; create it.")
-    if target.is_dir():
-        raise InputError(f"{what} is {str(path)!r}, which is a directory; name a file.")
-    if not os.access(target if target.exists() else target.parent, os.W_OK):
-        raise InputError(f"{what} is {str(path)!r}, which cannot be written; choose another place or its permissions.")
+    try:
+        target = Path(path).expanduser().absolute()
+        name = os.fsencode(target.name)
+        if suffixes and target.suffix.lower() not in suffixes:
+            raise InputError(f"{what} is {str(path)!r}; let it end in {' or '.join(suffixes)}.")
+        if len(name) > LONGEST:
+            raise InputError(f"{what} has a name of {len(name)} bytes, above {LONGEST}; choose a shorter name.")
+        if not target.parent.is_dir():
+            parent = str(target.parent)
+            raise InputError(f"{what} is {str(path)!r}, but the directory {parent!r} does not exist; create it.")
+        if target.is_dir():
+            raise InputError(f"{what} is {str(path)!r}, which is a directory; name a file.")
+        if not os.access(target if target.exists() else target.parent, os.W_OK):
+            raise InputError(f"{what} is {str(path)!r}, which cannot be written; choose another place or permissions.")
+    except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{what} is {str(path)!r}, which names no place for a file: {error}.") from error
     return target
 
 
@@ -47,27 +56,3 @@ def cache_folder(name: str) -> Path:
     # The XDG specification requires that relative paths are ignored.
     base = given if given.is_absolute() else Path.home() / ".cache"
     return base / "robotraj" / name
-
-
-@contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
-    """Yield a path to write to; the file takes its place at ``target`` once it is complete.
-
-    An older file at ``target`` stays unchanged until then. If writing fails, the partial file is deleted.
-
-    Raises
-    ------
-    InputError
-        The operating system refuses to write, as on a full disk.
-    """
-    partial = target.with_name(f".{target.name}.{os.getpid()}.{get_ident()}.part")
-    try:
-        yield partial
-        partial.replace(target)
-    except OSError as error:
-        raise InputError(
-            f"{str(target)!r} could not be written: {error.strerror or error}. Nothing of it was kept; free space or "
-            "choose another place."
-        ) from error
-    finally:
-        partial.unlink(missing_ok=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import typer
 
-from robotraj._util.paths import whole_file
+from robotraj._util.system.whole_files import whole_file
 from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json

@@ -10,7 +10,8 @@ from typing import cast
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
-from robotraj._util.paths import whole_file
+from robotraj._util.paths import output_path
+from robotraj._util.system.whole_files import whole_file
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
@@ -103,7 +104,7 @@ def replay(
         raises UnknownName.
     """
     solutions = _checked(solution, labels)
-    target = html_path(path)
+    target = output_path(path, (".html", ".htm"), "the page of replay")
     for each in solutions:
         check_options(_one_robot(each), speed=speed, fps=fps, traces=traces)
     reports = _reports(solutions, report)
@@ -178,24 +179,6 @@ def _reports(
                 f"{solution.duration:.6g} s; validate this solution."
             )
     return reports
-
-
-def html_path(path: str | os.PathLike[str]) -> Path:
-    """Return the absolute path of a page to be written.
-
-    Raises
-    ------
-    InputError
-        A suffix other than ``.html``, a missing directory, or a directory.
-    """
-    target = Path(path).expanduser().absolute()
-    if target.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"replay writes HTML, but the path is {str(path)!r}; let it end in .html.")
-    if not target.parent.is_dir():
-        raise InputError(f"replay: the directory {str(target.parent)!r} does not exist; create it first.")
-    if target.is_dir():
-        raise InputError(f"replay: {str(path)!r} is a directory; name a file.")
-    return target
 
 
 def _one_robot(solution: Solution) -> Robot | None:

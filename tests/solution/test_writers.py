@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import io
+import os
 import resource
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -50,3 +55,96 @@ def test_nothing_half_written_is_left_on_a_full_disk(
     assert not older or target.read_text() == "older"
     assert WRITERS[name](solution, target).stat().st_size > 4096
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+CALLS = (
+    (os, "mkdir"),
+    (os, "open"),
+    (io, "open"),
+    (os, "chmod"),
+    (os, "fsync"),
+    (os, "replace"),
+    (os, "rmdir"),
+    (os, "stat"),
+    (os, "unlink"),
+)
+
+
+def concerns(arguments: tuple[Any, ...], folder: Path) -> bool:
+    """Whether a call names a file of the folder, by its path or by an open file."""
+    first = arguments[0]
+    if isinstance(first, int):
+        with_name = Path(f"/proc/self/fd/{first}")
+        return with_name.exists() and folder in with_name.resolve().parents
+    return str(first).startswith(str(folder))
+
+
+@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize("call", CALLS, ids=lambda call: f"{call[0].__name__}.{call[1]}")
+def test_whatever_call_fails_the_old_file_or_the_new_one_is_there(
+    name: str, call: tuple[Any, str], solution: rt.Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module, function = call
+    target, real = tmp_path / name, getattr(module, function)
+    for number in range(20):
+        target.write_text("older")
+        count = -1
+
+        def failing(*arguments: Any, number: int = number, **options: Any) -> Any:
+            nonlocal count
+            count += concerns(arguments, tmp_path)
+            if count == number and concerns(arguments, tmp_path):
+                raise OSError(errno.EIO, os.strerror(errno.EIO), str(arguments[0]))
+            return real(*arguments, **options)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(module, function, failing)
+            try:
+                WRITERS[name](solution, target)
+                wrote = True
+            except rt.InputError as error:
+                assert name in str(error)
+                wrote = False
+        data = target.read_bytes()
+        assert len(data) > 1000 or (data == b"older" and not wrote)
+        if len(data) > 1000 and name.endswith(".npz"):
+            assert rt.load_solution(target).objective == solution.objective
+        assert function in ("rmdir", "unlink", "open") or [path.name for path in tmp_path.iterdir()] == [name]
+        if count < number:
+            break
+    assert count < number, "every call was made to fail"
+
+
+def test_permissions_and_links_stay(solution: rt.Solution, tmp_path: Path) -> None:
+    private, link = tmp_path / "private.npz", tmp_path / "link.npz"
+    private.write_text("older")
+    private.chmod(0o600)
+    link.symlink_to(private)
+    solution.save(link)
+    assert link.is_symlink() and stat.S_IMODE(private.stat().st_mode) == 0o600
+    assert rt.load_solution(private).objective == solution.objective
+    assert {path.name for path in tmp_path.iterdir()} == {"private.npz", "link.npz"}
+
+
+def test_a_name_may_have_255_bytes(solution: rt.Solution, tmp_path: Path) -> None:
+    assert solution.save(tmp_path / f"{'n' * 251}.npz").exists()
+    with pytest.raises(rt.InputError, match="choose a shorter name"):
+        solution.save(tmp_path / f"{'n' * 252}.npz")
+
+
+def test_a_pipe_is_not_replaced(solution: rt.Solution, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(rt.InputError, match="is no regular file"):
+        solution.to_csv(tmp_path / "pipe.csv")
+    assert stat.S_ISFIFO((tmp_path / "pipe.csv").stat().st_mode)
+
+
+def test_the_file_is_on_the_disk_before_it_takes_its_place(
+    solution: rt.Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[str] = []
+    fsync, replace = os.fsync, os.replace
+    monkeypatch.setattr(os, "fsync", lambda number: (done.append("disk"), fsync(number)))
+    monkeypatch.setattr(os, "replace", lambda *paths: (done.append("place"), replace(*paths)))
+    solution.save(tmp_path / "plan.npz")
+    assert done == ["disk", "place", "disk"]

@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import output_path, whole_file
+from robotraj._util.paths import output_path
+from robotraj._util.system.whole_files import whole_file
 from robotraj.cli.options import JsonOption, PackageDirsOption, RobotArgument, TrustPathsOption
 from robotraj.cli.terminal import say, say_json
 

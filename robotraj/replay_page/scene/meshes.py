@@ -8,9 +8,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import cache_folder, whole_file
+from robotraj._util.paths import cache_folder
 from robotraj._util.system.limited import LimitedProcess, NoAnswer
 from robotraj._util.system.regular_files import contents
+from robotraj._util.system.whole_files import whole_file
 from robotraj.replay_page.scene.part import Part, unpacked
 from robotraj.robot.meshes.reading import LARGEST, SUFFIXES
 

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import cache_folder, whole_file
+from robotraj._util.paths import cache_folder
+from robotraj._util.system.whole_files import whole_file
 from robotraj.robot.collision.enclosing_spheres import Fit, enclose
 
 Array = npt.NDArray[np.float64]

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import whole_file
+from robotraj._util.paths import output_path
+from robotraj._util.system.whole_files import whole_file
 from robotraj.solution.export.set_points import SetPoints, set_points
-from robotraj.solution.export.tables import export_target
 
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
@@ -58,7 +58,7 @@ def to_controller(solution: Planned, path: str | os.PathLike[str], rate: float =
     InputError
         Another suffix, no such directory, a plan of a System, or a rate that is not above 0.
     """
-    target = export_target(path)
+    target = output_path(path, (), "the export")
     write = _WRITERS.get(target.suffix.lower())
     if write is None:
         raise InputError(f"to_controller writes {', '.join(_WRITERS)}; got {str(path)!r}.")

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
-from robotraj._util.paths import whole_file
+from robotraj._util.paths import output_path
 from robotraj._util.printing import OneLine
+from robotraj._util.system.whole_files import whole_file
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
 from robotraj.solution.export.times import sample_times
@@ -107,7 +107,7 @@ def to_csv(
     pathlib.Path
         The file, absolute. Numbers have all their digits; a variable that a phase lacks is an empty cell.
     """
-    target = export_target(path)
+    target = output_path(path, (), "the export")
     columns = table(solution, samples, gains, rate)
     with whole_file(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -133,7 +133,7 @@ def to_json(
 
     Parameters and errors are those of ``to_csv``.
     """
-    target = export_target(path)
+    target = output_path(path, (), "the export")
     columns = table(solution, samples, gains, rate)
     content = {
         "status": solution.status.value,
@@ -178,22 +178,6 @@ def _gain_columns(solution: Planned, times: Array) -> list[Column]:
             per = units[joint] if kind == "q" else f"({units[joint]}/s)"
             found.append(Column(f"gain.{motor}.{kind}.{joint}", f"{torque}/{per}", matrices[:, i, j]))
     return found
-
-
-def export_target(path: str | os.PathLike[str]) -> Path:
-    """Return the absolute path of an export.
-
-    Raises
-    ------
-    InputError
-        No such directory, or a directory of that name.
-    """
-    target = Path(path).expanduser().absolute()
-    if not target.parent.is_dir():
-        raise InputError(f"Cannot export: there is no directory {str(target.parent)!r}; create it first.")
-    if target.is_dir():
-        raise InputError(f"Cannot export: {str(target)!r} is a directory; name a file.")
-    return target
 
 
 def _number(value: float) -> float | None:

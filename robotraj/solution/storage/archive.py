@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, warn
-from robotraj._util.paths import whole_file
+from robotraj._util.paths import output_path
 from robotraj._util.printing import OneLine
+from robotraj._util.system.whole_files import whole_file
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
@@ -80,13 +81,10 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
     InputError
         The directory does not exist, or the path is one.
     """
-    target = Path(path).expanduser().absolute()
-    if target.suffix != ".npz":
-        target = target.with_name(target.name + ".npz")
-    if not target.parent.is_dir():
-        raise InputError(f"Cannot save: the directory {str(target.parent)!r} does not exist; create it first.")
-    if target.is_dir():
-        raise InputError(f"Cannot save: {str(target)!r} is a directory; name a file.")
+    named = Path(path)
+    target = output_path(
+        named if named.suffix == ".npz" else named.with_name(f"{named.name}.npz"), (), "the saved solution"
+    )
     packer = Packer()
     data = {
         "problem": pack_problem(contents.problem, packer),

@@ -102,7 +102,7 @@ def test_bad_input(plan, tmp_path):
         plan.to_controller(tmp_path / "arm.bag")
     with pytest.raises(rt.InputError, match="rate"):
         plan.to_controller(tmp_path / "arm.csv", rate=0.0)
-    with pytest.raises(rt.InputError, match="no directory"):
+    with pytest.raises(rt.InputError, match="does not exist; create it"):
         plan.to_controller(tmp_path / "absent" / "arm.csv")
     system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
     drift = rt.Phase(system, 1.0, rt.State({"x": 0}), rt.State({"x": 1}), rt.Lagrange(lambda p: p.u["u"] ** 2))

@@ -126,7 +126,7 @@ def test_samples_that_cannot_be_are_refused(
 
 def test_a_missing_directory_is_refused(two_phases: rt.Solution, tmp_path: Path) -> None:
     for write in (two_phases.to_csv, two_phases.to_json):
-        with pytest.raises(rt.InputError, match="no directory"):
+        with pytest.raises(rt.InputError, match="does not exist; create it"):
             write(tmp_path / "absent" / "a")
         with pytest.raises(rt.InputError, match="is a directory"):
             write(tmp_path)
