@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import whole_file
+from robotraj._util.system.whole_files import whole_file
 from robotraj.planning.studies.rows import CASE, Row, arrow, schema_of
 
 if TYPE_CHECKING:
