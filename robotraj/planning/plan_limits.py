@@ -60,6 +60,10 @@ class PlanLimits:
             return f"the memory limit of {self.megabytes:g} MB was reached"
         return f"the time limit of {self.seconds:g} s was reached"
 
+    def unseen(self, iteration: Iteration) -> None:
+        """Read the limits without showing the iteration."""
+        self._read()
+
     def __call__(self, iteration: Iteration) -> None:
         """Show an iteration, and read the clock and the memory.
 

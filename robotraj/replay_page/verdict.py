@@ -119,7 +119,7 @@ def figures(solution: Solution) -> list[Figure]:
             ("error of the motion", proof.error, proof.goals.error),
             ("excess over limits", proof.excess, proof.goals.excess),
             ("error of the objective's integral", proof.quadrature, proof.goals.objective),
-            ("objective still to gain", proof.unsettled, proof.goals.objective),
+            ("objective still to gain in this local optimum", proof.unsettled, proof.goals.objective),
         )
         found += [Figure(name, _number(v), goal, "good" if v <= goal else "unproved") for name, v, goal in measures]
     elif solution.success and solution.error is not None:

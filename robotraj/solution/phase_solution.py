@@ -194,7 +194,13 @@ class PhaseSolution(OneLine):
 
     def columns(self, times: Array, names: Sequence[str]) -> list[Array]:
         """Values of named variables at times, (m,) each; accelerations come from the states, unknown names are 0."""
-        sample = self.at(np.clip(times, self.t0, self.t0 + self.duration))
+        times = np.clip(times, self.t0, self.t0 + self.duration)
+        states = {v.name: i for i, v in enumerate(self.phase.dae.states)}
+        if self.phase.path is None and states.keys() >= set(names):
+            # States alone need no equations of motion.
+            x = self.trajectory.x(times)
+            return [x[:, states[name]] for name in names]
+        sample = self.at(times)
         values = {**sample.x, **sample.z, **sample.u}
         if self.phase.robot is not None and sample.a is not None:
             joints = self.phase.robot.velocity_names

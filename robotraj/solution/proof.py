@@ -56,7 +56,9 @@ class Proof(OneLine):
     quadrature : float
         Relative difference between the objective's integral along the motion and its sum at the points.
     unsettled : float
-        Relative decrease of the objective to expect on finer meshes, estimated from the last meshes.
+        Relative decrease of the objective to expect on finer meshes, estimated from the last meshes. A further solve
+        from the plan, on a mesh no finer, gains less than the goal. Both are claims on this local optimum: another one
+        may be better.
     goals : Goals
     shortfall : float
         Largest shortfall of a distance of ``CollisionFree`` in the proof [m]; 0 where all distances are proved.
@@ -103,7 +105,7 @@ class Proof(OneLine):
             ("error of the motion", self.error, self.goals.error),
             ("excess over limits", self.excess, self.goals.excess),
             ("error of the objective's integral", self.quadrature, self.goals.objective),
-            ("objective still to gain", self.unsettled, self.goals.objective),
+            ("objective still to gain in this local optimum", self.unsettled, self.goals.objective),
         )
         if self.shortfall > 0.0:
             measures = (*measures, ("distance not proved [m]", self.shortfall, 0.0))

@@ -182,6 +182,10 @@ class Solver(OneLine, ABC):
         """
         return self
 
+    def accurate_to(self, tolerance: float) -> Solver:
+        """Return this solver with no larger tolerance; itself where it has none."""
+        return self
+
     def with_early_stop(self) -> Solver:
         """Return this solver with few iterations and no fallback, for a problem that seldom has a solution."""
         return self

@@ -133,6 +133,10 @@ class InteriorPoint(Solver):
                 f"InteriorPoint(fallback) is a solver value such as rt.Ipopt(), or None; got {self.fallback!r}."
             )
 
+    def accurate_to(self, tolerance: float) -> InteriorPoint:
+        """Return this solver with no larger tolerance."""
+        return replace(self, tolerance=min(self.tolerance, tolerance))
+
     def with_early_stop(self) -> InteriorPoint:
         """Return this solver with a seventh of its iterations, most of a first attempt, and without its fallback."""
         return replace(self, fallback=None, max_iterations=max(1, self.max_iterations // 7))

@@ -116,6 +116,10 @@ class Ipopt(Solver):
         """Return this solver with no more than these iterations."""
         return replace(self, max_iterations=min(self.max_iterations, iterations))
 
+    def accurate_to(self, tolerance: float) -> Ipopt:
+        """Return this solver with no larger tolerance."""
+        return replace(self, tolerance=min(self.tolerance, tolerance))
+
     def with_early_stop(self) -> Ipopt:
         """Return this solver with a tenth of its iterations."""
         return self.at_most(max(1, self.max_iterations // 10))

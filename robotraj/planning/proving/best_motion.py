@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj._util.time_left import LimitReached
+from robotraj.planning.plan_limits import PlanLimits
+from robotraj.planning.proving.local_optimum import SMALL, gain_from
 from robotraj.planning.proving.measures import Measured, is_motion, measured
 from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.planning.proving.solves import Solves
@@ -66,6 +68,8 @@ class BestMotion:
         Proof of a similar problem on the first mesh, whose solution is the guess.
     near : bool
         Whether the guess is a solution of a similar problem.
+    first : Solution or None
+        The first solution, whose program is solved again from the plan.
     afresh : bool
         Whether the plan began again from the guess, on a finer mesh.
     """
@@ -74,6 +78,7 @@ class BestMotion:
         assert settings.goals is not None
         self.problem, self.settings, self.goals = problem, settings, settings.goals
         self.solution: Solution | None = None
+        self.first: Solution | None = None
         self.measures: Measured | None = None
         self.steps: list[MeshStep] = []
         self.solves = Solves(progress)
@@ -108,16 +113,22 @@ class BestMotion:
 
     def begin_afresh(self) -> None:
         """Drop the best solution: what a coarse mesh took for a motion is none, and leads to none."""
-        self.solution, self.measures, self.afresh = None, None, True
+        self.solution, self.first, self.measures, self.afresh = None, None, None, True
 
-    def solve(self, meshes: tuple[Mesh, ...], guess: InitialGuess | Solution | None, first: bool) -> Solution:
-        """Solve on meshes, from the best solution or else from ``guess``.
+    def solve(
+        self,
+        meshes: tuple[Mesh, ...],
+        guess: InitialGuess | Solution | None,
+        first: bool,
+        start: Solution | None = None,
+    ) -> Solution:
+        """Solve on meshes, from ``start``, else from the best solution, else from ``guess``.
 
         Limits between the points are ignored on the first meshes, which only find a guess for the next. They are also
         ignored where the objective needs a finer mesh, unless ``limits_between``. Where torques exceed their limits
         between the points, these limits are lowered there.
         """
-        start = self.solution or guess
+        begin = start or self.solution or guess
         solver = self._warm_solver if self.near or self.solution is not None else self.solver
         settings = replace(self.settings, mesh=meshes, solver=solver)
         if self.measures is not None and self.measures.only_unsettled:
@@ -125,16 +136,17 @@ class BestMotion:
             settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
         if first:
             plain = replace(settings.interval_limits, rounds=0)
-            return self.solves.solve(self.problem, start, replace(settings, interval_limits=plain))
+            return self.solves.solve(self.problem, begin, replace(settings, interval_limits=plain))
         if self.solution is None and not self.afresh:
             # Other guesses were tried on the first mesh.
             settings = replace(settings, restarts=Restarts(0))
         hold = None if self.limits_between else self._is_settled
-        return self.solves.solve(self.problem, start, settings, lower=True, hold=hold)
+        return self.solves.solve(self.problem, begin, settings, lower=True, hold=hold)
 
     def keep(self, solution: Solution) -> Solution:
         """Keep a solution as the best one, and return it with its proof."""
         self.solution = self._with_proof(solution, self.measures)
+        self.first = self.first or self.solution
         self._is_limited = self.limits_between
         return self.solution
 
@@ -146,6 +158,7 @@ class BestMotion:
         """
         if self.is_motion:
             self._move_knots_to_switches()
+            self._settle()
         elif self.solution is not None and not self._is_limited:
             self._limit_between()
         return self.solves.concluded(self.solution or last, self.steps)
@@ -163,6 +176,42 @@ class BestMotion:
             if found.success:
                 self.steps.pop()
                 self.solution = self._with_proof(found, before)
+
+    def _settle(self) -> None:
+        """Solve once more from a plan that holds, on a mesh no finer; what that gains, the plan has missed.
+
+        A gain is solved on the meshes of the plan, too, since a coarse mesh may only gain between its points. Where it
+        is a motion there, it replaces the plan. Where it is not found there, the objective has not settled.
+        """
+        plan, first, measures = self.solution, self.first, self.measures
+        assert plan is not None and plan.proof is not None and measures is not None
+        if first is None or measures.before is None or not plan.proof.holds:
+            return
+        size = max(abs(plan.objective), SMALL)
+        with suppress(LimitReached):
+            limits = self.solves.progress
+            unseen = limits.unseen if isinstance(limits, PlanLimits) else None
+            gain = gain_from(plan, first, self.goals, self.solver, unseen)
+            if gain is None:
+                return
+            self.solves.add(gain.outcome)
+            if gain.share <= self.goals.objective:
+                return
+            coarse, self.limits_between = gain.solution, True
+            found = self.solve(tuple(part.mesh for part in plan.phases), None, first=False, start=coarse)
+            self.solution = replace(plan, proof=replace(plan.proof, unsettled=gain.share))
+            if not found.success:
+                return
+            self.solution = plan
+            if plan.objective - found.objective <= self.goals.objective * size:
+                return
+            better = self._with_proof(found, measures.before)
+            if better.proof is not None and better.proof.motion_holds:
+                left = max(plan.proof.unsettled, (found.objective - coarse.objective) / size)
+                self.solution = replace(better, proof=replace(better.proof, unsettled=left))
+                return
+            self.steps.pop()
+            self.measures = measures
 
     def _move_knots_to_switches(self) -> None:
         """Solve again with knots where bounded rates jump; a motion that is not proved or no better is dropped."""

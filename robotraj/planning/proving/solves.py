@@ -12,7 +12,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.records import MeshStep, added_times
 from robotraj.solution.settings import RESTARTED_FROM, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress
+from robotraj.solvers.base import Outcome, Progress
 from robotraj.solvers.status import Status
 
 
@@ -45,11 +45,15 @@ class Solves:
     ) -> Solution:
         """Solve a problem on one mesh; see ``planning.solve``."""
         found = solve(problem, start, settings, self.progress, hold, lower)
-        self.times = added_times(self.times, found.times)
-        self.iterations += found.iterations
+        self.add(found)
         _, _, restart = found.message.partition(RESTARTED_FROM)
         self.restart = restart or self.restart
         return found
+
+    def add(self, found: Solution | Outcome) -> None:
+        """Add the times and iterations of a solve."""
+        self.times = added_times(self.times, found.times)
+        self.iterations += found.iterations
 
     def concluded(self, solution: Solution, steps: Sequence[MeshStep]) -> Solution:
         """Return the solution with the status and records of the whole plan.

@@ -1,0 +1,79 @@
+"""A plan whose objective has settled is a local optimum: no further solve from it, on a mesh no finer, gains."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.proving import best_motion
+from robotraj.planning.proving.local_optimum import gain_from
+from robotraj.solvers.status import Status
+
+Pair = tuple[rt.Solution, rt.Solution]
+
+EARLY = rt.InteriorPoint(tolerance=0.1)
+"""A solver that stops half a percent above the optimum, on every mesh alike."""
+
+
+def reach() -> rt.Phase:
+    start, end = rt.State(q=[-1.1, -1.8, 1.6, -1.2, -1.57, 0], v=0), rt.State(q=[1.1, -0.8, 0.6, -0.6, -0.6, 1.2], v=0)
+    return rt.Phase(rt.load("ur5"), 1.0, start, end, rt.Effort())
+
+
+@pytest.fixture(scope="module")
+def optimum() -> float:
+    return rt.plan(reach(), mesh=rt.Mesh.chebyshev(80)).objective
+
+
+def first_and_last(monkeypatch: pytest.MonkeyPatch, solver: rt.solvers.Solver | None) -> Pair:
+    """Return the first solution of a plan, and the last one before it is solved once more."""
+    found: list[Pair] = []
+    monkeypatch.setattr(best_motion.BestMotion, "_settle", lambda motion: found.append((motion.first, motion.solution)))
+    rt.plan(reach(), solver=solver)
+    return found[0]
+
+
+def test_a_further_solve_gains_nothing_from_an_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, last = first_and_last(monkeypatch, None)
+    gain = gain_from(last, first, rt.solution.Goals(), rt.InteriorPoint(tolerance=1e-6))
+    assert gain is not None and gain.outcome.status is Status.SOLVED and gain.share == 0.0
+
+
+def test_a_further_solve_gains_what_solves_that_stopped_early_have_missed(
+    monkeypatch: pytest.MonkeyPatch, optimum: float
+) -> None:
+    first, last = first_and_last(monkeypatch, EARLY)
+    missed = last.objective / optimum - 1.0
+    assert last.proof is not None and last.proof.unsettled < 1e-6 and missed > 4e-3
+    gain = gain_from(last, first, rt.solution.Goals(), EARLY)
+    assert gain is not None and gain.share == pytest.approx(missed, abs=1e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-2, 1e-1, 1.0])
+def test_plans_that_are_proved_are_optimal_whatever_the_tolerance_of_the_solver(
+    optimum: float, tolerance: float
+) -> None:
+    solution = rt.plan(reach(), solver=rt.InteriorPoint(tolerance=tolerance))
+    assert solution.proof is not None and solution.proof.holds
+    assert solution.objective == pytest.approx(optimum, rel=1e-3)
+
+
+def test_the_proof_claims_this_local_optimum_alone() -> None:
+    assert "objective still to gain in this local optimum" in " ".join(str(rt.plan(reach()).proof).split())
+
+
+def test_a_plan_whose_gain_is_not_found_on_its_own_mesh_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = best_motion.BestMotion.solve
+
+    def solve(motion: best_motion.BestMotion, *given: Any, **named: Any) -> rt.Solution:
+        found = plain(motion, *given, **named)
+        return replace(found, status=Status.ITERATION_LIMIT) if "start" in named else found
+
+    monkeypatch.setattr(best_motion.BestMotion, "solve", solve)
+    solution = rt.plan(reach(), solver=EARLY)
+    assert solution.proof is not None and solution.proof.motion_holds and not solution.proof.holds
+    assert solution.proof.unsettled > 1e-3 and np.isfinite(solution.proof.unsettled)
