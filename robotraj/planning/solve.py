@@ -32,6 +32,7 @@ from robotraj.planning.warm_start import (
     separated_form,
 )
 from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
@@ -241,7 +242,16 @@ def solve_relaxed(
 
 
 def has_motion(problem: Problem, settings: Settings, progress: Progress | None = None) -> bool:
-    """Whether a brief solve on the mesh of the settings finds a motion, and another one near it on a finer mesh."""
+    """Whether a brief solve on the mesh of the settings finds a motion, and another one near it on a finer mesh.
+
+    Where durations are free, the fastest motion is looked for. What a long one does quickly falls between the points.
+    """
+    free = [low < high for low, high in (phase.duration_bounds for phase in problem.phases)]
+    fastest = [
+        phase.with_(objective=Duration()) if is_free else phase
+        for phase, is_free in zip(problem.phases, free, strict=True)
+    ]
+    problem = Problem(fastest, problem.links)
     own = replace(settings, solver=settings.solver.at_most(STATED), restarts=Restarts(0))
     found = solve(problem, None, own, progress, _no_rounds)
     if not found.success:

@@ -37,7 +37,8 @@ class Conflict(OneLine):
     reason : str
         Purpose of the needed bound, or the rows with which it conflicts; empty if unknown.
     certain : bool
-        Whether no motion exists within the given bound. Otherwise no motion was found within it.
+        Whether no motion exists within the given bound and the others, and the needed one was derived or tried.
+        Otherwise no motion was found within it.
     """
 
     phase: str

@@ -112,9 +112,12 @@ def explained(solution: Solution, solve_coarse: Solve, solve_finer: Solve, attem
         return replace(solution, conflicts=conflicts, status=Status.INFEASIBLE if conflicts else solution.status)
     if solution.status not in UNEXPLAINED:
         return solution
-    judged = _judged(solution if solution.conflicts else _with_cause(solution, solve_coarse, solve_finer), solve_finer)
-    conflicts = _with_enough_time(judged.conflicts, judged.problem, solve_coarse)
-    return replace(judged, conflicts=sufficient(conflicts, judged.problem, attempt))
+    found = solution if solution.conflicts else _with_cause(solution, solve_coarse, solve_finer)
+    excluded = _is_excluded(found, solve_finer)
+    conflicts = _with_enough_time(found.conflicts, found.problem, solve_coarse)
+    status = Status.NOT_FOUND if found.status is Status.INFEASIBLE else found.status
+    conflicts = sufficient(conflicts, found.problem, attempt, excluded)
+    return replace(found, conflicts=conflicts, status=Status.INFEASIBLE if excluded else status)
 
 
 def _with_enough_time(conflicts: tuple[Conflict, ...], problem: Problem, solve_coarse: Solve) -> tuple[Conflict, ...]:
@@ -138,15 +141,12 @@ def _with_cause(solution: Solution, solve_coarse: Solve, solve_finer: Solve) -> 
     return replace(solution, conflicts=conflicts, status=status)
 
 
-def _judged(solution: Solution, solve_finer: Solve) -> Solution:
-    """Return a failed solution with ``INFEASIBLE`` where every motion is excluded, else ``NOT_FOUND`` in its place."""
-    conflicts = solution.conflicts
-    unsure = are_clear(conflicts) and not are_certain(conflicts)
-    if unsure and excluded_on_finer_mesh(solution.problem, solve_finer, solution):
-        conflicts = tuple(replace(conflict, certain=True) for conflict in conflicts)
+def _is_excluded(failed: Solution, solve_finer: Solve) -> bool:
+    """Whether a theorem excludes every motion: one about a conflict, or about the whole problem."""
+    conflicts = failed.conflicts
     if are_certain(conflicts):
-        return replace(solution, conflicts=conflicts, status=Status.INFEASIBLE)
-    return replace(solution, status=Status.NOT_FOUND) if solution.status is Status.INFEASIBLE else solution
+        return True
+    return are_clear(conflicts) and excluded_on_finer_mesh(failed.problem, solve_finer, failed)
 
 
 def conflicts_of(

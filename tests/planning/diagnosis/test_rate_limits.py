@@ -53,7 +53,7 @@ def test_rows_that_must_give_whatever_the_rates_are_named() -> None:
     slow = rt.constraints.JointTorqueRate(rt.between(-3.0, 3.0))
     phase = rt.Phase(robot, 0.5, *ends, rt.Effort(), limits=robot.limits.with_(effort=0.2), constraints=[slow])
     conflicts = rt.plan(phase, check=False).conflicts
-    assert conflicts and conflicts[0].name.startswith("effort limit")
+    assert conflicts[0].name == "duration" and conflicts[1].name.startswith("effort limit")
 
 
 def test_every_phase_names_a_rate_that_would_do() -> None:

@@ -1,7 +1,8 @@
 """Stated values that suffice: the problem is solved with each of them, and a larger one is stated where that fails.
 
-Values come from a relaxed problem on a coarse mesh. Its motion may exceed limits between its points, and from the
-guess of a plan a solver need not find a motion that barely exists.
+Values come from a relaxed problem on a coarse mesh. Its motion may exceed limits between its points, by several times
+what a short motion within a long duration needs, and from the guess of a plan a solver need not find a motion that
+barely exists. Only values that were tried count as remedies, also where a theorem excludes the given ones.
 """
 
 from __future__ import annotations
@@ -23,8 +24,10 @@ from robotraj.solution.conflict import Conflict
 
 LONGER = (1.0, 1.15, 1.4)
 """Multiples of a stated duration that are tried."""
-WIDER = (1.0, 1.25, 2.0)
+WIDER = (1.0, 1.25, 2.0, 4.0, 8.0)
 """Multiples of what a stated bound gives way that are tried."""
+CLOSE = 1.1
+"""Ratio of a multiple that suffices and one that does not, below which no other one is tried between them."""
 SHORT_OF_ENOUGH = "or more: no motion was found with it"
 """Reason of a value with which no multiple suffices."""
 
@@ -32,36 +35,63 @@ Attempt = Callable[[Problem], bool]
 """Whether a motion was found."""
 
 
-def sufficient(conflicts: Sequence[Conflict], problem: Problem, attempt: Attempt) -> tuple[Conflict, ...]:
+def sufficient(
+    conflicts: Sequence[Conflict], problem: Problem, attempt: Attempt, excluded: bool = False
+) -> tuple[Conflict, ...]:
     """Return conflicts with values that suffice, of all rows together and of the duration alone.
 
-    Durations that do not suffice are left out. Conflicts that are certain, those of limits of rates, whose values were
-    found by solves, and those of motions with contacts are returned as they are.
+    Durations that do not suffice are left out. One that suffices alone stands before rows that do not. Conflicts that
+    are certain, those of limits of rates, whose values were found by solves, and those of motions with contacts are
+    returned as they are.
+
+    Parameters
+    ----------
+    conflicts : sequence of Conflict
+    problem : Problem
+    attempt : callable
+    excluded : bool
+        Whether a theorem excludes every motion within the given bounds. Values that suffice are certain then.
     """
     rows = [each for each in conflicts if each.name != "duration"]
     if any(each.certain or each.reason for each in rows) or any(phase.contacts for phase in problem.phases):
         return tuple(conflicts)
     durations = [each for each in conflicts if each.name == "duration"]
+    of_rates = {row.label for phase in problem.phases for row in phase.rows.rates}
     try:
-        if not any(each.name == row.label for each in rows for phase in problem.phases for row in phase.rows.rates):
-            rows = _first(rows, problem, attempt, WIDER) or [replace(each, reason=SHORT_OF_ENOUGH) for each in rows]
-        return (*rows, *_first(durations, problem, attempt, LONGER))
+        enough = rows if any(each.name in of_rates for each in rows) else _first(rows, problem, attempt, WIDER)
+        longer = _first(durations, problem, attempt, LONGER)
     except LimitReached:
         return tuple(conflicts)
+    if excluded:
+        enough, longer = ([replace(each, certain=True) for each in some] for some in (enough, longer))
+    if len(enough) == 1:
+        return (*enough, *longer)
+    # Several rows suffice together, and a duration without any of them.
+    return (*longer, *(enough or [replace(each, reason=SHORT_OF_ENOUGH) for each in rows]))
 
 
 def _first(
     conflicts: Sequence[Conflict], problem: Problem, attempt: Attempt, multiples: Sequence[float]
 ) -> list[Conflict]:
-    """Return the conflicts with the first multiple that suffices; empty without one."""
-    for multiple in multiples if conflicts else ():
+    """Return the conflicts with about the least multiple that suffices; empty without one."""
+
+    def with_multiple(multiple: float) -> list[Conflict]:
         wider = [_further(each, multiple) for each in conflicts]
+        return wider if attempt(_with_values(problem, wider)) else []
+
+    short = 1.0
+    for multiple in multiples if conflicts else ():
         try:
-            stated = _with_values(problem, wider)
+            found = with_multiple(multiple)
+            while found and multiple > CLOSE * short:
+                between = float(np.sqrt(short * multiple))
+                nearer = with_multiple(between)
+                found, multiple, short = (nearer, between, short) if nearer else (found, multiple, between)
         except InputError:
             return []
-        if attempt(stated):
-            return wider
+        if found:
+            return found
+        short = multiple
     return []
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.relaxation.stated_values import LONGER, SHORT_OF_ENOUGH, WIDER, sufficient
+from robotraj.planning.diagnosis.relaxation.stated_values import CLOSE, SHORT_OF_ENOUGH, sufficient
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 
@@ -33,14 +33,29 @@ def test_values_that_suffice_are_kept_and_bounds_of_both_sides_widen_together() 
         tried.append(bounds_of(problem))
         return True
 
-    assert sufficient((SPEED, THRUST, LONG), move(), attempt) == (SPEED, THRUST, LONG)
+    assert set(sufficient((SPEED, THRUST, LONG), move(), attempt)) == {SPEED, THRUST, LONG}
     assert tried == [(-0.5, 1.2, 3.0, 1.0), (-0.5, 0.8, 2.0, 2.0)]
 
 
-def test_the_first_multiple_that_suffices_is_stated() -> None:
-    found = sufficient((SPEED, LONG), move(), lambda p: bounds_of(p)[1] > 1.25 or bounds_of(p)[3] > 2.2)
-    assert found[0].needed == pytest.approx(0.8 + 0.4 * WIDER[1])
-    assert found[1].needed == pytest.approx(2.0 * LONGER[1])
+@pytest.mark.parametrize("least", [1.19, 1.25, 1.5, 2.9])
+def test_about_the_least_multiple_that_suffices_is_stated(least: float) -> None:
+    speed, longer = sufficient((SPEED, LONG), move(), lambda p: bounds_of(p)[1] > least or bounds_of(p)[3] > 2.2)
+    assert max(least, 1.2) <= speed.needed <= max(0.8 + CLOSE * (least - 0.8), 1.2)
+    assert 2.2 < longer.needed <= 2.2 * CLOSE
+    assert not speed.certain and not longer.certain
+
+
+def test_values_that_were_tried_are_certain_where_a_theorem_excludes_the_given_ones() -> None:
+    speed, longer = sufficient((SPEED, LONG), move(), lambda p: bounds_of(p)[1] > 1.5 or bounds_of(p)[3] > 2.2, True)
+    assert speed.certain and longer.certain
+    (failed,) = sufficient((SPEED, LONG), move(), lambda _: False, True)
+    assert not failed.certain and failed.reason == SHORT_OF_ENOUGH
+
+
+def test_a_duration_that_suffices_alone_stands_before_rows_that_suffice_together_or_not_at_all() -> None:
+    assert sufficient((SPEED, THRUST, LONG), move(), lambda _: True) == (LONG, SPEED, THRUST)
+    first, second = sufficient((SPEED, LONG), move(), lambda p: bounds_of(p)[3] > 1.9)
+    assert first == LONG and second.reason == SHORT_OF_ENOUGH
 
 
 def test_where_none_suffices_rows_say_so_and_durations_are_left_out() -> None:
