@@ -13,7 +13,7 @@ from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
-from robotraj.gait.bounds.margins import MARGIN
+from robotraj.gait.bounds.margins import MARGIN, checked_margin
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import check_options, number
@@ -22,6 +22,7 @@ from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.posture import posture_objective
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.supports import GaitTerms, Support
+from robotraj.gait.take_off import check_height
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time, standing
 from robotraj.problem.constraints.bounds import Between
@@ -82,7 +83,8 @@ def jump(
     Raises
     ------
     InputError
-        The height is not positive, or the robot has no feet.
+        The height is not positive, or half as much again as the torques and speeds of the legs allow. Or the robot has
+        no feet.
     """
     names = feet_of(robot, feet)
     check_options(None, upright)
@@ -94,6 +96,8 @@ def jump(
     kind = on_ground(contact, ground)
     standing_robot = BalancedStance(robot, tuple(foot_contact(kind, name).bound_to(robot) for name in names))
     q = standing(standing_robot)
+    friction = max(contact.contact.friction for contact in standing_robot.contacts)
+    check_height(robot, names, q, height, min(friction, 1.0), checked_margin(margin))
     landed = np.array(q)
     landed[0] += length
     data = robot.model.createData()

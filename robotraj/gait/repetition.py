@@ -14,6 +14,7 @@ from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.dynamics.variable import Scalar
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
+from robotraj.gait.leg_reach import check_step
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
@@ -55,9 +56,11 @@ def repeating(
     Raises
     ------
     InputError
-        The mirror pairs other feet than ``sides``, or the ground does not repeat.
+        The mirror pairs other feet than ``sides``, the ground does not repeat, or the step is longer than the legs
+        reach.
     """
     check_options(repeat, terms.upright)
+    check_step(robot, phases, length)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     if repeat is None:
         repeat = _symmetric_repeat(robot)

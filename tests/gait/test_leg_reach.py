@@ -1,0 +1,30 @@
+"""Steps that are longer than the legs reach are refused before a solve."""
+
+from __future__ import annotations
+
+import pytest
+
+import robotraj as rt
+from robotraj.gait.leg_reach import leg_length
+
+
+def test_the_length_of_a_leg_is_that_of_its_links() -> None:
+    assert leg_length(rt.load("five_link", root="planar"), "left_foot") == pytest.approx(0.8)
+    assert leg_length(rt.load("hopper", root="planar"), "foot") == float("inf")
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_step_of_more_than_two_legs_is_refused_with_one_that_would_do(way: float) -> None:
+    robot = rt.load("go2", root="floating")
+    with pytest.raises(
+        rt.InputError, match=rf"1.2 m long.*leg of 'go2' is 0.521 m.*step_length={0.52 * way:.2g} would"
+    ):
+        rt.gait.trot(robot, step_length=1.2 * way, duration=0.4)
+    rt.gait.trot(robot, step_length=1.0 * way, duration=0.4)
+
+
+def test_a_flight_lengthens_a_step() -> None:
+    biped = rt.load("five_link", root="planar")
+    rt.gait.run(biped, step_length=2.0, duration=0.6)
+    with pytest.raises(rt.InputError, match="step is 1.6 m at most"):
+        rt.gait.walk(biped, step_length=1.7, duration=0.6)
