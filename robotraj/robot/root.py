@@ -103,8 +103,15 @@ def with_root(model: pin.Model, root: str) -> pin.Model:
     copy = model.copy()
     if root == "fixed":
         return copy
-    _check_names(model, about, root)
-    copy = rebuilt(model, tuple(zip(about.joints, _joints(root), strict=True)))
+    for frame in copy.frames:
+        if frame.type == pin.FrameType.FIXED_JOINT and frame.name in (
+            *about.joints,
+            *about.positions,
+            *about.velocities,
+        ):
+            frame.name += "_fixed"
+    _check_names(copy, about, root)
+    copy = rebuilt(copy, tuple(zip(about.joints, _joints(root), strict=True)))
     for entry in model.referenceConfigurations:
         start = pin.neutral(copy)[: len(about.positions)]
         copy.referenceConfigurations[entry.key()] = np.concatenate([start, entry.data()])

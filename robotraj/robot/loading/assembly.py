@@ -30,6 +30,7 @@ from robotraj.robot.loading.notes import (
 from robotraj.robot.loading.other_units import other_unit_note
 from robotraj.robot.loading.planning_model import check_joints, names_of, reduced, rename_ambiguous_frames, with_angles
 from robotraj.robot.loading.rotor import with_rotors
+from robotraj.robot.loading.single_axes import single_axes
 from robotraj.robot.loading.source import Description
 from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
@@ -62,6 +63,10 @@ def assemble(
         cannot have the root.
     """
     stand = root_of(root)
+    axes_note = ""
+    if not isinstance(about.geometry, tuple):  # shapes that were given are attached to the joints as they are
+        chains, axes_note = single_axes(about.model)
+        about = replace(about, model=chains)
     check_joints(about.model)
     standing = with_root(about.model, root)
     if standing.njoints == 1:
@@ -108,6 +113,7 @@ def assemble(
         *findings,
         mimic_note(about.mimics, held, locked or {}),
         renamed_frames_note(renamed),
+        axes_note,
         armature_note,
         dissipation_note(model),
         friction_note(friction, wanted, units, motors),

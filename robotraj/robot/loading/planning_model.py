@@ -64,8 +64,8 @@ def check_joints(model: pin.Model) -> None:
     wide = [f"{model.names[i]!r} ({joint.shortname()})" for i, joint in rigid if joint.nv > 1]
     if wide:
         raise InputError(
-            f"Joint {', '.join(wide)} has more than one degree of freedom. Give a model with single-axis joints; one "
-            "that moves freely is loaded with its root fixed in the file and root='floating' or root='planar'."
+            f"Joint {', '.join(wide)} has more than one degree of freedom, of a kind that has no chain of single ones. "
+            "One that moves freely is loaded with its root fixed in the file and root='floating' or root='planar'."
         )
 
 
@@ -113,7 +113,7 @@ def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (),
         moved.parentFrame += n
         copy.addFrame(moved, False)
     own = slice(copy.nv - model.nv, copy.nv)
-    for name in (*PER_VELOCITY, "lowerEffortLimit"):
+    for name in (*PER_VELOCITY, "lowerEffortLimit", "lowerVelocityLimit"):
         getattr(copy, name)[own] = getattr(model, name)
     return copy
 

@@ -68,6 +68,12 @@ def _joint_faults(joint: Element) -> Iterator[str]:
     if kind not in JOINT_TYPES:
         yield f"joint {name!r} has type {kind!r}; a URDF's types are {', '.join(sorted(JOINT_TYPES))}"
     yield from _origin_faults(joint, f"joint {name!r}")
+    normal = joint.find("axis")
+    if kind == "planar" and normal is not None and any((numbers(normal.get("xyz", ""), 3) or (1.0,))[:2]):
+        yield (
+            f"the planar joint {name!r} has the axis {normal.get('xyz')!r}, and moves in the x-y plane of its origin "
+            "alone; turn the origin and give the axis '0 0 1'"
+        )
     if joint.find("limit") is None and kind in ("revolute", "prismatic"):
         yield f"the {kind} joint {name!r} has no <limit>; give its effort and velocity"
     limit = joint.find("limit")
