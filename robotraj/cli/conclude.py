@@ -15,6 +15,7 @@ from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import say, say_json
 from robotraj.replay_page.options import ReplayOptions
 from robotraj.replay_page.write import replay
+from robotraj.solution.claims.claim import as_data
 from robotraj.solution.errors import NoSolutionFound, PlanInterrupted
 from robotraj.solution.solution import Solution
 from robotraj.witness.report import Report
@@ -91,7 +92,8 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
 
     Keys of the plan: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``parameters``. Keys of the
     solver: ``iterations``, ``seconds``, ``times`` [s], ``intervals`` of each phase by name. Keys of the proof:
-    ``proved``, ``error`` (relative, between knots), ``violations`` and ``failures`` (text). ``written`` lists paths.
+    ``proved``, ``error`` (relative, between knots), ``claims``, ``violations`` and ``failures`` (text). ``written``
+    lists paths.
     Unknown values are null.
     """
     return {
@@ -107,6 +109,7 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
         "error": number(solution.error),
         "parameters": {name: number(value) for name, value in solution.parameters.items()},
         "violations": [str(violation) for violation in solution.violations(20)],
+        "claims": as_data(solution.claims if report is None else report.claims),
         "failures": [] if report is None else list(report.failures(report.tolerances)),
         "intervals": {part.phase.name: len(part.knots) - 1 for part in solution.phases},
         "written": [str(path) for path in written],

@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 
 from robotraj._util.printing import OneLine
+from robotraj.solution.claims.claim import Judgement
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from robotraj.solution.claims.claim import Claim
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.solution import Solution
     from robotraj.solution.violation import Violation
@@ -35,7 +39,12 @@ class Validation(Protocol):
 
     @property
     def passed(self) -> bool:
-        """Whether every figure lies within its tolerance."""
+        """Whether no claim fails."""
+        ...
+
+    @property
+    def claims(self) -> Sequence[Claim]:
+        """The claims with their judgements."""
         ...
 
     @property
@@ -80,20 +89,22 @@ class Figure(OneLine):
 
 
 def verdict(solution: Solution, report: Validation | None = None) -> Verdict:
-    """Return the verdict; it is green only if the proof of the plan holds or its validation passed.
+    """Return the verdict; it is green only if every claim that applies was judged and holds.
 
-    A validation says nothing of the objective: a plan whose proof was tried and does not hold stays amber.
+    Amber names what was not judged.
     """
     planned = _planned(solution)
-    if report is None or planned.colour == "bad":
+    if planned.colour == "bad":
         return planned
+    if report is None:
+        return Verdict("unproved", f"{planned.text}, not validated") if planned.colour == "good" else planned
     if not report.passed:
         return Verdict("bad", "validation failed")
-    if planned.colour == "good":
+    missing = [claim.name for claim in report.claims if claim.judgement is Judgement.NOT_JUDGED]
+    if planned.colour == "good" and not missing:
         return Verdict("good", "proved and validated")
-    if solution.success and solution.proof is None:
-        return Verdict("good", "validated by simulation")
-    return Verdict("unproved", f"{planned.text}; validated")
+    text = "validated by simulation" if solution.proof is None else f"{planned.text}; validated"
+    return Verdict("unproved", f"{text}; not judged: {', '.join(missing)}" if missing else text)
 
 
 def _planned(solution: Solution) -> Verdict:
@@ -110,19 +121,27 @@ def _planned(solution: Solution) -> Verdict:
     return Verdict("unproved", "motion proved, objective not settled" if known else "solved, not proved")
 
 
-def figures(solution: Solution) -> list[Figure]:
-    """List the measures of the proof; without a proof, those of the rows."""
+COLOURS: dict[Judgement, Colour] = {
+    Judgement.HOLDS: "good",
+    Judgement.NOT_JUDGED: "unproved",
+    Judgement.FAILS: "bad",
+}
+
+
+def figures(solution: Solution, report: Validation | None = None) -> list[Figure]:
+    """List the claims with their figures, those of the validation where there is one, and figures of the rows."""
     proof = solution.proof
-    found = []
-    if proof is not None:
-        measures = (
-            ("error of the motion", proof.error, proof.goals.error),
-            ("excess over limits", proof.excess, proof.goals.excess),
-            ("error of the objective's integral", proof.quadrature, proof.goals.objective),
-            ("objective still to gain in this local optimum", proof.unsettled, proof.goals.objective),
+    claims = solution.claims if report is None else report.claims
+    found = [
+        Figure(
+            f"{claim.name}: {claim.judgement.value}",
+            None if claim.figure is None else _number(claim.figure),
+            claim.bound,
+            COLOURS[claim.judgement],
         )
-        found += [Figure(name, _number(v), goal, "good" if v <= goal else "unproved") for name, v, goal in measures]
-    elif solution.success and solution.error is not None:
+        for claim in claims
+    ]
+    if proof is None and solution.success and solution.error is not None:
         # The rates of a failed plan may be accurate although its rows are violated.
         found.append(Figure("error between knots", _number(solution.error), None, "unproved"))
     rows, exceeded = len(solution.violation_list), _limits_exceeded(solution)
@@ -142,7 +161,7 @@ def proof_data(solution: Solution, report: Validation | None = None) -> Data:
         ``settings``, ``message``, ``conflicts`` and ``report``, the text of the validation.
     """
     return {
-        "figures": [asdict(figure) for figure in figures(solution)],
+        "figures": [asdict(figure) for figure in figures(solution, report)],
         "violations": [_violation(solution, v) for v in _worst_of_each_row(solution)[:LISTED]],
         "meshes": [{name: _number(value) for name, value in asdict(step).items()} for step in solution.refinement]
         or _given_mesh(solution),

@@ -18,6 +18,8 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
+from robotraj.solution.claims.claim import Claim
+from robotraj.solution.claims.planned_claims import planned_claims
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
@@ -275,6 +277,11 @@ class Solution(OneLine):
         from robotraj.solution.plotting import plot
 
         return plot(self)
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """What the planner's own measures show, claim by claim; ``rt.validate`` judges the others."""
+        return planned_claims(self, self.proof)
 
     @property
     def cause(self) -> str:

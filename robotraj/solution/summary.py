@@ -11,6 +11,8 @@ from robotraj._util.printing import wrapped
 from robotraj.dynamics.path_body import ACCELERATION
 from robotraj.robot.limits import Limits
 from robotraj.robot.size.reach import reaches
+from robotraj.solution.claims.claim import Judgement
+from robotraj.solution.claims.planned_claims import planned_claims
 from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
@@ -111,6 +113,9 @@ def summary(solution: Summarised) -> str:
         lines.append(f"error between knots {error:.1e}; nothing was proved (plan with tolerance=, or without mesh=)")
     if converged and solution.shares:
         lines.append("uses " + ", ".join(map(str, solution.shares)))
+    if solution.proof is not None and solution.success:
+        later = [c.name for c in planned_claims(solution, solution.proof) if c.judgement is Judgement.NOT_JUDGED]
+        lines += [f"not judged yet: {', '.join(later)} (rt.validate)"] if later else []
     if converged and solution.interval_violations:
         advice = "" if _is_kept_by_its_path(solution) else "; plan on a finer mesh"
         lines.append(f"between collocation points: {solution.interval_violations[0]}{advice}")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.solution.proof import Proof
 from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
+from robotraj.witness.checks.objective import ObjectiveCheck
 from robotraj.witness.checks.residual import Residual
+from robotraj.witness.checks.torques import RateError, TorqueError
 from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
@@ -16,6 +19,9 @@ from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.simulation.closed_loop import ClosedLoop
 from robotraj.witness.simulation.drift import Drift
+
+DISTANCE = "clearance"
+"""Name of the violations of a distance."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +31,10 @@ class Tolerances(OneLine):
     Attributes
     ----------
     local : float or None
-        Largest local error |simulated - planned| / (1 + |planned|). It is measured at the ends of short parts of the
-        plan, each simulated from its planned state.
+        Largest local error |simulated - planned| relative to the size of the state (``robot.size.state_sizes``). It is
+        measured at the ends of short parts of the plan, each simulated from its planned state.
     tracking : float or None
-        Largest deviation with feedback: joint positions [rad, m] as they are, joint velocities divided by
-        10 max(1, largest planned value).
+        Largest deviation with feedback, relative to the sizes of the states; that of velocities to ten times these.
     limits : float
         Largest violation of a limit, constraint, link or boundary condition, relative to ``Row.size``.
     contact : float or None
@@ -48,8 +53,13 @@ class Tolerances(OneLine):
     residual : float or None
         Residual of the equations between collocation points and jump at knots, in the unit of each.
     drift : float or None
-        Largest open-loop drift through all phases, scaled as ``tracking``; the states of Systems divided by
-        max(1, largest planned value). Drift of an unstable motion is large however good its plan is.
+        Largest open-loop drift through all phases, scaled as ``tracking``. Drift of an unstable motion is large however
+        good its plan is.
+    torques : float or None
+        Largest mean error of torques and contact forces over a short window, relative to the joint's own load; and
+        of velocities against the derivatives of positions, relative to their sizes.
+    objective : float or None
+        Largest relative difference between the stated objective and the cost of the motion.
     """
 
     local: float | None = 1e-3
@@ -62,6 +72,8 @@ class Tolerances(OneLine):
     energy: float | None = None
     residual: float | None = None
     drift: float | None = None
+    torques: float | None = 5e-3
+    objective: float | None = 2e-3
 
 
 @dataclass(frozen=True, repr=False)
@@ -113,6 +125,16 @@ class Figures(OneLine):
         Largest shares of friction cones, soles, torques and speeds that a plan with contacts uses; without a threshold.
     stiff : float or None
         Time [s] from which implicit steps simulated open loop, because the motion is stiff.
+    torques : TorqueError or None
+        Torques and forces against Pinocchio's; None for Systems, and where the time limit was reached before.
+    rates : RateError or None
+        Velocities against the derivatives of positions.
+    objective : ObjectiveCheck or None
+        The stated objective beside the cost of the motion; None where the time limit was reached before.
+    proof : Proof or None
+        The planner's own measures.
+    moves_robot : bool
+        Whether a phase moves a robot, and not a System.
     clearances : tuple of Clearance
         Smallest distance of the exact shapes for every ``CollisionFree``.
     self_collisions : tuple of Clearance
@@ -149,11 +171,20 @@ class Figures(OneLine):
     foot_orders: tuple[FootOrder, ...] = ()
     shares: tuple[Share, ...] = ()
     stiff: float | None = None
+    torques: TorqueError | None = None
+    rates: RateError | None = None
+    objective: ObjectiveCheck | None = None
+    proof: Proof | None = None
+    moves_robot: bool = False
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()
     own_distances: tuple[Clearance, ...] = ()
     unguarded: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+
+    def was_late(self, check: str) -> bool:
+        """Whether a check was not made because the time limit was reached."""
+        return any(check in entry for entry in self.unchecked)
 
     @property
     def violations(self) -> tuple[Violation, ...]:

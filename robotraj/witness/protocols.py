@@ -13,6 +13,7 @@ from robotraj.dynamics.point import Point
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.feedback.gains import Gains
+from robotraj.solution.proof import Proof
 from robotraj.solution.sample import Sample
 
 Array = NDArray[np.float64]
@@ -136,6 +137,14 @@ class SolutionLike(Protocol):
     @property
     def phases(self) -> Sequence[PhaseSolutionLike]:
         """Phases in the order of the motion."""
+
+    @property
+    def objective(self) -> float:
+        """The stated objective, the sum over all phases."""
+
+    @property
+    def proof(self) -> Proof | None:
+        """The planner's measures and goals; None for a plan on a given mesh."""
 
     @property
     def problem(self) -> Problem:

@@ -6,7 +6,10 @@ import html
 from dataclasses import fields, replace
 
 from robotraj._util.errors import ValidationFailed, unknown_name
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
+from robotraj.solution.claims.claim import Claim, Judgement
+from robotraj.witness.claims.contract import claims_of
 from robotraj.witness.failures import failures_of
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.report_text import coloured, render
@@ -18,7 +21,10 @@ class Report(Figures):
 
     @property
     def passed(self) -> bool:
-        """Whether every figure with a threshold was computed and lies within ``tolerances``."""
+        """Whether no claim fails, and every figure with a threshold was computed.
+
+        Claims that were not judged do not count; ``not_judged`` names them.
+        """
         return not self.failures(self.tolerances)
 
     def failures(self, tolerances: Tolerances) -> tuple[str, ...]:
@@ -46,6 +52,16 @@ class Report(Figures):
         failures = self.failures(replace(self.tolerances, **{k: v for k, v in allowed.items() if v is not None}))
         if failures:
             raise ValidationFailed(" ".join(failures), self)
+
+    @cached_property
+    def claims(self) -> tuple[Claim, ...]:
+        """Every claim of the contract that applies, with its judgement, its figure and its judge."""
+        return claims_of(self, self.tolerances)
+
+    @property
+    def not_judged(self) -> tuple[str, ...]:
+        """Names of the claims that were not judged."""
+        return tuple(claim.name for claim in self.claims if claim.judgement is Judgement.NOT_JUDGED)
 
     @property
     def verdict(self) -> str:

@@ -6,6 +6,8 @@ import os
 import sys
 from collections.abc import Sequence
 
+from robotraj.witness.claims.contract import claims_of
+from robotraj.witness.claims.text import claims_text
 from robotraj.witness.contacts.contact_table import contacts, order_lines, swing_lines
 from robotraj.witness.figures import Figures
 from robotraj.witness.peak import Peak
@@ -41,6 +43,7 @@ def render(figures: Figures, failures: Sequence[str], verdict: str) -> str:
         lines += [*swing_lines(figures.swings), *order_lines(figures.foot_orders)]
         lines += [*wrapped("the plan uses " + ", ".join(map(str, figures.shares))), ""] if figures.shares else [""]
     lines += [*_residual(figures), *_energy(figures), *_unseen(figures)]
+    lines += claims_text(claims_of(figures, figures.tolerances))
     lines += [line for failure in failures for line in wrapped(failure, "  ! ", "    ")]
     return "\n".join([*lines, f"{verdict} in {figures.seconds:.2g} s of processor time"])
 

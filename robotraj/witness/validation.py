@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TypedDict, TypeVar
 
 import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj.solution.reserves.shares import shares_of
+from robotraj.solution.violation import Violation
 from robotraj.witness.checks import energy as energies
 from robotraj.witness.checks.clearance import clearance_of
 from robotraj.witness.checks.links import link_violations
+from robotraj.witness.checks.objective import objective_check
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.self_collision import own_body_of
+from robotraj.witness.checks.torques import rate_error, torque_error
 from robotraj.witness.checks.violations import FEW_SAMPLES, violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
 from robotraj.witness.contacts.foot_order import foot_orders_of
@@ -22,6 +25,7 @@ from robotraj.witness.contacts.impact import impacts_of
 from robotraj.witness.contacts.slip_and_friction import holding_of
 from robotraj.witness.figures import Tolerances
 from robotraj.witness.peak import largest
+from robotraj.witness.plants.sizes import named_sizes, sizes_of
 from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.report import Report
 from robotraj.witness.simulation.closed_loop import closed_loop_of
@@ -53,6 +57,8 @@ class ValidationOptions(TypedDict, total=False):
     energy: float | None
     residual: float | None
     drift: float | None
+    torques: float | None
+    objective: float | None
     time_limit: float | None
 
 
@@ -72,6 +78,8 @@ def validate(
     energy: float | None = None,
     residual: float | None = None,
     drift: float | None = None,
+    torques: float | None = 5e-3,
+    objective: float | None = 2e-3,
     time_limit: float | None = TIME_LIMIT,
 ) -> Report:
     """Validate a plan by independent code and report what is wrong with it.
@@ -81,9 +89,11 @@ def validate(
     M a + h = B tau - d + J' f and J a + (dJ/dt) v = 0. DOP853 integrates; where the motion is
     stiff, an L-stable SDIRK method of order 4 does.
 
-    Eight figures decide:
+    The claims of ``Report.claims`` decide (``witness.claims``):
 
     - the local error: short parts of the plan are simulated one by one, each from the plan's own state;
+    - torques and contact forces are those of the planned motion, by inverse dynamics;
+    - the stated objective is the cost of the motion;
     - limits, constraints, links, boundary conditions and contacts, between the knots too; and impacts,
       M (v+ - v-) = J' L, J v+ = 0;
     - distances of the exact shapes from obstacles and each other, by coal, for every ``CollisionFree``;
@@ -103,7 +113,7 @@ def validate(
         Tolerances of the steps of the open-loop simulation; those of the other simulations are 1e-6.
     samples_per_interval : int
         Points of every interval at which limits, constraints and residuals are evaluated.
-    local, tracking, limits, contact, forces, force_error, ground, energy, residual, drift : float or None
+    local, tracking, limits, ... : float or None
         Thresholds of ``Report.passed``, see ``Tolerances``; None does not judge the figure.
     time_limit : float or None
         Processor time [s] after which no further check begins; the report lists the missing checks.
@@ -138,9 +148,14 @@ def validate(
 
     phases = solution.phases
     robots = [planned for planned in phases if planned.phase.robot is not None]
+
+    def violations() -> Iterator[Violation]:
+        for planned, sizes in zip(phases, named_sizes(solution), strict=True):
+            yield from violations_of(planned, samples, sizes, clock)
+
     broken = within(
         "limits and constraints",
-        lambda: [*link_violations(solution), *(v for p in phases for v in violations_of(p, samples, clock))],
+        lambda: [*link_violations(solution), *violations()],
         True,
     )
     distances = within("distances", lambda: [clearance_of(p, clock) for p in robots], True) or []
@@ -153,6 +168,9 @@ def validate(
     shares = within("shares of cone, sole, torque and speed", lambda: shares_of(phases), False)
     swings = within("swinging feet", lambda: swings_of(solution, samples, clock), True)
     followed = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
+    loads = within("torques", lambda: torque_error(phases, clock), torques is not None)
+    rates = within("rates", lambda: rate_error(phases, sizes_of(solution)), torques is not None)
+    cost = within("objective", lambda: objective_check(solution, clock), objective is not None)
     residuals = within(
         "residuals between collocation points",
         lambda: [residual_of(p, samples, clock) for p in phases],
@@ -174,7 +192,20 @@ def validate(
         energy=energies.add(balances or ()),
         residual=Residual(*(largest(getattr(r, of) for r in residuals or ()) for of in ("dynamics", "rate", "jumps"))),
         failure=None if drifted is None else drifted.failure,
-        tolerances=Tolerances(local, tracking, limits, contact, forces, force_error, ground, energy, residual, drift),
+        tolerances=Tolerances(
+            local=local,
+            tracking=tracking,
+            limits=limits,
+            contact=contact,
+            forces=forces,
+            force_error=force_error,
+            ground=ground,
+            energy=energy,
+            residual=residual,
+            drift=drift,
+            torques=torques,
+            objective=objective,
+        ),
         duration=float(sum(k[-1] - k[0] for k in knots)),
         intervals=sum(len(k) - 1 for k in knots),
         phases=tuple(planned.phase.name for planned in phases),
@@ -190,6 +221,11 @@ def validate(
         shares=tuple(shares or ()),
         swings=tuple(swings or ()),
         stiff=None if drifted is None else drifted.stiff,
+        torques=loads,
+        rates=rates,
+        objective=cost,
+        proof=solution.proof,
+        moves_robot=bool(robots),
         clearances=tuple(each for nearest, _ in distances for each in nearest),
         self_collisions=tuple(each for body in bodies for each in body.overlaps),
         own_distances=tuple(body.nearest for body in bodies if body.nearest is not None),

@@ -78,6 +78,7 @@ class Plan:
     control_interval_violations: Sequence[Any] = ()
     seconds: float = 0.0
     error: Any = None
+    claims: Sequence[Any] = ()
 
     @property
     def duration(self) -> float:

@@ -10,6 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.replay_page.verdict import figures, proof_data, verdict
+from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.records import MeshStep
@@ -29,14 +30,14 @@ def solution() -> rt.Solution:
     ("proof", "status", "colour", "text"),
     [
         (None, "SOLVED", "unproved", "solved; nothing was proved"),
-        (HOLDS, "SOLVED", "good", "proved"),
+        (HOLDS, "SOLVED", "unproved", "proved, not validated"),
         (replace(HOLDS, unsettled=0.1), "SOLVED", "unproved", "motion proved, objective not settled"),
         (replace(HOLDS, error=np.inf), "NOT_PROVED", "unproved", "not proved"),
         (None, "TOLERANCE_NOT_REACHED", "unproved", "tolerance not reached"),
         (HOLDS, "INFEASIBLE", "bad", "infeasible"),
     ],
 )
-def test_only_a_proof_that_holds_is_green(
+def test_without_a_validation_nothing_is_green(
     solution: rt.Solution, proof: Proof | None, status: str, colour: str, text: str
 ) -> None:
     judged = verdict(replace(solution, proof=proof, status=rt.solvers.Status[status]))
@@ -46,11 +47,17 @@ def test_only_a_proof_that_holds_is_green(
 @pytest.mark.parametrize(
     ("proof", "status", "passed", "colour", "text"),
     [
-        (None, "SOLVED", True, "good", "validated by simulation"),
+        (None, "SOLVED", True, "unproved", "validated by simulation; not judged: optimum"),
         (None, "SOLVED", False, "bad", "validation failed"),
         (HOLDS, "SOLVED", True, "good", "proved and validated"),
         (HOLDS, "SOLVED", False, "bad", "validation failed"),
-        (replace(HOLDS, unsettled=0.1), "SOLVED", True, "unproved", "motion proved, objective not settled; validated"),
+        (
+            replace(HOLDS, unsettled=0.1),
+            "SOLVED",
+            True,
+            "unproved",
+            "motion proved, objective not settled; validated; not judged: optimum",
+        ),
         (replace(HOLDS, error=np.inf), "NOT_PROVED", True, "unproved", "not proved; validated"),
         (None, "INFEASIBLE", True, "bad", "infeasible"),
     ],
@@ -58,15 +65,19 @@ def test_only_a_proof_that_holds_is_green(
 def test_a_report_changes_the_verdict(
     solution: rt.Solution, proof: Proof | None, status: str, passed: bool, colour: str, text: str
 ) -> None:
-    report = SimpleNamespace(passed=passed, duration=4.0)
+    settled = proof is not None and proof.holds
+    judgement = Judgement.HOLDS if settled or status == "NOT_PROVED" else Judgement.NOT_JUDGED
+    claims = (Claim("motion", Judgement.HOLDS, "", "", ""), Claim("optimum", judgement, "", "", ""))
+    report = SimpleNamespace(passed=passed, duration=4.0, claims=claims)
     judged = verdict(replace(solution, proof=proof, status=rt.solvers.Status[status]), report)
     assert (judged.colour, judged.text) == (colour, text)
 
 
 def test_figures_stand_beside_their_goals(solution: rt.Solution) -> None:
     shown = {f.name: f for f in figures(replace(solution, proof=replace(HOLDS, excess=0.2)))}
-    assert (shown["excess over limits"].value, shown["excess over limits"].goal) == (0.2, 1e-3)
-    assert shown["excess over limits"].colour == "unproved" and shown["error of the motion"].colour == "good"
+    missed = shown["limits and constraints: fails"]
+    assert (missed.value, missed.goal, missed.colour) == (0.2, 1e-3, "bad")
+    assert shown["motion: holds"].colour == "good" and shown["own body: not judged"].colour == "unproved"
     assert all(figure.colour != "good" for figure in figures(solution)), "nothing was proved on a given mesh"
     error = next(figure for figure in figures(solution) if figure.name == "error between knots")
     assert error.value == pytest.approx(solution.error, rel=1e-5), "the error of a given mesh is shown, without a goal"

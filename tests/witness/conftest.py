@@ -102,6 +102,7 @@ class FakePhase:
     parameter_names: tuple[str, ...] = ()
     parameter_bounds: Any = field(default_factory=lambda: SimpleNamespace(lower=(), upper=()))
     body: Any = None
+    objective: Any = None
     dae: Any = None
     rows: Any = field(default_factory=lambda: SimpleNamespace(rates=()))
 
@@ -159,6 +160,8 @@ class FakePlan:
 class FakeSolution:
     phases: tuple[FakePlan, ...]
     success: bool = True
+    objective: float = 0.0
+    proof: Any = None
     problem: Any = field(default_factory=lambda: SimpleNamespace(bound_links=(), links=(), missing=()))
 
     @property

@@ -14,6 +14,7 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
+from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
@@ -210,7 +211,7 @@ def measured(
         # The time that lines lose is estimated from this mesh alone, too.
         unsettled = max(unsettled, coarse)
     whole = sum(part.duration for part in parts)
-    errors = tuple(errors_of(p.phase, p.trajectory, p.mesh, whole) for p in parts)
+    errors = tuple(errors_of(p.phase, p.trajectory, p.mesh, whole, _alike(p, parts)) for p in parts)
     # The error of the integral on an interval is scaled so that its goal is the same as that of the relative error.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
     needs = tuple(
@@ -225,6 +226,12 @@ def measured(
     proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals, roughness=rough)
     meshes = tuple(part.mesh for part in parts)
     return Measured(proof, true, meshes, errors, before, needs, broken, coarse, order).with_violations(solution)
+
+
+def _alike(part: PhaseSolution, parts: Sequence[PhaseSolution]) -> list[PhaseTrajectory]:
+    """Return the trajectories of all phases with the states of one."""
+    states = part.phase.dae.states
+    return [other.trajectory for other in parts if other.phase.dae.states == states]
 
 
 def _order(parts: Sequence[PhaseSolution]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from robotraj.transcription.driven_motion import inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.base import Assessment
-from robotraj.transcription.refinement.error import interval_errors, residuals_of
+from robotraj.transcription.refinement.error import interval_errors, residuals_of, sizes_of
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import broken_rows
@@ -44,25 +45,32 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     )
 
 
-def errors_of(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, whole: float | None = None) -> Array:
+def errors_of(
+    phase: Phase,
+    trajectory: PhaseTrajectory,
+    mesh: Mesh,
+    whole: float | None = None,
+    alike: Sequence[PhaseTrajectory] = (),
+) -> Array:
     """Relative error of every interval, of its states or of an integral constraint, (K,).
 
     States of an exact motion have none: its torques follow from inverse dynamics (``transcription.exact_motion``).
     With the duration ``whole`` of the whole motion [s], they count as a simulation shows them too
-    (``simulation_errors``).
+    (``simulation_errors``). The sizes of the states are those of the trajectories of all phases that are ``alike``.
     """
     of_integrals = integral_errors(phase, trajectory, mesh.schemes)
     if is_exact(phase, mesh.given):
         return of_integrals
     residuals = residuals_of(phase, trajectory, inputs_of(phase, trajectory, mesh.schemes))
-    errors = np.maximum(interval_errors(phase, trajectory, residuals=residuals), of_integrals)
+    sizes = sizes_of(phase, alike or [trajectory])
+    errors = np.maximum(interval_errors(phase, trajectory, residuals=residuals, sizes=sizes), of_integrals)
     if whole is None or phase.path is not None:
         return errors
     if phase.robot is None:
-        return np.maximum(errors, errors_of_windows(trajectory, residuals, whole / WINDOWS))
+        return np.maximum(errors, errors_of_windows(trajectory, residuals, whole / WINDOWS, sizes))
     nq, nv = phase.robot.nq, phase.robot.nv
     window = error_window(phase.robot)
-    return np.maximum(errors, errors_of_simulations(trajectory, residuals, window, slice(nq, nq + nv)))
+    return np.maximum(errors, errors_of_simulations(trajectory, residuals, window, sizes, slice(nq, nq + nv)))
 
 
 def control_jumps(trajectory: PhaseTrajectory, moving: bool = False) -> Array:

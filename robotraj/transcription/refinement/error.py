@@ -4,10 +4,9 @@ At any time the collocated polynomial x(t) has the residual e(t) = xdot(t) - f(x
 Kelly measures an interval by the integral of its absolute value, state by state and in the state's own unit; Betts
 relates that to the size of each state and takes the largest,
 
-    eta_i = integral |e_i| dt,    error = max_i eta_i / s_i.
+    eta_i = integral |e_i| dt,    error = max_i eta_i / s_i,
 
-s_i = 1 + max over t of |x_i| and |xdot_i| for a robot, whose units are rad, m and s. For a System of duration T it is
-1 + max over t of |x_i| and |xdot_i| min(1 s, T).
+with the size s_i of a state from the motion itself (``robot.size.state_sizes``).
 
 Algebraic variables are not interpolated but solved from 0 = g(x, z, u, p, t) at every sample, so that the residual
 of g counts as well. For a robot by inverse dynamics this compares the planned acceleration with the true one under the
@@ -26,6 +25,7 @@ Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kel
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.robot.size.state_sizes import state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -102,7 +103,11 @@ def residuals_of(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | Non
 
 
 def interval_errors(
-    phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None, residuals: Residuals | None = None
+    phase: Phase,
+    trajectory: PhaseTrajectory,
+    inputs: Inputs | None = None,
+    residuals: Residuals | None = None,
+    sizes: Array | None = None,
 ) -> Array:
     """Return the relative error of every interval by Betts's definition, (K,).
 
@@ -115,14 +120,18 @@ def interval_errors(
         Algebraic variables and controls along the motion; by default their polynomials.
     residuals : Residuals, optional
         Those of ``residuals_of``, where they are known.
+    sizes : ndarray (nx,), optional
+        Sizes of the states; by default those along this trajectory alone.
     """
-    x, rates = trajectory.x, trajectory.x.derivative()
-    of_states, of_rates = (np.max([np.abs(value).max(axis=0) for value in each.values], axis=0) for each in (x, rates))
-    if phase.robot is None and phase.path is None:
-        size = 1.0 + np.maximum(of_states, min(1.0, trajectory.duration) * of_rates)
-    else:
-        size = 1.0 + np.maximum(of_states, of_rates)
+    size = sizes_of(phase, [trajectory]) if sizes is None else sizes
     return np.asarray((state_errors(phase, trajectory, inputs, residuals) / size).max(axis=1))
+
+
+def sizes_of(phase: Phase, trajectories: Sequence[PhaseTrajectory]) -> Array:
+    """Return the sizes of the states along the trajectories of phases with the same states, (nx,)."""
+    # The entries of a quaternion change by half the angle of a rotation.
+    units = [state.unit or ("rad" if state.quantity == "position" else "") for state in phase.dae.states]
+    return state_sizes(units, np.vstack([values for each in trajectories for values in each.x.values]))
 
 
 def state_errors(

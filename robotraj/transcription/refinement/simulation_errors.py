@@ -4,9 +4,9 @@ Betts's error of an interval (``error``) is relative to the largest acceleration
 one. Where many short intervals follow each other, as where powers change their sign, their errors add up, and a
 simulation of a window misses its end. The error over a window is the sum of its intervals,
 
-    error = max_i |integral e_i dt| / (1 + |x_i|),    e = xdot - f,
+    error = max_i |integral e_i dt| / s_i,    e = xdot - f,
 
-with the state x_i at its end. The size of a System's state is max(1, max_t |x_i|) instead. Windows end inside of longer
+with the sizes s_i of the states (``robot.size.state_sizes``). Windows end inside of longer
 intervals, where the error is larger than at the end: there collocation integrates e to nearly zero. An interval has the
 share of the error of a window that its own error has of the mean in the window, at most the whole.
 
@@ -15,9 +15,9 @@ by damping. The collocated speed is right at the knots and wrong inside the inte
 10,000 rad/s^2 this error is small, but a simulation that follows the plan is away from it by a fraction of the speed.
 The deviation d of each speed is integrated from 0 at the first knot of an interval,
 
-    d' = e - lambda d,    error = max_t |d| / max(1, |v|),
+    d' = e - lambda d,    error = max_t |d| / s,
 
-with the rates of decay lambda of ``error``, the largest speed |v| of the joint in the phase, and implicit steps between
+with the rates of decay lambda of ``error``, the size s of the speed, and implicit steps between
 the points of Gauss's rule.
 """
 
@@ -44,7 +44,9 @@ SHARE_OF_SPEEDS = 2e-3
 At the default goal of 1e-4 it allows half the deviation that ``rt.validate`` allows a robot that follows its plan."""
 
 
-def errors_of_simulations(trajectory: PhaseTrajectory, residuals: Residuals, longest: float, speeds: slice) -> Array:
+def errors_of_simulations(
+    trajectory: PhaseTrajectory, residuals: Residuals, longest: float, sizes: Array, speeds: slice
+) -> Array:
     """Return the larger error of every interval: of the windows around it, or of the speeds inside it, (K,).
 
     Parameters
@@ -53,30 +55,27 @@ def errors_of_simulations(trajectory: PhaseTrajectory, residuals: Residuals, lon
     residuals : Residuals
     longest : float
         Length of a window [s]. Longer intervals are cut into equal parts.
+    sizes : ndarray (nx,)
+        Sizes of the states.
     speeds : slice
         Columns of the states that are speeds of joints.
     """
-    of_speeds = SHARE_OF_SPEEDS * speed_deviations(trajectory, residuals, speeds)
-    return np.maximum(SHARE * window_errors(trajectory, residuals, longest), of_speeds)
+    of_speeds = SHARE_OF_SPEEDS * speed_deviations(residuals, sizes, speeds)
+    return np.maximum(errors_of_windows(trajectory, residuals, longest, sizes), of_speeds)
 
 
-def errors_of_windows(trajectory: PhaseTrajectory, residuals: Residuals, longest: float) -> Array:
-    """Return the error of the worst window of a System around every interval, to compare with that of one, (K,)."""
-    peaks = np.max([np.abs(values).max(axis=0) for values in trajectory.x.values], axis=0)
-    return SHARE * window_errors(trajectory, residuals, longest, np.maximum(1.0, peaks))
+def errors_of_windows(trajectory: PhaseTrajectory, residuals: Residuals, longest: float, sizes: Array) -> Array:
+    """Return the error of the worst window around every interval, to compare with that of one, (K,)."""
+    return SHARE * window_errors(trajectory, residuals, longest, sizes)
 
 
-def window_errors(
-    trajectory: PhaseTrajectory, residuals: Residuals, longest: float, sizes: Array | None = None
-) -> Array:
+def window_errors(trajectory: PhaseTrajectory, residuals: Residuals, longest: float, sizes: Array) -> Array:
     """Return the error of the worst window around every interval, (K,).
 
     Parameters
     ----------
-    trajectory, residuals, longest
+    trajectory, residuals, longest, sizes
         See ``errors_of_simulations``.
-    sizes : ndarray (nx,), optional
-        Sizes of the states; by default 1 + |x| at the end of each window.
     """
     breaks = trajectory.x.breaks
     lengths = np.diff(breaks)
@@ -88,20 +87,19 @@ def window_errors(
     begins = np.append(breaks[0], ends[:-1])
     eta = _integrals(residuals, lengths, parts, longest)
     sums = np.vstack([np.zeros(eta.shape[1]), np.cumsum(eta, axis=0)])
-    at_ends = 1.0 + np.abs(trajectory.x(ends, owners)) if sizes is None else np.tile(sizes, (len(ends), 1))
     errors = np.zeros(len(lengths))
     for first, begin in enumerate(begins):
         last = max(first + 1, int(np.searchsorted(ends, begin + longest * (1.0 + ROUNDING), side="right")))
         window = slice(first, last)
-        of_window = np.abs(sums[last] - sums[first]) / at_ends[last - 1]
+        of_window = np.abs(sums[last] - sums[first]) / sizes
         own = np.abs(eta[window])
         shares = np.minimum(1.0, own / np.maximum(own.mean(axis=0), 1e-300))
         np.maximum.at(errors, owners[window], (shares * of_window).max(axis=1))
     return errors
 
 
-def speed_deviations(trajectory: PhaseTrajectory, residuals: Residuals, speeds: slice) -> Array:
-    """Return the largest deviation of a speed inside every interval, relative to max(1, its largest value), (K,)."""
+def speed_deviations(residuals: Residuals, sizes: Array, speeds: slice) -> Array:
+    """Return the largest deviation of a speed inside every interval, relative to its size, (K,)."""
     counts = np.bincount(residuals.interval)
     starts = np.cumsum(counts) - counts
     driven = residuals.weights[:, None] * residuals.values[:, speeds]
@@ -114,8 +112,7 @@ def speed_deviations(trajectory: PhaseTrajectory, residuals: Residuals, speeds: 
         at = starts[own] + place
         deviations[own] = (deviations[own] + driven[at]) / damped[at]
         largest[own] = np.maximum(largest[own], np.abs(deviations[own]))
-    planned = np.max([np.abs(values[:, speeds]).max(axis=0) for values in trajectory.x.values], axis=0)
-    return np.asarray((largest / np.maximum(1.0, planned)).max(axis=1))
+    return np.asarray((largest / sizes[speeds]).max(axis=1))
 
 
 def _integrals(residuals: Residuals, lengths: Array, parts: NDArray[np.int_], longest: float) -> Array:

@@ -16,6 +16,8 @@ import coal
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.coal_shapes import coal_shape
 from robotraj.problem.constraints.collision_free import CollisionFree
@@ -40,7 +42,8 @@ PER_INTERVAL = 9
 """Samples of speeds in every interval."""
 
 
-class Clearance(NamedTuple):
+@dataclass(frozen=True)
+class Clearance(OneLine):
     """The smallest distance of a phase.
 
     Attributes

@@ -20,6 +20,7 @@ from robotraj.solution.violation import Violation
 from robotraj.witness.checks.points import end_of
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
+from robotraj.witness.plants.sizes import named_sizes
 from robotraj.witness.protocols import Array, SolutionLike
 
 
@@ -33,6 +34,7 @@ def link_violations(solution: SolutionLike) -> tuple[Violation, ...]:
     """
     found: list[Violation] = []
     given = tuple(solution.problem.links)
+    sizes = named_sizes(solution)
     for k, bound in enumerate(solution.problem.bound_links):
         ends = [_ends(solution, i) for i in bound.phases]
         link = given[k] if k < len(given) else None
@@ -48,7 +50,8 @@ def link_violations(solution: SolutionLike) -> tuple[Violation, ...]:
         time = float(np.asarray(solution.phases[bound.phases[0]].knots)[-1])
         phases = " to ".join(str(solution.phases[i].phase.name) for i in bound.phases)
         for row, value in zip(rows, values, strict=True):
-            watch = Watch(row)
+            size = sizes[bound.phases[0]].get(row.joint or "") if row.name == "continuity" else None
+            watch = Watch(row, size)
             watch.see(np.array([time]), np.array([value]))
             violation = watch.worst(phases)
             if violation is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -27,11 +27,15 @@ ACCELERATION_UNITS = {"rad": "rad/s^2", "m": "m/s^2"}
 
 
 def violations_of(
-    planned: PhaseSolutionLike, samples: int, clock: Callable[[], None] = lambda: None
+    planned: PhaseSolutionLike,
+    samples: int,
+    sizes: Mapping[str, float],
+    clock: Callable[[], None] = lambda: None,
 ) -> tuple[Violation, ...]:
     """Return every violated bound of a phase, the worst first: limits, constraints, states at both ends, parameters.
 
-    Each is reported once, at the time of its largest violation among ``samples`` points of every interval.
+    Each is reported once, at the time of its largest violation among ``samples`` points of every interval. States at
+    the ends are judged relative to the ``sizes`` of the states in the motion.
 
     Raises
     ------
@@ -56,7 +60,9 @@ def violations_of(
                 watch.see(part.times, read(sample))
     if throughout:
         _see_throughout(planned, throughout, samples, clock)
-    at_ends = [*_at_end(planned, bound, 0, Where.START), *_at_end(planned, bound, -1, Where.END), *_scalars(planned)]
+    at_ends = [*_scalars(planned)]
+    for side, where in ((0, Where.START), (-1, Where.END)):
+        at_ends += _at_end(planned, bound, sizes, side, where)
     at_ends += sole_watches(planned, [c for c in bound if c.where is Where.THROUGHOUT], FEW_SAMPLES, clock)
     at_ends += _integrals(planned, [c for c in bound if c.where is Where.INTEGRAL], samples)
     every = watched + all_watches(throughout) + at_ends
@@ -129,7 +135,13 @@ def _column(kind: str, index: int) -> Callable[[RobotSample], Array]:
     return lambda sample: np.asarray(getattr(sample, kind)[:, index])
 
 
-def _at_end(planned: PhaseSolutionLike, bound: Sequence[BoundConstraint], side: int, where: Where) -> list[Watch]:
+def _at_end(
+    planned: PhaseSolutionLike,
+    bound: Sequence[BoundConstraint],
+    sizes: Mapping[str, float],
+    side: int,
+    where: Where,
+) -> list[Watch]:
     """Watch the state and the constraints of one end of a phase."""
     phase = planned.phase
     times, point = end_of(planned, side)
@@ -142,7 +154,7 @@ def _at_end(planned: PhaseSolutionLike, bound: Sequence[BoundConstraint], side: 
         # States that the objective adds are the last of the bounds; they are not part of the motion.
         count = len(units)
         for name, unit, lower, upper in zip(point.x, units, state.lower[:count], state.upper[:count], strict=True):
-            watch = Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name))
+            watch = Watch(Row(f"{where.value} state", unit, float(lower), float(upper), name), sizes[name])
             watch.see(times, np.array([float(point.x[name])]))
             watches.append(watch)
     return watches

@@ -12,14 +12,22 @@ from robotraj.solution.violation import Violation, violated
 from robotraj.witness.protocols import Array
 
 SOLVER_NOISE = 1e-6
-"""Largest violation, relative to max(1, |limit|), that counts as the tolerance of a solver and is not listed."""
+"""Largest violation, relative to the size or limit of the row, that is a solver's tolerance and is not listed."""
 
 
 @dataclass
 class Watch:
-    """A row and its values at sampled times."""
+    """A row and its values at sampled times.
+
+    Attributes
+    ----------
+    row : Row
+    size : float or None
+        Violation that counts as 1, in the unit of the row; None for that of the row.
+    """
 
     row: Row
+    size: float | None = None
     times: list[Array] = field(default_factory=list)
     values: list[Array] = field(default_factory=list)
 
@@ -60,7 +68,8 @@ class Watch:
         row, i = self.row, int(np.argmax(self._excess))
         value, time = float(np.concatenate(self.values)[i]), float(np.concatenate(self.times)[i])
         amount, limit, side = violated(value, float(row.lower), float(row.upper))
-        if amount <= SOLVER_NOISE * max(1.0, abs(limit)):
+        size = float(row.size) if self.size is None else self.size
+        if amount <= SOLVER_NOISE * max(min(1.0, size), abs(limit)):
             return None
-        found = Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, float(row.size))
+        found = Violation(phase, row.name, row.joint, time, amount, row.unit, limit, side, size)
         return found.measured(row.measure)

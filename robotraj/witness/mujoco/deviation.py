@@ -9,9 +9,8 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.robot.robot import Robot
 from robotraj.witness.mujoco.roots import RootCoordinates
 from robotraj.witness.plants.plant import RATE_UNITS
-from robotraj.witness.plants.robot_plant import VELOCITY_SCALE
 from robotraj.witness.protocols import Array
-from robotraj.witness.simulation.drift import Drift, DriftRow
+from robotraj.witness.simulation.drift import VELOCITY_SCALE, Drift, DriftRow
 
 FLYING_POSITIONS = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz")
 FLYING_VELOCITIES = ("root_vx", "root_vy", "root_vz", "root_wx", "root_wy", "root_wz")

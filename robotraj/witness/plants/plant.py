@@ -60,12 +60,12 @@ class Plant(Protocol):
         """Return the differences (m, k) of states (m, n) from planned states (m, n)."""
         ...
 
-    def scales(self, peaks: Array) -> Array:
-        """Return the factors of a drift tolerance (k,) for the largest planned magnitudes (n,)."""
+    def coordinates(self, states: Array) -> Array:
+        """Return coordinates (m, k) of states (m, n), whose range is that of the differences of states."""
         ...
 
-    def sizes(self, states: Array) -> Array:
-        """Return the scale of differences from states (m, n), (m, k): 1 + |x| for robots, peaks for Systems."""
+    def spread(self, sizes: Array) -> Array:
+        """Return the sizes of the entries of a state (n,) for sizes of the differences of states (k,)."""
         ...
 
     def given(self, times: Array) -> Array:

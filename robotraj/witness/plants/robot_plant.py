@@ -25,9 +25,6 @@ Feedback = Callable[[Array], Array]
 FLYING = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz")
 """Deviation of a floating root: along the world's axes [m], and a rotation vector in its own axes [rad]."""
 
-VELOCITY_SCALE = 10.0
-"""Ratio of the tolerances of velocities and positions, for motions that change within a tenth of a second."""
-
 QUATERNION_DIFFERENCE = 1e-7
 """Finite difference of the entries of a floating root's configuration."""
 
@@ -91,19 +88,19 @@ class RobotPlant:
         moved[:, PLACE] = there[:, PLACE] - here[:, PLACE]
         return np.hstack([moved, states[:, nq:] - planned[:, nq:]])
 
-    def scales(self, peaks: Array) -> Array:
-        """Return 1 for positions, ``VELOCITY_SCALE`` max(1, peak) for velocities."""
-        nq, nv = self._model.nq, self._model.nv
-        return np.concatenate([np.ones(nv), VELOCITY_SCALE * np.maximum(1.0, peaks[nq:])])
+    def coordinates(self, states: Array) -> Array:
+        """Return positions and velocities, (m, 2 nv); of a floating root its shift and turn from the first state."""
+        if not self._floats:
+            return states
+        moved = self.gaps(states, np.broadcast_to(states[0], states.shape))
+        return np.hstack([moved[:, : self._model.nv], states[:, self._model.nq :]])
 
-    def sizes(self, states: Array) -> Array:
-        """Return 1 for position and orientation of a floating root, 1 + |x| for all other states."""
-        nq = self._model.nq
-        moved = np.abs(states[:, :nq])
-        if self._floats:
-            root = len(FLYING)
-            moved = np.hstack([np.zeros((len(states), root)), moved[:, root + 1 :]])
-        return 1.0 + np.hstack([moved, np.abs(states[:, nq:])])
+    def spread(self, sizes: Array) -> Array:
+        """Return the sizes of positions and velocities; the entries of a quaternion change with the rotation."""
+        if not self._floats:
+            return sizes
+        root = len(FLYING)
+        return np.concatenate([sizes[:root], sizes[root // 2 : root].max(keepdims=True), sizes[root:]])
 
     def given(self, times: Array) -> Array:
         """Return motor torques, forces of implicit contacts, and with feedback the planned states and gains."""

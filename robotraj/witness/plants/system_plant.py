@@ -44,16 +44,13 @@ class SystemPlant:
         """Return the differences (m, n), state by state."""
         return states - planned
 
-    def scales(self, peaks: Array) -> Array:
-        """Return max(1, peak), since units of a user's states are not known: an altitude of 15 km may cross zero."""
-        return np.maximum(1.0, peaks)
+    def coordinates(self, states: Array) -> Array:
+        """Return the states themselves."""
+        return states
 
-    def sizes(self, states: Array) -> Array:
-        """Return the sizes of the states in the whole phase, the same for every row."""
-        knots = np.asarray(self._planned.knots, dtype=float)
-        times = np.concatenate([knots, 0.5 * (knots[1:] + knots[:-1])])
-        peaks = np.maximum(np.abs(self.states(times)).max(axis=0), np.abs(states).max(axis=0))
-        return np.broadcast_to(self.scales(peaks), states.shape)
+    def spread(self, sizes: Array) -> Array:
+        """Return the sizes themselves."""
+        return sizes
 
     def begin(self, x: Array) -> tuple[Array, tuple[Landing, ...]]:
         """Return x: a System has no contacts."""

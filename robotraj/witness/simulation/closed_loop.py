@@ -11,6 +11,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.plants.robot_plant import RobotPlant
+from robotraj.witness.plants.sizes import sizes_of
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
@@ -58,13 +59,15 @@ def closed_loop_of(
         return ClosedLoop(None, None, str(error))
     rows: list[tuple[DriftRow, ...]] = []
     before: tuple[RobotPlant, Array, Array] | None = None
+    sizes = sizes_of(solution)
     for i, (planned, feedback) in enumerate(zip(solution.phases, gains.phases, strict=True)):
         plant = RobotPlant(planned, feedback.at)
         knots = np.asarray(planned.knots, dtype=float)
         own = plant.states(knots[:1], 0)[0]
         x, _ = plant.begin(handed_on(solution, i, plant, own, before))
-        motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, clock=clock)
-        rows.append(drift_of(plant, motion, planned.phase.name))
+        own_sizes = plant.spread(sizes[i])
+        motion = march(plant, x, spans_of(knots), own_sizes, rtol=rtol, atol=atol, settle=plant.settle, clock=clock)
+        rows.append(drift_of(plant, motion, planned.phase.name, sizes[i]))
         if motion.failure is not None:
             reason = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
             return ClosedLoop(drifts.merge(rows), gains.growth, reason)

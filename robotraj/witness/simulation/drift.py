@@ -32,8 +32,7 @@ class DriftRow(OneLine):
     phase : str
         Phase of the largest drift.
     scale : float
-        Factor of a tolerance: 1 for joint positions, 10 max(1, largest planned value) for joint
-        velocities, max(1, largest planned value) for the states of Systems.
+        Size of the state in the motion (``robot.size.state_sizes``), by which a tolerance is multiplied.
     """
 
     name: str
@@ -78,12 +77,17 @@ class Drift(OneLine, Mapping[str, DriftRow]):
         return max((row.largest for row in self.rows if row.name.startswith(prefix)), default=0.0)
 
 
-def drift_of(plant: Plant, motion: Motion, phase: str) -> tuple[DriftRow, ...]:
-    """Compare a simulated phase with its plan, state by state."""
+VELOCITY_SCALE = 10.0
+"""Ratio of the tolerances of velocities and positions that drift, for motions that change within a tenth of a second.
+"""
+
+
+def drift_of(plant: Plant, motion: Motion, phase: str, sizes: Array) -> tuple[DriftRow, ...]:
+    """Compare a simulated phase with its plan, state by state, relative to the sizes (k,) of the states."""
     planned = plant.states(motion.times, motion.intervals)
     gaps = np.nan_to_num(np.abs(plant.gaps(motion.states, planned)), nan=np.inf)
-    peaks = np.nan_to_num(np.abs(planned), nan=0.0).max(axis=0)
-    rows = zip(plant.gap_names, plant.gap_units, plant.scales(peaks), strict=True)
+    rates = np.array([name.startswith("v.") for name in plant.gap_names], dtype=bool)
+    rows = zip(plant.gap_names, plant.gap_units, np.where(rates, VELOCITY_SCALE, 1.0) * sizes, strict=True)
     return tuple(
         _row(name, unit, gaps[:, i], motion, phase, float(scale)) for i, (name, unit, scale) in enumerate(rows)
     )

@@ -16,6 +16,7 @@ from robotraj.robot.size.error_window import WINDOWS, error_window
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Plant
 from robotraj.witness.plants.robot_plant import RobotPlant
+from robotraj.witness.plants.sizes import sizes_of
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation.drift import Drift, DriftRow, merge
 from robotraj.witness.simulation.mirror_image import MIRRORED, mirror_image, mirror_of
@@ -51,6 +52,7 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
     before: tuple[Plant, Array, Array] | None = None
     whole = sum(float(planned.knots[-1] - planned.knots[0]) for planned in solution.phases)
     found = []
+    sizes = sizes_of(solution)
     for i, planned in enumerate(solution.phases):
         robot, longest = planned.phase.robot, whole / WINDOWS
         if robot is not None:
@@ -61,12 +63,13 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
         plant, phase = plant_of(planned), planned.phase.name
         own, end = plant.states(knots[:1], 0)[0], plant.states(knots[-1:], len(knots) - 2)[0]
         if before is not None:
-            found.append(_seam(plant, handed_on(solution, i, plant, own, before), own, float(knots[0]), phase))
-        found.append(local_error_of(plant, knots, longest, phase, rtol, atol, clock))
+            handed = handed_on(solution, i, plant, own, before)
+            found.append(_seam(plant, handed, own, sizes[i], float(knots[0]), phase))
+        found.append(local_error_of(plant, knots, longest, phase, sizes[i], rtol, atol, clock))
         image = None if mirror is None else mirror_image(realised(planned), mirror)
         if image is not None:
             half = RobotPlant(planned, robot=image)
-            found.append(local_error_of(half, knots, longest, phase + MIRRORED, rtol, atol, clock))
+            found.append(local_error_of(half, knots, longest, phase + MIRRORED, sizes[i], rtol, atol, clock))
         before = plant, end, end
     return merge(found)
 
@@ -76,6 +79,7 @@ def local_error_of(
     knots: Array,
     longest: float,
     phase: str,
+    sizes: Array,
     rtol: float,
     atol: float,
     clock: Callable[[], None],
@@ -85,14 +89,13 @@ def local_error_of(
     Returns
     -------
     tuple of DriftRow
-        By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is
-        1 + |planned|; for position and orientation of a floating root 1; for a System's state its largest
-        value in the phase, at least 1. Infinite where a simulation stopped.
+        By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is the
+        size of the state in the plan. Infinite where a simulation stopped.
     """
     windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)
     ends = _ends(plant, windows, -1)
-    stepper = Stepper(plant, [span for window in windows for span in window], rtol, atol)
+    stepper = Stepper(plant, [span for window in windows for span in window], plant.spread(sizes), rtol, atol)
     reached = np.full_like(ends, np.nan)
     for i, window in enumerate(windows):
         clock()
@@ -109,20 +112,19 @@ def local_error_of(
         # A jump of the plan at a knot is an error too.
         jumps = np.abs(plant.gaps(begins[1:], ends[:-1]))
         gaps[:-1] = np.maximum(gaps[:-1], np.nan_to_num(jumps, nan=np.inf))
-    scales = plant.sizes(ends)
     times = np.array([window[-1].end for window in windows])
     return tuple(
-        _row(name, unit, gaps[:, j], scales[:, j], times, phase)
+        _row(name, unit, gaps[:, j], float(sizes[j]), times, phase)
         for j, (name, unit) in enumerate(zip(plant.gap_names, plant.gap_units, strict=True))
     )
 
 
-def _seam(plant: Plant, handed: Array, own: Array, time: float, phase: str) -> tuple[DriftRow, ...]:
+def _seam(plant: Plant, handed: Array, own: Array, sizes: Array, time: float, phase: str) -> tuple[DriftRow, ...]:
     """Compare the first state of a phase with the last state of the phase before, impact included."""
     x, _ = plant.begin(handed)
     gaps = np.nan_to_num(np.abs(plant.gaps(x[None], own[None])), nan=np.inf)
     return tuple(
-        _row(name, unit, gaps[:, j], plant.sizes(own[None])[:, j], np.array([time]), phase)
+        _row(name, unit, gaps[:, j], float(sizes[j]), np.array([time]), phase)
         for j, (name, unit) in enumerate(zip(plant.gap_names, plant.gap_units, strict=True))
     )
 
@@ -134,6 +136,6 @@ def _ends(plant: Plant, windows: Sequence[Sequence[Span]], side: int) -> Array:
     return plant.states(times, np.array([span.interval for span in spans]))
 
 
-def _row(name: str, unit: str, gaps: Array, scales: Array, times: Array, phase: str) -> DriftRow:
-    worst = int(np.argmax(gaps / scales))
-    return DriftRow(name, unit, float(gaps[-1]), float(gaps[worst]), float(times[worst]), phase, float(scales[worst]))
+def _row(name: str, unit: str, gaps: Array, size: float, times: Array, phase: str) -> DriftRow:
+    worst = int(np.argmax(gaps))
+    return DriftRow(name, unit, float(gaps[-1]), float(gaps[worst]), float(times[worst]), phase, size)

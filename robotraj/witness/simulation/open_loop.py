@@ -10,6 +10,7 @@ import numpy as np
 from robotraj._util.values import dataclass
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Landing, Plant
+from robotraj.witness.plants.sizes import sizes_of
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
@@ -59,16 +60,18 @@ def open_loop(solution: SolutionLike, rtol: float, atol: float, clock: Callable[
     failure: str | None = None
     stiff: list[float] = []
     before: tuple[Plant, Array, Array] | None = None
+    sizes = sizes_of(solution)
     for i, planned in enumerate(solution.phases):
         plant = plant_of(planned)
         knots = np.asarray(planned.knots, dtype=float)
         own = plant.states(knots[:1], 0)[0]
         x, landed = plant.begin(handed_on(solution, i, plant, own, before))
         ended = None if planned.phase.robot is None else partial(_lost, plant)
-        motion = march(plant, x, spans_of(knots), rtol=rtol, atol=atol, settle=plant.settle, ended=ended, clock=clock)
+        spans, own_sizes = spans_of(knots), plant.spread(sizes[i])
+        motion = march(plant, x, spans, own_sizes, rtol=rtol, atol=atol, settle=plant.settle, ended=ended, clock=clock)
         stiff += [] if motion.stiff is None else [motion.stiff]
         landings += plant.watched(landed, motion.states)
-        rows.append(drift_of(plant, motion, planned.phase.name))
+        rows.append(drift_of(plant, motion, planned.phase.name, sizes[i]))
         if motion.failure is not None:
             failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
             break

@@ -39,14 +39,14 @@ def sampled(driven: Driven, spans: Sequence[Span], steps: int) -> list[Array]:
     return list(driven.given(times.ravel()).reshape(*times.shape, -1))
 
 
-def steps_through(driven: Driven, x: Array, span: Span, given: Array, rtol: float, atol: float) -> Passed:
+def steps_through(driven: Driven, x: Array, span: Span, given: Array, rtol: float, atol: Array) -> Passed:
     """Pass a span in (len(given) - 1) / 12 steps; stop early where the error is far too large."""
     with np.errstate(all="ignore"):
         # A motion may diverge within a step, whose error is then infinite.
         return _steps_through(driven, x, span, given, rtol, atol)
 
 
-def _steps_through(driven: Driven, x: Array, span: Span, given: Array, rtol: float, atol: float) -> Passed:
+def _steps_through(driven: Driven, x: Array, span: Span, given: Array, rtol: float, atol: Array) -> Passed:
     steps = (len(given) - 1) // STAGES
     length = span.length / steps
     states = np.empty((steps + 1, len(x)))

@@ -105,7 +105,7 @@ def pass_stiffly(
     given: Array,
     step: float,
     rtol: float,
-    atol: float,
+    atol: Array,
 ) -> Stepped:
     """Pass a span in adaptive steps.
 
@@ -152,7 +152,7 @@ def take_step(
     plan: Array,
     reference: StatePolynomial,
     rtol: float,
-    atol: float,
+    atol: Array,
 ) -> tuple[Array, float]:
     """Take one step; return the state at its end and the error relative to the tolerance, infinite where it failed."""
     path, slope = reference.at(np.append(at, begin))

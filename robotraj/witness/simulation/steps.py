@@ -31,8 +31,10 @@ class Stepper:
     driven : Driven
     spans : sequence of Span
         All that will be passed through, in any order; the plan is sampled for all of them in one call.
+    sizes : ndarray (n,)
+        Sizes of the states.
     rtol, atol : float
-        Tolerances of each step.
+        Tolerances of each step: its error is at most rtol |x| + atol times the size of the state.
 
     Attributes
     ----------
@@ -40,8 +42,8 @@ class Stepper:
         Begin [s] of the first span that was passed by implicit steps.
     """
 
-    def __init__(self, driven: Driven, spans: Sequence[Span], rtol: float, atol: float) -> None:
-        self._driven, self._rtol, self._atol = driven, rtol, atol
+    def __init__(self, driven: Driven, spans: Sequence[Span], sizes: Array, rtol: float, atol: float) -> None:
+        self._driven, self._sizes, self._rtol, self._atol = driven, sizes, rtol, atol
         self._steps = 1
         self._step = np.inf
         self.stiff: float | None = None
@@ -71,7 +73,7 @@ class Stepper:
         driven, steps = self._driven, self._steps
         while steps <= MOST_STEPS:
             plan = self._given[span] if steps == 1 else runge_kutta.sampled(driven, [span], steps)[0]
-            found = runge_kutta.steps_through(driven, x, span, plan, self._rtol, self._atol)
+            found = runge_kutta.steps_through(driven, x, span, plan, self._rtol, self._atol * self._sizes)
             if found.error <= 1.0:
                 self._steps = runge_kutta.fewer_steps(steps, found.error)
                 return np.linspace(span.begin, span.end, len(found.states)), found.states
@@ -89,7 +91,7 @@ class Stepper:
             given, reference = sdirk.sampled(driven, [span])[0], sdirk.references(driven, [span])[0]
         rtol, atol = max(self._rtol, STIFF_TOLERANCE), max(self._atol, STIFF_TOLERANCE)
         step = min(self._step, span.length)
-        found = sdirk.pass_stiffly(driven, x, span, reference, given, step, rtol, atol)
+        found = sdirk.pass_stiffly(driven, x, span, reference, given, step, rtol, atol * self._sizes)
         self._step = found.step
         return found.times, found.states
 
@@ -114,6 +116,7 @@ def march(
     driven: Driven,
     x0: Array,
     spans: Sequence[Span],
+    sizes: Array,
     *,
     rtol: float,
     atol: float,
@@ -126,8 +129,10 @@ def march(
     Parameters
     ----------
     x0 : ndarray (n,)
+    sizes : ndarray (n,)
+        Sizes of the states.
     rtol, atol : float
-        Tolerances of each step.
+        Tolerances of each step, see ``Stepper``.
     settle : callable, optional
         ``settle(x)`` returns the state from which to continue at the end of every span.
     ended : callable, optional
@@ -135,7 +140,7 @@ def march(
     clock : callable, optional
         Called before every span; it raises when the time limit is reached.
     """
-    x, stepper = np.array(x0, dtype=float), Stepper(driven, spans, rtol, atol)
+    x, stepper = np.array(x0, dtype=float), Stepper(driven, spans, sizes, rtol, atol)
     times, states, intervals = [np.array([spans[0].begin])], [x[None, :]], [np.array([spans[0].interval])]
     failure, stopped = None, spans[0].begin
     for span in spans:

@@ -17,6 +17,7 @@ from robotraj.robot.tangent import difference
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.peak import Peak, largest, peaks
 from robotraj.witness.plants.robot_plant import RobotPlant
+from robotraj.witness.plants.sizes import sizes_of
 from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
@@ -90,7 +91,7 @@ def track(
     added: list[dict[str, Peak]] = []
     x: Array | None = None
     failure = None
-    for planned in solution.phases:
+    for planned, sizes in zip(solution.phases, sizes_of(solution), strict=True):
         robot, plant = realised(planned), RobotPlant(planned)
         gains = _gains(kp, "kp", robot.actuated), _gains(kd, "kd", robot.actuated)
         knots = np.asarray(planned.knots, dtype=float)
@@ -125,7 +126,7 @@ def track(
         unit = dict(zip(robot.velocity_names, robot.units, strict=True))
         units = [TORQUE_UNITS[unit[joint]] for joint in robot.actuated]
         added.append(peaks(robot.actuated, units, motion.times, torques, planned.phase.name))
-        rows.append(drift_of(plant, motion, planned.phase.name))
+        rows.append(drift_of(plant, motion, planned.phase.name, sizes))
         x = motion.states[-1]
         if motion.failure is not None:
             failure = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"

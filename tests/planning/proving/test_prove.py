@@ -211,7 +211,8 @@ def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytes
     ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
     solution = rt.plan(rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort()), check=False)
     assert starts[:4] == [False, True, True, False]
-    assert solution.proof is not None and solution.proof.motion_holds
+    # The finer mesh of the second beginning is kept, although no solve from it succeeds.
+    assert solution.proof is not None and solution.proof.error < 1e-3
 
 
 @pytest.mark.parametrize(

@@ -84,8 +84,7 @@ def estimate(part: rt.solution.PhaseSolution) -> Any:
 def true_errors(part: rt.solution.PhaseSolution) -> Any:
     """Distance, inside every interval, from the exact motion that leaves its first knot; in the estimate's units."""
     dense = np.linspace(0, 2, 801)
-    x, xdot = part.trajectory.x(dense), part.trajectory.x.derivative()(dense)
-    size = 1 + np.maximum(np.abs(x).max(axis=0), np.abs(xdot).max(axis=0))
+    size = np.ptp(part.trajectory.x(dense), axis=0)
     found = []
     for k, (begin, end) in enumerate(zip(part.knots[:-1], part.knots[1:], strict=True)):
         times = np.linspace(begin, end, 40)

@@ -13,7 +13,7 @@ import pytest
 import robotraj as rt
 from robotraj._util.polynomials import gauss
 from robotraj.transcription.refinement.assess import errors_of
-from robotraj.transcription.refinement.error import Residuals, residuals_of
+from robotraj.transcription.refinement.error import Residuals, residuals_of, sizes_of
 from robotraj.transcription.refinement.linear_controls import LINES
 from robotraj.transcription.refinement.simulation_errors import SHARE, speed_deviations, window_errors
 
@@ -39,7 +39,10 @@ def test_errors_over_windows_bound_those_of_the_simulation_where_short_intervals
     windows = errors_of(part.phase, part.trajectory, part.mesh, whole=part.duration)
     local = rt.validate(solution).local.worst.relative
     assert np.all(windows >= alone)
-    assert windows.max() > 2.0 * alone.max()
+    residuals = residuals_of(part.phase, part.trajectory, part.inputs)
+    sizes = sizes_of(part.phase, [part.trajectory])
+    summed, single = (window_errors(part.trajectory, residuals, longest, sizes).max() for longest in (0.05, 0.2 / 60))
+    assert summed > 3.0 * single
     assert local < 2.0 * windows.max() / SHARE
 
 
@@ -48,7 +51,7 @@ def test_a_light_joint_deviates_inside_an_interval_as_a_simulation_that_follows_
     solution = rt.plan(light_link(), mesh=rt.Mesh(200), check=False)
     part = solution.phases[0]
     residuals = residuals_of(part.phase, part.trajectory)
-    deviations = speed_deviations(part.trajectory, residuals, slice(1, 2))
+    deviations = speed_deviations(residuals, sizes_of(part.phase, [part.trajectory]), slice(1, 2))
     loop = rt.validate(solution).closed_loop
     assert loop is not None and loop.error is not None
     followed = loop.error["v.joint"]
@@ -76,8 +79,8 @@ def test_errors_that_cancel_over_a_long_interval_count_inside_of_it() -> None:
 
     still.breaks = breaks  # type: ignore[attr-defined]
     trajectory = SimpleNamespace(x=still)
-    assert window_errors(trajectory, residuals, 0.2)[0] == pytest.approx(0.0, abs=1e-12)
-    assert window_errors(trajectory, residuals, 0.1)[0] == pytest.approx(0.2 / np.pi)
+    assert window_errors(trajectory, residuals, 0.2, np.ones(1))[0] == pytest.approx(0.0, abs=1e-12)
+    assert window_errors(trajectory, residuals, 0.1, np.ones(1))[0] == pytest.approx(0.2 / np.pi)
 
 
 def test_errors_of_stances_count_over_windows_too() -> None:

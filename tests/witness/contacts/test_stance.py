@@ -72,7 +72,7 @@ def stance(make, rod, motion, knots, *, foot=0.0, begin=0.0, anchor=None, fricti
 def solution(*planned, links=(), impulses=()):
     """A solution with the attributes that the witness reads."""
     problem = rt.Problem([p.phase for p in planned], links=links)
-    return SimpleNamespace(phases=planned, problem=problem, impulses=impulses, success=True)
+    return SimpleNamespace(phases=planned, problem=problem, impulses=impulses, success=True, objective=0.0, proof=None)
 
 
 KNOTS = np.linspace(0.0, 0.4, 9)
@@ -141,7 +141,8 @@ def test_a_foot_that_slides_between_two_knots_is_named_with_its_time(make, rod):
         ValidationFailed, match=r"Contact 'foot' slips: by 0\.0003 m at t = 0\.27\d* s in phase 'stance'"
     ):
         report.check()
-    report.check(contact=4e-4)
+    # A foot that slides moves the whole robot: its motion is wrong by as much.
+    report.check(contact=4e-4, local=1e-2, torques=0.1)
 
 
 def test_sink_and_slip_of_a_foot_are_separate_figures(make, rod):
@@ -301,7 +302,8 @@ def test_a_body_on_a_slope_slides_or_tips_by_what_is_missing(make, rod, friction
     assert max(holding.slip.value, holding.sink.value, holding.turn.value) < 1e-12
     assert holding.difference.value < 1e-10
     if row is None:
-        assert report.passed and holding.planned == holding.solved == ()
+        assert report.passed, report.failures(report.tolerances)
+        assert holding.planned == holding.solved == ()
         return
     (violation,), (solved,) = holding.planned, holding.solved
     assert row in violation.name and row in solved.name

@@ -57,7 +57,7 @@ def test_a_stiff_motion_takes_few_steps_and_keeps_its_tolerance():
     driven = Friction(drag=1e6, force=1.0)
     spans = [Span(0.1 * k, 0.1 * (k + 1), k) for k in range(10)]
     assert is_stiff(driven, spans) and not is_stiff(Friction(), spans)
-    motion = march(driven, np.array([0.0, 0.5]), spans, rtol=1e-6, atol=1e-6)
+    motion = march(driven, np.array([0.0, 0.5]), spans, np.ones(2), rtol=1e-6, atol=1e-6)
     assert motion.failure is None and motion.stiff == 0.0 and len(motion.times) < 80
     # The drag passes the force on at once: v (1 + v^2) = u / d.
     assert motion.states[-1, 1] == pytest.approx((1.0 + np.sin(3.0)) / 1e6, rel=1e-2, abs=1e-9)

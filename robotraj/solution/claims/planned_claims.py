@@ -1,0 +1,50 @@
+"""The claims of a plan before its validation: what the planner's own measures show, and what is not judged yet."""
+
+from __future__ import annotations
+
+from robotraj.solution.claims.claim import Claim, Judgement
+from robotraj.solution.planned import Planned
+from robotraj.solution.proof import Proof
+
+PLANNER = "the planner's own measures between the collocation points"
+LATER = "rt.validate(solution) judges it."
+
+
+def planned_claims(solution: Planned, proof: Proof | None) -> tuple[Claim, ...]:
+    """Return the claims that apply to a plan, in the order of a validation's."""
+    phases = [part.phase for part in solution.phases]
+    robots = [phase for phase in phases if phase.robot is not None]
+    found = [_measured("motion", proof, "error")]
+    if robots:
+        found += [_later("torques"), _later("tracking")]
+    found.append(_measured("limits and constraints", proof, "excess"))
+    if any(phase.contacts for phase in robots):
+        found.append(_later("ground and contacts"))
+    if robots:
+        found.append(_later("own body"))
+    if any(each.avoids_collisions for phase in robots for each in phase.constraints):
+        found.append(_distances(proof))
+    found += [_measured("objective", proof, "quadrature"), _measured("optimum", proof, "unsettled")]
+    return tuple(found)
+
+
+def _later(name: str) -> Claim:
+    return Claim(name, Judgement.NOT_JUDGED, "", "", "", notes=(LATER,))
+
+
+def _measured(name: str, proof: Proof | None, measure: str) -> Claim:
+    """Return the claim on one measure of the proof; a missed goal of the objective is not judged, not a failure."""
+    if proof is None:
+        return _later(name)
+    value = float(getattr(proof, measure))
+    goal = float(getattr(proof.goals, {"error": "error", "excess": "excess"}.get(measure, "objective")))
+    missed = Judgement.NOT_JUDGED if measure == "unsettled" else Judgement.FAILS
+    judgement = Judgement.HOLDS if value <= goal else missed
+    return Claim(name, judgement, PLANNER, "", "", value, goal)
+
+
+def _distances(proof: Proof | None) -> Claim:
+    if proof is None:
+        return _later("obstacles")
+    judgement = Judgement.HOLDS if proof.shortfall <= 0.0 else Judgement.FAILS
+    return Claim("obstacles", judgement, PLANNER, "", "", proof.shortfall, 0.0, "m")

@@ -1,0 +1,107 @@
+"""The stated objective against the cost of the planned motion.
+
+The terms' own expressions are integrated by Gauss and Legendre's rule on every interval; end costs are evaluated at the
+two ends. The sum at the collocation points, which the solver minimises, has no part in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.dynamics.point import AnyPoint
+from robotraj.problem.objectives.base import Integral
+from robotraj.problem.phase import Phase
+from robotraj.witness.checks.points import end_of
+from robotraj.witness.numbers import as_numbers
+from robotraj.witness.plants.system_plant import columns
+from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
+from robotraj.witness.sampling import IntervalSamples, interval_samples
+
+POINTS = 6
+"""Points of an interval, exact for integrands of degree 11."""
+
+
+@dataclass(frozen=True)
+class ObjectiveCheck(OneLine):
+    """The stated objective and the cost of the motion.
+
+    Attributes
+    ----------
+    stated : float
+        ``solution.objective``.
+    of_motion : float
+        The sum of integrals along the motion and of end costs.
+    size : float
+        The sum of the absolute values of all terms: terms may cancel.
+    """
+
+    stated: float
+    of_motion: float
+    size: float
+
+    @property
+    def relative(self) -> float:
+        """|stated - of_motion| / size; 0 where both are 0."""
+        off = abs(self.stated - self.of_motion)
+        return off / self.size if self.size > 0.0 else (0.0 if off == 0.0 else np.inf)
+
+
+def objective_check(solution: SolutionLike, clock: Callable[[], None] = lambda: None) -> ObjectiveCheck:
+    """Return the cost of the motion beside the stated objective."""
+    total = size = 0.0
+    for planned in solution.phases:
+        clock()
+        for value, scale in _costs(planned):
+            total, size = total + value, size + scale
+    stated = float(solution.objective)
+    return ObjectiveCheck(stated, total, max(size, abs(stated)))
+
+
+def _costs(planned: PhaseSolutionLike) -> list[tuple[float, float]]:
+    """Return the weighted value and the size of every term of a phase."""
+    objective, phase = planned.phase.objective, planned.phase
+    if objective is None:
+        return []
+    found: list[tuple[float, float]] = []
+    integrals = [(weight, term) for weight, term in objective.terms if isinstance(term, Integral)]
+    if integrals:
+        symbols, point = _symbols(phase)
+        rates = ca.vertcat(*(ca.SX(weight * term.rate_of_motion(point)) for weight, term in integrals))
+        integrand = ca.Function("integrand", symbols, [ca.densify(rates)])
+        sites, weights = np.polynomial.legendre.leggauss(POINTS)
+        sums = np.zeros((2, len(integrals)))
+        for part in interval_samples(planned, POINTS, 0.5 * (sites + 1.0)):
+            values = np.array(integrand.map(len(part.times))(*_arguments(planned, part)))
+            share = np.repeat(0.5 * (part.ends - part.begins), POINTS) * np.tile(weights, len(part.intervals))
+            sums += np.array([values @ share, np.abs(values) @ share])
+        found += [(float(value), float(scale)) for value, scale in sums.T]
+    ends = [(weight, term) for weight, term in objective.terms if not isinstance(term, Integral)]
+    if ends:
+        (_, start), (_, last) = end_of(planned, 0), end_of(planned, -1)
+        for weight, term in ends:
+            value = weight * float(as_numbers(term.value(start, last), "end cost")[0])
+            found.append((value, abs(value)))
+    return found
+
+
+def _symbols(phase: Phase) -> tuple[list[ca.SX], AnyPoint]:
+    """Return symbols t, x, z, u, p of a phase, and its point of these symbols."""
+    dae = phase.dae
+    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
+    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
+    t, x, z, u, p = symbols
+    return symbols, dae.point(t, x, z, u, p, phase.parameter_names)
+
+
+def _arguments(planned: PhaseSolutionLike, part: IntervalSamples) -> list[Array]:
+    """Return the values of the symbols at the times of some intervals, one column a time."""
+    sample, dae, count = planned.at(part.times, interval=part.interval), planned.phase.dae, len(part.times)
+    kinds = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
+    values = [columns(named, tuple(v.name for v in kind), count).T for named, kind in kinds]
+    parameters = np.array([planned.parameters[name] for name in planned.phase.parameter_names], dtype=float)
+    return [part.times[None, :], *values, np.tile(parameters[:, None], count)]

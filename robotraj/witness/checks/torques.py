@@ -1,0 +1,226 @@
+"""Planned torques and contact forces against those that the planned motion needs.
+
+Pinocchio's inverse dynamics give what the planned motion needs, r = RNEA(q, v, dv/dt) + d(v) - B tau - J' f. Between
+the collocation points r alternates, and collocation integrates it to nearly zero. The impulse that is missing over a
+window therefore measures a wrong torque, force, mass or gravity, whatever the mesh:
+
+    error = max_i max_w |integral_w r_i dt| / (s_i |w|)
+
+s_i is the joint's own load: the largest of motor torque, gravity, inertia and contact forces in the motion, at least
+``SHARE`` of the largest among joints of the same unit. A machine that is slow or light has small loads, and its force
+is judged by these.
+
+Positions are compared with velocities too: |dq/dt - v| relative to the size of the velocity. A position that is wrong
+between two ends of windows is seen there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.polynomial import chebyshev
+
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import realised
+from robotraj.robot.size.error_window import error_window
+from robotraj.robot.tangent import velocities
+from robotraj.witness.checks.residual import TORQUE_UNITS
+from robotraj.witness.contacts.stance import Stance, forces_in
+from robotraj.witness.planned import robot_sample
+from robotraj.witness.plants.plant import RATE_UNITS
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.sampling import interval_samples, time_derivative
+
+SAMPLES = 17
+"""Chebyshev points of an interval, exact for polynomials of degree 16."""
+SHARE = 1e-2
+"""Least load of a joint relative to the largest among joints of its unit."""
+ROUNDING = 1e-6
+"""Least load relative to the largest of all, in SI units: rounding errors of joints without a load are no errors."""
+
+
+@dataclass(frozen=True)
+class TorqueError(OneLine):
+    """The largest mean error of a generalised force over a window.
+
+    Attributes
+    ----------
+    joint, phase, unit : str
+    time : float
+        Middle of the window [s].
+    amount : float
+        Mean over the window of what the motion needs and the plan does not give [unit].
+    size : float
+        The joint's load in the motion [unit].
+    """
+
+    joint: str
+    phase: str
+    unit: str
+    time: float
+    amount: float
+    size: float
+
+    @property
+    def relative(self) -> float:
+        """``amount`` / ``size``."""
+        return self.amount / self.size
+
+    def __str__(self) -> str:
+        return (
+            f"{self.joint}, t = {self.time:.4g} s: {self.amount:.3g} {self.unit} are missing in the mean over a "
+            f"window, {100 * self.relative:.2g} percent of the joint's load of {self.size:.3g} {self.unit}"
+        )
+
+
+@dataclass(frozen=True)
+class RateError(OneLine):
+    """The largest difference of a planned velocity from the derivative of the planned position.
+
+    Attributes
+    ----------
+    joint, phase, unit : str
+    time : float
+        [s].
+    amount, size : float
+        |dq/dt - v|, and the size of the velocity in the motion [unit].
+    """
+
+    joint: str
+    phase: str
+    unit: str
+    time: float
+    amount: float
+    size: float
+
+    @property
+    def relative(self) -> float:
+        """``amount`` / ``size``."""
+        return self.amount / self.size
+
+
+@dataclass(frozen=True)
+class _Missing(OneLine):
+    """Missing impulses of the intervals (K, nv) with their ends (K,), and the largest loads (nv,) of one phase."""
+
+    planned: PhaseSolutionLike
+    begins: Array
+    ends: Array
+    impulses: Array
+    loads: Array
+
+
+def rate_error(phases: Sequence[PhaseSolutionLike], sizes: Sequence[Array]) -> RateError | None:
+    """Return the largest |dq/dt - v| between the knots over all robots' phases; None without a robot.
+
+    Parameters
+    ----------
+    phases : sequence of PhaseSolution
+    sizes : sequence of ndarray (2 nv,)
+        Sizes of the differences of states of every phase.
+    """
+    found = []
+    for planned, own in zip(phases, sizes, strict=True):
+        if planned.phase.robot is None:
+            continue
+        robot = realised(planned)
+        of_rates = own[robot.model.nv :]
+        for part in interval_samples(planned, SAMPLES):
+            sample = robot_sample(planned, part.times, part.interval)
+            gaps = np.abs(velocities(robot.model, sample.q, time_derivative(sample.q, part)) - sample.v)
+            relative = np.nan_to_num(gaps / of_rates, nan=np.inf)
+            i, j = np.unravel_index(int(np.argmax(relative)), relative.shape)
+            unit = RATE_UNITS[robot.units[j]]
+            phase = str(planned.phase.name)
+            found.append(
+                RateError(
+                    robot.velocity_names[j], phase, unit, float(part.times[i]), float(gaps[i, j]), float(of_rates[j])
+                )
+            )
+    return max(found, key=lambda row: row.relative, default=None)
+
+
+def torque_error(phases: Sequence[PhaseSolutionLike], clock: Callable[[], None] = lambda: None) -> TorqueError | None:
+    """Return the worst error of torques and contact forces over all robots' phases; None without a robot.
+
+    Phases with the same joints share their loads.
+    """
+    parts = [_missing(planned, clock) for planned in phases if planned.phase.robot is not None]
+    found = [row for part in parts for row in _errors(part, parts)]
+    return max(found, key=lambda row: row.relative, default=None)
+
+
+def _errors(part: _Missing, parts: Sequence[_Missing]) -> list[TorqueError]:
+    """Return the worst window of every joint of a phase."""
+    robot = realised(part.planned)
+    names, units = list(robot.velocity_names), np.array(robot.units)
+    alike = [p.loads for p in parts if list(realised(p.planned).velocity_names) == names]
+    own = np.max(alike, axis=0)
+    least = ROUNDING * own.max(initial=0.0)
+    sizes = np.array([max(own[i], SHARE * own[units == unit].max(), least) for i, unit in enumerate(units)])
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
+    window = error_window(robot)
+    sums = np.vstack([np.zeros(len(names)), np.cumsum(part.impulses, axis=0)])
+    worst = np.zeros(len(names))
+    times = np.full(len(names), part.begins[0] if len(part.begins) else 0.0)
+    first = 0
+    while first < len(part.ends):
+        # Whole intervals, at least a window long together.
+        reached = int(np.searchsorted(part.ends, part.begins[first] + window * (1.0 - 1e-9)))
+        last = min(reached, len(part.ends) - 1)
+        length = part.ends[last] - part.begins[first]
+        mean = np.abs(sums[last + 1] - sums[first]) / length
+        better = mean > worst
+        worst, times = np.where(better, mean, worst), np.where(better, part.begins[first] + 0.5 * length, times)
+        first = last + 1
+    phase = str(part.planned.phase.name)
+    return [
+        TorqueError(name, phase, TORQUE_UNITS[units[i]], float(times[i]), float(worst[i]), float(sizes[i]))
+        for i, name in enumerate(names)
+    ]
+
+
+def _missing(planned: PhaseSolutionLike, clock: Callable[[], None]) -> _Missing:
+    """Integrate the missing forces of every interval by Clenshaw and Curtis's rule."""
+    robot = realised(planned)
+    model, data = robot.model, robot.model.createData()
+    actuation = np.asarray(robot.actuation, dtype=float)
+    contacts = planned.phase.bound_contacts
+    stance = Stance(robot, contacts, planned.parameters)
+    weights = _weights(SAMPLES)
+    begins: list[Array] = []
+    ends: list[Array] = []
+    impulses: list[Array] = []
+    loads = np.zeros(model.nv)
+    still = np.zeros(model.nv)
+    for part in interval_samples(planned, SAMPLES):
+        clock()
+        sample = robot_sample(planned, part.times, part.interval)
+        acceleration = time_derivative(sample.v, part)
+        missing = np.zeros((len(part.times), model.nv))
+        for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
+            motors = actuation @ tau
+            pushed = stance.torques(q, forces_in(sample, contacts, i)) if contacts else still
+            missing[i] = pin.rnea(model, data, q, v, a) + robot.dissipation(v) - motors - pushed
+            if i % SAMPLES == SAMPLES // 2:
+                weight = pin.rnea(model, data, q, still, still).copy()
+                inertia = pin.rnea(model, data, q, still, a) - weight
+                loads = np.max([loads, np.abs(motors), np.abs(pushed), np.abs(weight), np.abs(inertia)], axis=0)
+        lengths = part.ends - part.begins
+        by_interval = missing.reshape(len(part.intervals), SAMPLES, -1)
+        impulses.append(lengths[:, None] * np.einsum("s,ksj->kj", weights, np.nan_to_num(by_interval, nan=np.inf)))
+        begins.append(part.begins)
+        ends.append(part.ends)
+    if not begins:
+        return _Missing(planned, np.zeros(0), np.zeros(0), np.zeros((0, model.nv)), loads)
+    return _Missing(planned, np.concatenate(begins), np.concatenate(ends), np.vstack(impulses), loads)
+
+
+def _weights(count: int) -> Array:
+    """Return the weights of Clenshaw and Curtis's rule on [0, 1] at Chebyshev-Lobatto points, (count,)."""
+    sites = chebyshev.chebpts2(count)
+    moments = np.array([0.0 if k % 2 else 1.0 / (1.0 - k * k) for k in range(count)])
+    return np.asarray(np.linalg.solve(chebyshev.chebvander(sites, count - 1).T, moments))

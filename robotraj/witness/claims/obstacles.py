@@ -1,0 +1,26 @@
+"""The robot's exact shapes keep their distance from the obstacles of every ``CollisionFree``."""
+
+from __future__ import annotations
+
+from robotraj.solution.claims.claim import Claim
+from robotraj.witness.claims.judged import LATE, Scope
+from robotraj.witness.claims.limits import broken_bounds
+from robotraj.witness.figures import DISTANCE, Figures, Tolerances
+
+SCOPE = Scope(
+    "obstacles",
+    "coal's distances of the exact shapes, by bounds on their speed between evaluations",
+    "links keep the margin of every CollisionFree from its obstacles and from each other",
+    "links without a collision shape, and things that the problem does not state",
+)
+
+
+def obstacles(figures: Figures, tolerances: Tolerances) -> Claim | None:
+    """Return the claim on distances; None without a ``CollisionFree``."""
+    if figures.was_late("distances"):
+        return SCOPE.unknown(LATE)
+    short = [violation for violation in figures.breaches if violation.name == DISTANCE]
+    if not figures.clearances and not short:
+        return None
+    nearest = min((each.distance - each.margin for each in figures.clearances), default=None)
+    return SCOPE.judged(broken_bounds(short, tolerances.limits), nearest, None, "m beyond the margin")

@@ -1,0 +1,81 @@
+"""Solutions whose samples, models or figures were changed after planning."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+import robotraj as rt
+from robotraj.dynamics.variable import Named
+from robotraj.solution.phase_solution import PhaseSolution
+
+Array = Any
+Change = Callable[[Array, Array], Array]
+"""A function of the times (m,) and the values (m, n)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Liar(PhaseSolution):
+    """A phase whose samples are changed: functions of (t, values) by field, ``tau``, ``q``, ``v``, ``forces``."""
+
+    changes: tuple[tuple[str, Change], ...] = ()
+
+    def at(self, t: Any, interval: Any = None) -> Any:
+        sample = super().at(t, interval=interval)
+        lies = dict(self.changes)
+        times = np.asarray(sample.t)
+        changed: dict[str, Any] = {}
+        for name in ("q", "v"):
+            if name in lies:
+                changed[name] = lies[name](times[..., None], getattr(sample, name))
+        if "tau" in lies:
+            tau = lies["tau"](times[..., None], sample.tau)
+            changed["tau"] = tau
+            changed["u"] = Named("control", list(sample.u), [tau[..., i] for i in range(tau.shape[-1])])
+        if "u" in lies:
+            values = [lies["u"](times, np.asarray(sample.u[name])) for name in sample.u]
+            changed["u"] = Named("control", list(sample.u), values)
+        if "forces" in lies:
+            for kind in ("z", "forces"):
+                named = getattr(sample, kind)
+                own = [lies["forces"](times, np.asarray(v)) if not n.startswith("a.") else v for n, v in named.items()]
+                changed[kind] = Named(kind, list(named), own)
+        return replace(sample, **changed)
+
+
+def lying(solution: rt.Solution, **changes: Change) -> rt.Solution:
+    """Change the samples of all phases."""
+    told = tuple(changes.items())
+    return replace(solution, phases=tuple(Liar(p.phase, p.mesh, p.trajectory, told) for p in solution.phases))
+
+
+def elsewhere(solution: rt.Solution, change: Callable[[rt.Phase], rt.Phase]) -> rt.Solution:
+    """Pretend that the plan answers other phases: another model, limit, end or obstacle."""
+    phases = [change(p.phase) for p in solution.phases]
+    parts = tuple(PhaseSolution(new, p.mesh, p.trajectory) for new, p in zip(phases, solution.phases, strict=True))
+    return replace(solution, phases=parts, problem=rt.Problem(phases, list(solution.problem.links)))
+
+
+def with_model(phase: rt.Phase, change: Callable[[pin.Model], None]) -> rt.Phase:
+    """Return a phase of a robot whose Pinocchio model was changed."""
+    model = phase.robot.model.copy()
+    change(model)
+    return replace(phase, subject=replace(phase.robot, model=model))
+
+
+URDF = """<robot name="axis"><link name="base"/><link name="body"><inertial><mass value="{mass}"/>
+<inertia ixx="{mass}" iyy="{mass}" izz="{mass}" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="slide" type="prismatic"><parent link="base"/><child link="body"/><axis xyz="{axis}"/>
+<limit lower="-100" upper="100" velocity="{speed}" effort="{effort}"/>{dynamics}</joint></robot>"""
+
+
+def axis(folder: Path, **values: Any) -> rt.Robot:
+    """Return a mass on a slide."""
+    file = folder / f"axis_{abs(hash(tuple(values.items())))}.urdf"
+    file.write_text(URDF.format(**{"axis": "1 0 0", "speed": 100, "effort": 1e6, "dynamics": ""} | values))
+    return rt.load(str(file))

@@ -1,0 +1,171 @@
+"""Every planted lie about a proved plan is noticed, and the plan itself is not refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from tests.lies import axis, elsewhere, lying, with_model
+
+Lie = Callable[[rt.Solution], rt.Solution]
+
+
+def reach(name: str, start: Any, end: Any, seconds: float) -> rt.Solution:
+    phase = rt.Phase(rt.load(name), seconds, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.Effort())
+    return rt.plan(phase, progress=False)
+
+
+def slide(seconds: float, metres: float, **values: Any) -> rt.Solution:
+    robot = axis(Path(mkdtemp()), **values)
+    phase = rt.Phase(robot, seconds, rt.State(q=0, v=0), rt.State(q=metres, v=0), rt.Effort())
+    return rt.plan(phase, progress=False)
+
+
+def two_phases() -> rt.Solution:
+    robot = rt.load("two_link_arm")
+    there = rt.Phase(robot, 1.0, rt.State(q=[0, 0], v=0), rt.State(q=[1, 0.5], v=0), rt.Effort(), name="there")
+    back = rt.Phase(robot, 1.0, None, rt.State(q=[0, 0], v=0), rt.Effort(), name="back")
+    return rt.plan(rt.Problem([there, back], [rt.Continuity(0, 1)]), progress=False)
+
+
+def hop() -> rt.Solution:
+    robot = rt.load("hopper", root="planar")
+    stand = [rt.PointContact("foot")]
+    objective = rt.Effort() + rt.Duration()
+    phase = rt.Phase(robot, (0.2, 1.0), rt.State(q={"root_x": 0.0}, v=0), None, objective, contacts=stand)
+    return rt.plan(phase, progress=False)
+
+
+def oscillator() -> rt.Solution:
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], -3600 * p.x["x"] + p.u["u"]])
+    return rt.plan(rt.Phase(system, 0.3, rt.State([1e-6, 0]), rt.State([0, 0]), rt.Effort()), progress=False)
+
+
+PLANS: dict[str, Callable[[], rt.Solution]] = {
+    "ur5": lambda: reach("ur5", [0, -1.3, 1.6, -1.9, -1.57, 0], [1, -1, 1.2, -1, -1, 1], 1.0),
+    "ur5, 20 s": lambda: reach("ur5", [0, -1.3, 1.6, -1.9, -1.57, 0], [1, -1, 1.2, -1, -1, 1], 20.0),
+    "crane": lambda: slide(60.0, 5.0, mass=20000),
+    "stage": lambda: slide(0.5, 1e-3, mass=0.5),
+    "watch": lambda: slide(0.1, 1e-6, mass=1e-6),
+    "cartpole": lambda: reach("cartpole", [0, 0], [1, np.pi], 2.0),
+    "two phases": two_phases,
+    "hopper": hop,
+    "oscillator of 1 um": oscillator,
+}
+
+
+@cache
+def plan(name: str) -> rt.Solution:
+    return PLANS[name]()
+
+
+def times(share: float, solution: rt.Solution) -> float:
+    return share * solution.duration
+
+
+def bump(solution: rt.Solution) -> Callable[[Any, Any], Any]:
+    """A bump of a hundredth of the motion, a fiftieth of its time long."""
+    T = solution.duration
+    q = solution.at(np.linspace(0, T, 200)).q
+    height = 1e-2 * np.ptp(q, axis=0).max()
+    return lambda t, x: x + height * np.exp(-(((t - 0.43 * T) / (T / 100)) ** 2))
+
+
+def later(solution: rt.Solution) -> rt.Solution:
+    """The torques of a fiftieth of the motion before."""
+    T = solution.duration
+    return lying(solution, tau=lambda t, x: solution.at(np.clip(t[..., 0] - 0.02 * T, 0.0, T)).tau)
+
+
+ROBOT_LIES: dict[str, Lie] = {
+    "torques 2 percent too large": lambda s: lying(s, tau=lambda t, x: 1.02 * x),
+    "torques 2 percent too small": lambda s: lying(s, tau=lambda t, x: 0.98 * x),
+    "no torques": lambda s: lying(s, tau=lambda t, x: 0 * x),
+    "reversed torques": lambda s: lying(s, tau=lambda t, x: -x),
+    "delayed torques": later,
+    "speeds 2 percent too large": lambda s: lying(s, v=lambda t, x: 1.02 * x),
+    "a bump of the positions": lambda s: lying(s, q=bump(s)),
+    "positions in degrees": lambda s: lying(s, q=lambda t, x: np.rad2deg(x)),
+    "an objective 1 percent too small": lambda s: replace(s, objective=0.99 * s.objective),
+}
+MODEL_LIES: dict[str, Lie] = {
+    "masses 5 percent larger": lambda s: elsewhere(s, lambda p: with_model(p, heavier)),
+    "ends elsewhere": lambda s: elsewhere(s, other_end),
+}
+
+
+def heavier(model: Any) -> None:
+    for i in range(1, model.njoints):
+        model.inertias[i].mass *= 1.05
+        model.inertias[i].inertia = 1.05 * model.inertias[i].inertia
+
+
+def other_end(phase: rt.Phase) -> rt.Phase:
+    """Require an end that is a twentieth of the way away."""
+    if phase.end is None:
+        return phase
+    q = np.array([bound for bound in phase.joint_ends[rt.constraints.Where.END].lower[: phase.robot.nq]])
+    return replace(phase, end=rt.State(q=q + 0.05 * max(np.ptp(q), np.abs(q).max()), v=0))
+
+
+ROBOTS = ("ur5", "ur5, 20 s", "crane", "stage", "watch", "cartpole", "two phases")
+QUICK = ("crane", "stage")
+CASES = [
+    pytest.param(name, lie, marks=[] if name in QUICK else [pytest.mark.slow])
+    for name in ROBOTS
+    for lie in (*ROBOT_LIES, *MODEL_LIES)
+]
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_the_plan_itself_is_not_refused(name: str) -> None:
+    report = rt.validate(plan(name))
+    assert report.passed, report.failures(report.tolerances)
+
+
+@pytest.mark.parametrize(("name", "lie"), CASES)
+def test_a_lie_about_a_robot_is_noticed(name: str, lie: str) -> None:
+    told = (ROBOT_LIES | MODEL_LIES)[lie](plan(name))
+    assert not rt.validate(told).passed
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.98])
+def test_wrong_contact_forces_are_noticed(share: float) -> None:
+    assert not rt.validate(lying(plan("hopper"), forces=lambda t, x: share * x)).passed
+
+
+def test_swapped_joints_and_another_gravity_are_noticed() -> None:
+    arm = plan("ur5")
+    assert not rt.validate(lying(arm, tau=lambda t, x: x[..., [1, 0, 2, 3, 4, 5]])).passed
+
+    def on_the_moon(model: Any) -> None:
+        model.gravity.linear = np.array([0, 0, -1.62])
+
+    assert not rt.validate(elsewhere(arm, lambda p: with_model(p, on_the_moon))).passed
+
+
+def test_a_limit_that_was_lowered_is_noticed() -> None:
+    arm = plan("ur5")
+    peak = np.abs(arm.at(np.linspace(0, 1, 500)).v).max(axis=0)[0]
+    limits = arm.phases[0].robot.limits.with_(velocity={"shoulder_pan_joint": 0.98 * peak})
+    assert not rt.validate(elsewhere(arm, lambda p: replace(p, limits=limits))).passed
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.02, -1.0, 0.0])
+def test_wrong_controls_of_a_small_system_are_noticed(factor: float) -> None:
+    assert not rt.validate(lying(plan("oscillator of 1 um"), u=lambda t, x: factor * x)).passed
+
+
+def test_the_claims_name_their_judges_and_what_they_leave_out() -> None:
+    report = rt.validate(plan("ur5"))
+    assert [claim.name for claim in report.claims] == [claim.name for claim in plan("ur5").claims]
+    for claim in report.claims:
+        assert claim.judge and claim.covers and claim.leaves_out
