@@ -22,9 +22,11 @@ import cloudpickle
 from robotraj._util.errors import InputError
 from robotraj.planning.many.case_limits import CaseLimits
 from robotraj.planning.many.failure import Failure, failure_of
+from robotraj.planning.many.packing import Packer, unpack
 from robotraj.planning.many.processes import WorkerDied, kept, release_kept
 
 if TYPE_CHECKING:
+    from robotraj.robot.robot import Robot
     from robotraj.solution.solution import Solution
 
 S = TypeVar("S")
@@ -107,8 +109,10 @@ def run(
     results = _first_here(work, shared, tasks, enough) if executor is None and not limits else []
     if len(results) == len(tasks) or (results and enough is not None and enough(results)):
         return results
+    packer, first = Packer(), len(results)
+    packed = [_packed(packer, task) for task in tasks[first:]]
     try:
-        common = cloudpickle.dumps((work, shared))
+        common = cloudpickle.dumps((work, shared, packer.robots))
     except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
         raise InputError(f"The options cannot be sent to workers, because a part cannot be pickled: {error}") from error
     own = kept() if executor is None else None
@@ -116,13 +120,16 @@ def run(
 
     def submit(i: int) -> Future[bytes]:
         call = _call if own is not None or not limits else _guarded
-        try:
-            return pool.submit(call, common, i, cloudpickle.dumps(tasks[i]), limits)
-        except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
-            # A pool that broke refuses further tasks; a task may have a part that cannot be pickled.
-            refused: Future[bytes] = Future()
-            refused.set_exception(error)
-            return refused
+        refused: Future[bytes] = Future()
+        task = packed[i - first]
+        if isinstance(task, bytes):
+            try:
+                return pool.submit(call, common, i, task, limits)
+            except RuntimeError as error:
+                # A pool that broke refuses further tasks.
+                task = error
+        refused.set_exception(task)
+        return refused
 
     try:
         return _first(submit, len(tasks), enough, results, cloudpickle.loads)
@@ -130,6 +137,14 @@ def run(
         if own is not None:
             release_kept()
         raise
+
+
+def _packed(packer: Packer, task: object) -> bytes | Exception:
+    """Return a task for a worker, or the error where a part of it cannot be pickled."""
+    try:
+        return packer.pack(task)
+    except Exception as error:
+        return error
 
 
 def _first_here(
@@ -217,12 +232,12 @@ def _here(work: Callable[[S, T], R], shared: S, number: int, task: T) -> R | Fai
 
 def _call(common: bytes, number: int, task: bytes, limits: CaseLimits) -> bytes:
     """Compute a task of another process, under limits of the operating system where there are any."""
-    work, shared = _unpacked(common)
+    work, shared, robots = _unpacked(common)
     try:
         if not limits:
-            return cloudpickle.dumps(_here(work, shared, number, cloudpickle.loads(task)))
+            return cloudpickle.dumps(_here(work, shared, number, unpack(task, robots)))
         with limits.imposed():
-            return cloudpickle.dumps(_here(work, shared, number, cloudpickle.loads(task)))
+            return cloudpickle.dumps(_here(work, shared, number, unpack(task, robots)))
     except (Exception, SystemExit) as error:
         return cloudpickle.dumps(failure_of(number, error))
 
@@ -238,6 +253,6 @@ def _guarded(common: bytes, number: int, task: bytes, limits: CaseLimits) -> byt
 
 
 @lru_cache(maxsize=4)
-def _unpacked(common: bytes) -> tuple[Callable[[object, object], object], object]:
-    work, shared = cloudpickle.loads(common)
-    return work, shared
+def _unpacked(common: bytes) -> tuple[Callable[[object, object], object], object, list[Robot]]:
+    work, shared, robots = cloudpickle.loads(common)
+    return work, shared, robots

@@ -28,6 +28,8 @@ CHUNK = 20.0
 """Time of work [s] whose rows are one file: what is lost where a machine fails."""
 WAITING = 3
 """Cases or chunks that wait for each worker, so that none is idle."""
+WINDOW = 5000
+"""Chunks at once for an executor of unknown size."""
 WIDEST = 1000
 """Largest number of cases of a chunk."""
 
@@ -102,7 +104,9 @@ def plan_elsewhere(
     data = cloudpickle.dumps(recipe)
     running: dict[Future[tuple[int, int, float]], Keyed] = {}
     lost: dict[str, str] = {}
-    workers = max(1, int(getattr(executor, "_max_workers", 0) or os.cpu_count() or 1))
+    # Executors of clusters do not tell how many workers they have, which may change.
+    known = int(getattr(executor, "_max_workers", 0) or 0)
+    most = (1 + WAITING) * known if known else WINDOW
 
     def harvest() -> None:
         done, _ = wait(running, return_when=FIRST_COMPLETED)
@@ -119,7 +123,8 @@ def plan_elsewhere(
         except RuntimeError as error:
             lost[chunk[0][0]] = f"{type(error).__name__}: {error}"
             break
-        while len(running) >= (1 + WAITING) * workers:
+        # The first cases are chunks of their own, whose time decides how long later chunks are.
+        while len(running) >= (most if progress.done else min(most, 1 + WAITING)):
             harvest()
     while running:
         harvest()
