@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
@@ -33,6 +33,7 @@ from robotraj.transcription.interval_limits.row_places import AddedRow
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from robotraj.problem.phase import Phase
     from robotraj.solution.costates.duals import PhaseDuals
     from robotraj.solution.feedback.gains import Gains
     from robotraj.solution.records import ContinuationRecord, MeshStep
@@ -159,6 +160,25 @@ class Solution(OneLine):
     def shares(self) -> tuple[Share, ...]:
         """How much of cone, sole, torque and speed a plan with contacts uses; see ``solution.reserves.shares``."""
         return shares_of(self.phases)
+
+    def sensitivity(self, by: str | Callable[[float], Problem | Phase]) -> float:
+        """Return the derivative of the optimal objective by a number of the problem, without another solve.
+
+        ``by`` names a fixed parameter or ``"duration"``, or is a function of a step that returns the problem with a
+        larger number: ``lambda h: phase.with_(end=rt.State(q=1.0 + h))``; see ``costates.sensitivity``.
+
+        Raises
+        ------
+        InputError
+            There is no such number, the plan was not solved, has rows on distances, or was read from a file.
+        """
+        from robotraj.solution.costates.sensitivity import sensitivity
+        from robotraj.solution.released import released
+
+        if not self.success:
+            raise InputError(f"solution.sensitivity needs a solved plan; this one ended with: {self.status.value}.")
+        own = released(self)
+        return sensitivity(own.multipliers, own.problem, by)
 
     @property
     def duration(self) -> float:

@@ -22,8 +22,8 @@ import cloudpickle
 from robotraj._util.errors import InputError
 from robotraj.planning.many.case_limits import CaseLimits
 from robotraj.planning.many.failure import Failure, failure_of
-from robotraj.planning.many.packing import Packer, unpack
 from robotraj.planning.many.processes import WorkerDied, kept, release_kept
+from robotraj.planning.many.task_messages import TaskPacker, unpack
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
@@ -109,7 +109,7 @@ def run(
     results = _first_here(work, shared, tasks, enough) if executor is None and not limits else []
     if len(results) == len(tasks) or (results and enough is not None and enough(results)):
         return results
-    packer, first = Packer(), len(results)
+    packer, first = TaskPacker(), len(results)
     packed = [_packed(packer, task) for task in tasks[first:]]
     try:
         common = cloudpickle.dumps((work, shared, packer.robots))
@@ -139,7 +139,7 @@ def run(
         raise
 
 
-def _packed(packer: Packer, task: object) -> bytes | Exception:
+def _packed(packer: TaskPacker, task: object) -> bytes | Exception:
     """Return a task for a worker, or the error where a part of it cannot be pickled."""
     try:
         return packer.pack(task)

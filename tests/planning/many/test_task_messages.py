@@ -5,14 +5,14 @@ from __future__ import annotations
 import cloudpickle
 
 import robotraj as rt
-from robotraj.planning.many.packing import Packer, unpack
+from robotraj.planning.many.task_messages import TaskPacker, unpack
 
 
 def test_tasks_share_their_robot_on_both_sides_and_are_small() -> None:
     arm, other = rt.load("two_link_arm"), rt.load("pendulum")
     moves = [rt.Phase(arm, 1.0, rt.State(q=0, v=0), rt.State(q=a, v=0), rt.Effort()) for a in (0.1, 0.2)]
     moves.append(rt.Phase(other, 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort()))
-    packer = Packer()
+    packer = TaskPacker()
     packed = [packer.pack(rt.Problem([move])) for move in moves]
     assert packer.robots == [arm, other]
     assert max(map(len, packed)) < 0.5 * len(cloudpickle.dumps(rt.Problem([moves[0]])))

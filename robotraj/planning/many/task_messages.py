@@ -14,7 +14,7 @@ import cloudpickle
 from robotraj.robot.robot import Robot
 
 
-class Packer:
+class TaskPacker:
     """Packs tasks of one call.
 
     Attributes
@@ -30,7 +30,7 @@ class Packer:
     def pack(self, task: object) -> bytes:
         """Return a task as bytes, with numbers in place of its robots."""
         stream = io.BytesIO()
-        _Pickler(stream, self).dump(task)
+        _TaskPickler(stream, self).dump(task)
         return stream.getvalue()
 
     def number(self, robot: Robot) -> int:
@@ -41,8 +41,8 @@ class Packer:
         return self._numbers[id(robot)]
 
 
-class _Pickler(cloudpickle.Pickler):
-    def __init__(self, stream: io.BytesIO, packer: Packer) -> None:
+class _TaskPickler(cloudpickle.Pickler):
+    def __init__(self, stream: io.BytesIO, packer: TaskPacker) -> None:
         super().__init__(stream)
         self._packer = packer
 
@@ -50,7 +50,7 @@ class _Pickler(cloudpickle.Pickler):
         return self._packer.number(value) if isinstance(value, Robot) else None
 
 
-class _Unpickler(pickle.Unpickler):
+class _TaskUnpickler(pickle.Unpickler):
     def __init__(self, data: bytes, robots: Sequence[Robot]) -> None:
         super().__init__(io.BytesIO(data))
         self._robots = robots
@@ -60,5 +60,5 @@ class _Unpickler(pickle.Unpickler):
 
 
 def unpack(data: bytes, robots: Sequence[Robot]) -> object:
-    """Return a task that ``Packer.pack`` packed."""
-    return _Unpickler(data, robots).load()
+    """Return a task that ``TaskPacker.pack`` packed."""
+    return _TaskUnpickler(data, robots).load()
