@@ -24,6 +24,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
+from robotraj.transcription.interval_limits.full_friction import has_full_friction
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -62,6 +63,9 @@ class BestMotion:
     steps : list of MeshStep
     sticking : bool
         Whether joints stick and slide to save effort.
+    has_full_friction : bool
+        Whether limits of torques between the points are those against full dry friction. Least times depend on them, so
+        that they are imposed on every mesh.
     limits_between : bool
         Whether limits are imposed between the points on the present mesh.
     neighbour : Proof or None
@@ -84,6 +88,7 @@ class BestMotion:
         self.solves = Solves(progress)
         self.sticking = needs_softening(problem)
         self.kinked = any(is_kinked(phase) for phase in problem.phases)
+        self.has_full_friction = any(map(has_full_friction, problem.phases))
         change = CHANGE_OF_POWERS if self.has_sticking_powers else CHANGE_FLAT
         # The objective is flat near its optimum: iterations move kinks from point to point.
         flat = self.sticking or self.kinked
@@ -134,7 +139,7 @@ class BestMotion:
         if self.measures is not None and self.measures.only_unsettled:
             patience = PATIENCE_STICKING if self.is_patient else PATIENCE
             settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
-        if first:
+        if first and not self.has_full_friction:
             plain = replace(settings.interval_limits, rounds=0)
             return self.solves.solve(self.problem, begin, replace(settings, interval_limits=plain))
         if self.solution is None and not self.afresh:

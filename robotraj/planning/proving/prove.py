@@ -91,7 +91,7 @@ class _Refining:
         for number in range(MOST_MESHES):
             powers = motion.has_sticking_powers
             enough = number >= (ENOUGH_OF_POWERS if powers else ENOUGH) - 1 and not motion.is_patient
-            limited = powers and motion.solution is not None
+            limited = motion.has_full_friction or (powers and motion.solution is not None)
             motion.limits_between = limited or enough or number == MOST_MESHES - 1
             first = number == 0 and motion.neighbour is None
             try:

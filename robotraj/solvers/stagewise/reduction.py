@@ -102,8 +102,8 @@ class Reduction:
             None where it differs in more: in the bounds that are finite, the columns that are fixed, the mesh, the
             scales, or a bound that is a coefficient (speed limits at a free duration).
         """
-        same = self.nlp
-        if all(getattr(nlp, part) is getattr(same, part) for part in ("blocks", "linear", "rows", "variables")):
+        parts = "blocks", "linear", "rows", "variables", "scale", "row_scale"
+        if all(getattr(nlp, part) is getattr(self.nlp, part) for part in parts):
             return replace(self, nlp=nlp)  # the guess alone differs
         form, stretched, order_, known = _staged(nlp, self.stretched)
         if not (self.form.alike(form) and self.order.alike(order_) and np.array_equal(self.known, known)):

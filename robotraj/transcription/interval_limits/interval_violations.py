@@ -24,6 +24,7 @@ from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.interval_limits.full_friction import with_full_friction
 from robotraj.transcription.interval_limits.methods import limited_algebraic
 from robotraj.transcription.interval_limits.row_values import (
     STEP,
@@ -129,7 +130,7 @@ def variable_violations(
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
-        curves.append((phase.body.controls, DrivenCurve(inputs, 1), EXACT_SHARE))
+        curves.append((phase.body.controls, DrivenCurve(with_full_friction(inputs), 1), EXACT_SHARE))
     if not isinstance(inputs, DrivenInputs) or phase.dae.controls != phase.body.controls:
         curves.append((phase.dae.controls, trajectory.u, SHARE))
     found = []

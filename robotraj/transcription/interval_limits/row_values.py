@@ -16,6 +16,7 @@ from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs
 from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.interval_limits.full_friction import FullFriction
 from robotraj.transcription.point_values import sampled
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ class Curve(Protocol):
 class DrivenCurve:
     """Algebraic variables (``kind`` 0) or controls (1) along a motion as a curve."""
 
-    inputs: DrivenInputs | DefinedInputs
+    inputs: DrivenInputs | DefinedInputs | FullFriction
     kind: int
 
     @property
