@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.system.regular_files import contents
 from robotraj.planning.plan import plan
+from robotraj.planning.problem_files.bounds import MOST_BYTES, MOST_PHASES, check_bounds
 from robotraj.planning.problem_files.kinds import GAITS
 from robotraj.planning.problem_files.lines import Data, Misplaced, Place, line_of, lines_of, named
 from robotraj.planning.problem_files.narrowing import narrowed
@@ -71,20 +73,20 @@ def load_problem(path: str | os.PathLike[str]) -> ProblemFile:
     >>> solution = file.plan()
     """
     source = Path(path).expanduser().absolute()
+    content = contents(source, MOST_BYTES, "The problem file")
     try:
-        text = source.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise InputError(f"The problem file {str(path)!r} cannot be read: {error.strerror or error}.") from error
+        text = content.decode("utf-8")
     except UnicodeDecodeError as error:
-        number = 1 + source.read_bytes()[: error.start].count(b"\n")
+        number = 1 + content[: error.start].count(b"\n")
         raise InputError(f"{source.name}, line {number}: this is no UTF-8 text; save the file as UTF-8.") from error
     text = text.replace("\r\n", "\n")
     try:
         data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits are ValueErrors
         found = _PLACE.search(str(error))
         at = f", line {found[1]}" if found else ""
         raise InputError(f"{source.name}{at}: this is no TOML: {_PLACE.sub('', str(error))}.") from error
+    check_bounds(data, source.name)
     try:
         return _read(source, data)
     except Misplaced as error:
@@ -165,6 +167,8 @@ def _problem(data: Mapping[str, Data], reader: Reader, robots: Mapping[str, Robo
     stated = data["phases"]
     if not isinstance(stated, list) or not all(isinstance(each, dict) for each in stated):
         raise Misplaced(("phases",), "is a list of tables, [[phases]].")
+    if len(stated) > MOST_PHASES:
+        raise Misplaced(("phases",), f"has {len(stated)} phases; a file has at most {MOST_PHASES}.")
     phases = [_phase(each, ("phases", i), reader, robots) for i, each in enumerate(stated)]
     accepted = parameters_of(Problem)["links"].accepted
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -12,6 +12,7 @@ import numpy as np
 
 from robotraj._util.errors import unknown_name
 from robotraj._util.values import dataclass
+from robotraj.planning.problem_files.bounds import MOST_USES
 from robotraj.planning.problem_files.kinds import EXPRESSIONS, KINDS, kind_named, names_for, only_kind
 from robotraj.planning.problem_files.lines import Data, Misplaced, Place
 from robotraj.planning.problem_files.narrowing import narrowed
@@ -53,12 +54,18 @@ class Reader:
         Robots by name.
     robot : Robot, optional
         The robot of the phase or gait that is read.
+    within : tuple of str
+        Names of ``[define]`` whose values are read.
+    uses : list of int
+        Number of values of ``[define]`` that were read so far, in its one entry.
     """
 
     folder: Path
     defined: Mapping[str, Data]
     robots: Mapping[str, Robot]
     robot: Robot | None = None
+    within: tuple[str, ...] = ()
+    uses: list[int] = field(default_factory=lambda: [0])
 
     def arguments(
         self, maker: Maker, data: Data, place: Place, without: Sequence[str] = (), given: Sequence[str] = ()
@@ -130,7 +137,7 @@ class Reader:
         if accepted.has("str", "Literal", ANYTHING, *PATHS) and not accepted.has(*EXPRESSIONS):
             return text
         if text in self.defined:
-            return self.value(self.defined[text], accepted, ("define", text))
+            return self._defined(text, accepted)
         names = names_for(accepted)
         if text not in names:
             advice = "Values of your own stand in [define]."
@@ -140,6 +147,16 @@ class Reader:
         if accepted.has("Callable") and any(each.required for each in parameters_of(kind).values()):
             return kind
         return self._of(kind, {}, place)
+
+    def _defined(self, name: str, accepted: Accepted) -> object:
+        """Read a value of ``[define]``, which may name others."""
+        place: Place = ("define", name)
+        self.uses[0] += 1
+        if name in self.within:
+            raise Misplaced(place, f"is defined by itself: {' names '.join((*self.within, name))}.")
+        if self.uses[0] > MOST_USES:
+            raise Misplaced(place, f"is used with others more than {MOST_USES} times; write a smaller file.")
+        return replace(self, within=(*self.within, name)).value(self.defined[name], accepted, place)
 
     def _table(self, data: dict[str, Data], accepted: Accepted, place: Place) -> object:
         if set(data) == {"between"}:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -140,3 +142,47 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 def test_a_file_runs_no_command_and_loads_no_library(solver: str, tmp_path: Path) -> None:
     key = "engine" if "Compiled" in solver else "solver"
     assert f"plan.{key}" in message_of(UR5.replace("[plan]", f"[plan]\n{key} = {solver}"), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        ("x = " + "9" * 5000, "no TOML"),
+        ("x = " + "9" * 30, "whole number is above"),
+        ("x = " + "[" * 5000 + "]" * 5000, "nested more than|no TOML"),
+        ("x = " + "[" * 40 + "]" * 40, "nested more than 32 deep"),
+        ("x = [" + "1, " * 200_000 + "]", "more than 100000 values"),
+        ('x = "' + "y" * 5000 + '"', "5000 letters"),
+        ('x = "a\\u001b[2J"', "control characters"),
+        ("#" * 3_000_000, "3.0 MB, above 2.0 MB"),
+        ('[define]\na = "b"\nb = "a"\n', "is defined by itself: a names b names a"),
+        ('[define]\na = ["b", "b"]\nb = ["a", "a"]\n', "is defined by itself: a names b names a"),
+        (
+            "[define]\na = ["
+            + '"a1", ' * 10
+            + "]\n"
+            + "".join(f"a{i} = [" + f'"a{i + 1}", ' * 10 + "]\n" for i in range(1, 9))
+            + 'a9 = "Effort"\n',
+            "more than 10000 times",
+        ),
+        ("[[phases]]\nduration = 1.0\n" * 300, "has 301 phases; a file has at most 200"),
+    ],
+)
+def test_a_file_is_bounded(added: str, message: str, tmp_path: Path) -> None:
+    text = (
+        '[robot]\nsource = "pendulum"\n[[phases]]\nduration = 1.0\nstart = { q = 0, v = 0 }\nend = { q = 1, v = 0 }\n'
+    )
+    text += "objective = " + repr("a" if "[define]" in added else "Effort") + "\n"
+    path = tmp_path / "problem.toml"
+    path.write_text(f"{added}\n{text}" if added.startswith("x") else f"{text}{added}\n")
+    began = time.process_time()
+    with pytest.raises(rt.InputError, match=message):
+        rt.load_problem(path)
+    assert time.process_time() - began < 8.0
+
+
+def test_a_pipe_or_a_device_is_no_problem_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    for path in (tmp_path / "pipe.toml", Path("/dev/zero"), tmp_path, tmp_path / "missing.toml"):
+        with pytest.raises(rt.InputError, match="The problem file"):
+            rt.load_problem(path)
