@@ -23,7 +23,7 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
-from robotraj.robot.sides.other_side import other_side
+from robotraj.robot.sides.images import frames_across
 
 LEVEL = Flat()
 OWN_SIDES = OwnSides()
@@ -75,7 +75,7 @@ def crawl(
     names = checked_feet(robot, feet, 4, "crawl")
     length, time = step_timing(step_length, duration, speed, "crawl")
     fraction(full_support, "rt.gait.crawl(full_support)")
-    others = {name: other_side(name, names) for name in names}
+    others = frames_across(robot, names)
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.neutral)
     places = {name: data.oMf[robot.frame(name)].translation for name in names}

@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 
+import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import Contact, copied
 from robotraj.robot.robot import Robot
+from robotraj.robot.sides.images import places_of
+from robotraj.robot.sides.other_side import WORDS as WORDS_OF_NAMES
 
 FootKind = Contact | Callable[[str], Contact]
 """The contact of every foot: ``rt.PointContact``, a function of the frame, or a contact to copy to other frames."""
 
 WORDS = ("sole", "foot", "toe")
 """Parts of the names of feet; the first one that any frame has is used."""
+LEVEL = 0.15
+"""Height above the lowest end of a limb up to which others are feet too, relative to that of the robot."""
 
 
 def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the given frames, or those whose name contains the word sole, foot or toe.
+    """Return the given frames, or those whose name contains the word sole, foot or toe, or the lowest ends of limbs.
 
     Of several frames on one link, such as a foot and its sensor, those with the fewest words in their names are feet.
+    Where no name has such a word, feet are the lowest frames of the limbs that reach the ground in the neutral
+    configuration, if there are two or more.
 
     Raises
     ------
     InputError
-        A frame does not exist or is named twice, or no name contains these words. The message lists the frames at the
-        ends of the limbs.
+        A frame does not exist or is named twice, or there are no feet by name and place. The message lists the frames
+        at the ends of the limbs.
     """
     if feet is not None:
         names = (feet,) if isinstance(feet, str) else tuple(feet)
@@ -41,14 +47,36 @@ def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
         found = tuple(name for name in ends if word in _words(name))
         if found:
             return tuple(name for name in found if len(_words(name)) == _fewest_words(robot, name, found))
+    standing = standing_ends(robot)
+    if len(standing) > 1:
+        return standing
     raise InputError(
         f"No frame of {robot.name!r} is named like a foot; give feet=[...]. Frames at the ends of its limbs: "
         f"{', '.join(ends) or 'none'}."
     )
 
 
+def standing_ends(robot: Robot) -> tuple[str, ...]:
+    """Return the lowest frame of each limb that reaches the ground with the root upright, in the neutral configuration.
+
+    A limb reaches it if it ends within ``LEVEL`` of the height of the robot from the lowest one, below the root.
+    """
+    places, model = places_of(robot, robot.neutral), robot.model
+    lowest: dict[int, str] = {}
+    for name in limb_ends(robot):
+        joint = int(model.frames[robot.frame(name)].parentJoint)
+        if joint not in lowest or places[name][2] <= places[lowest[joint]][2]:
+            lowest[joint] = name
+    heights = np.array([places[name][2] for name in lowest.values()])
+    root = places[next(frame.name for frame in model.frames if frame.parentJoint == 1)][2]
+    if not heights.size or robot.root == "fixed" or heights.min() >= root:
+        return ()
+    level = heights.min() + LEVEL * (max(place[2] for place in places.values()) - heights.min())
+    return tuple(name for name, height in zip(lowest.values(), heights, strict=True) if height <= min(level, root))
+
+
 def _words(name: str) -> list[str]:
-    return re.findall("[a-z]+", name.lower())
+    return [word.lower() for word in WORDS_OF_NAMES.findall(name) if word.isalpha()]
 
 
 def _fewest_words(robot: Robot, name: str, names: Sequence[str]) -> int:

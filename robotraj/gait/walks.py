@@ -23,7 +23,7 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
-from robotraj.robot.sides.other_side import other_side
+from robotraj.robot.sides.images import frames_across
 
 LEVEL = Flat()
 OWN_SIDES = OwnSides()
@@ -184,7 +184,7 @@ def trot(
     """
     names = checked_feet(robot, feet, 4, "trot")
     length, time = step_timing(step_length, duration, speed, "trot")
-    others = {name: other_side(name, names) for name in names}
+    others = frames_across(robot, names)
     diagonal = next(
         (n for n in names if n not in (names[0], others[names[0]]) and _are_diagonal(robot, n, names[0])), None
     )

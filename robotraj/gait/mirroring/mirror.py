@@ -14,11 +14,11 @@ from robotraj.gait.mirroring.imbalance import imbalance as imbalance_of
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.robot import Robot
+from robotraj.robot.sides.images import REFLECTION, frames_across
 from robotraj.robot.sides.other_side import other_side
 
 Array = NDArray[np.float64]
 
-REFLECTION = np.array([1.0, -1.0, 1.0])
 AXIAL = -REFLECTION
 """Factors of rotation axes, which are mirrored like angular velocities."""
 ROOT = {
@@ -97,7 +97,7 @@ def mirror_by_geometry(
             )
     partner = {name: given.get(name, other_side(name, joints)) for name in joints}
     signs = _signs(robot, partner)
-    sides = {name: given.get(name, other_side(name, frames)) for name in frames}
+    sides = frames_across(robot, frames, pin.neutral(robot.model)) | {k: v for k, v in given.items() if k in frames}
     off = _gaps(robot, partner, signs, sides)
     for item, gap in off.items():
         if gap > tolerance and (item in partner or item in given):
@@ -157,9 +157,14 @@ def _gaps(
         here, there = model.createData(), model.createData()
         pin.framesForwardKinematics(model, here, q)
         pin.framesForwardKinematics(model, there, image)
+        pin.computeJointJacobians(model, there, image)
         for pairs, places in ((joints, "oMi"), (frames, "oMf")):
             first, second = getattr(here, places), getattr(there, places)
             for a, b, name in pairs:
-                gap = np.linalg.norm(second[b].translation - REFLECTION * first[a].translation)
-                worst[name] = max(worst[name], float(gap))
+                gap = second[b].translation - REFLECTION * first[a].translation
+                if places == "oMi" and model.joints[b].nv == 1:
+                    # Axes of rotation are lines: where a joint lies along its axis has no effect.
+                    axis = there.J[3:, model.joints[b].idx_v]
+                    gap = gap - (axis @ gap) * axis
+                worst[name] = max(worst[name], float(np.linalg.norm(gap)))
     return worst

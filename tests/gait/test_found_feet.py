@@ -1,0 +1,91 @@
+"""Feet, their sides and mirror images are found by places where names do not show them."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.robot.sides.images import frames_across
+
+INERTIAL = (
+    '<inertial><origin xyz="0 {1} -0.1"/><mass value="{0}"/>'
+    '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+LIMIT = '<limit lower="{}" upper="{}" velocity="20" effort="60"/>'
+JOINT = '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/><origin xyz="{}"/><axis xyz="{}"/>{}</joint>'
+HIP, KNEE = LIMIT.format(0.3, 2), LIMIT.format(-2.4, -0.6)
+LEGS = {"fl": (0.2, 0.1), "fr": (0.2, -0.1), "rl": (-0.2, 0.1), "rr": (-0.2, -0.1)}
+NAMES = {
+    "usual": ("FL_foot", "FR_foot", "RL_foot", "RR_foot"),
+    "glued": ("toeFL", "toeFR", "toeRL", "toeRR"),
+    "numbers before": ("01_lf_foot", "02_rf_foot", "03_lh_foot", "04_rh_foot"),
+    "numbers after": ("toe0", "toe1", "toe2", "toe3"),
+    "no word": ("fl_ankle", "fr_ankle", "rl_ankle", "rr_ankle"),
+    "nothing": ("a", "b", "c", "d"),
+}
+
+
+def dog(folder, names, head=0.0):
+    """Four legs with abduction, hip and knee, and a head that nods about its own y axis at y = head."""
+    parts = [f'<link name="trunk">{INERTIAL.format(8, 0)}</link>']
+    for (leg, (x, y)), foot in zip(LEGS.items(), names, strict=True):
+        parts += [f'<link name="{each}_{leg}">{INERTIAL.format(0.5, 0)}</link>' for each in ("hip", "thigh", "shank")]
+        parts += [
+            f'<link name="{foot}"/>',
+            JOINT.format(f"{leg}_ab", "revolute", "trunk", f"hip_{leg}", f"{x} {y} 0", "1 0 0", LIMIT.format(-1, 1)),
+            JOINT.format(
+                f"{leg}_hip", "revolute", f"hip_{leg}", f"thigh_{leg}", "0 0 0", "0 1 0", LIMIT.format(0.3, 2)
+            ),
+            JOINT.format(f"{leg}_knee", "revolute", f"thigh_{leg}", f"shank_{leg}", "0 0 -0.25", "0 1 0", KNEE),
+            JOINT.format(f"{leg}_tip", "fixed", f"shank_{leg}", foot, "0 0 -0.25", "0 1 0", ""),
+        ]
+    parts += [
+        f'<link name="head">{INERTIAL.format(0.3, -head)}</link>',
+        JOINT.format("nod", "revolute", "trunk", "head", f"0.3 {head} 0.1", "0 1 0", LIMIT.format(-2, 2)),
+    ]
+    path = folder / "dog.urdf"
+    path.write_text(f'<robot name="dog">{"".join(parts)}</robot>', encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return rt.load(path, root="floating")
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_feet_are_found_and_trot_whatever_their_names(tmp_path, kind):
+    robot = dog(tmp_path, NAMES[kind])
+    assert sorted(rt.gait.feet_of(robot, None)) == sorted(NAMES[kind])
+    problem = rt.gait.trot(robot, step_length=0.06, duration=0.25, clearance=0.03)
+    standing = {contact.frame for contact in problem.phases[0].contacts}
+    first, second, third, fourth = NAMES[kind]
+    assert standing in ({first, fourth}, {second, third})
+
+
+@pytest.mark.parametrize("kind", NAMES)
+def test_frames_have_partners_on_the_other_side(tmp_path, kind):
+    names = NAMES[kind]
+    across = frames_across(dog(tmp_path, names), names)
+    assert across == dict(zip(names, (names[1], names[0], names[3], names[2]), strict=True))
+
+
+def test_a_joint_may_lie_anywhere_on_its_axis(tmp_path):
+    mirror = rt.gait.mirror(dog(tmp_path, NAMES["usual"], head=0.03))
+    assert "nod" not in mirror.partner_of
+    assert "nod" not in mirror.negated
+
+
+def test_an_arm_has_no_feet():
+    with pytest.raises(rt.InputError, match="named like a foot"):
+        rt.gait.feet_of(rt.load("ur5", root="floating"), None)
+
+
+@pytest.mark.parametrize(
+    ("name", "feet"),
+    [("g1", {"left_ankle_roll_link", "right_ankle_roll_link"}), ("simple_humanoid", {"l_ankle", "r_ankle"})],
+)
+def test_feet_of_robots_without_the_word(name, feet):
+    robot = rt.load(name, root="floating")
+    assert set(rt.gait.feet_of(robot, None)) == feet
+    assert np.isfinite(rt.gait.stand(robot)).all()
