@@ -8,9 +8,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine
-from robotraj.planning.proving.soft_friction import needs_softening
+from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.augmentation import Augmented
-from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Solver
@@ -99,21 +98,6 @@ def _is_augmented(phase: Phase) -> bool:
     return dae is not body or bool(body.invariants)
 
 
-def is_kinked(phase: Phase) -> bool:
-    """Whether an objective that is not smooth adds variables, and the motion is free to leave the guess.
-
-    Along a given path only the timing is left, and solvers agree on its optimum.
-    """
-    if phase.path is not None:
-        return False
-    dae = phase.dae
-    while isinstance(dae, Augmented):
-        if not dae.smooth:
-            return True
-        dae = dae.inner
-    return False
-
-
 def _integrates(phase: Phase) -> bool:
     return bool(phase.rows.integrals)
 
@@ -139,13 +123,6 @@ def _follows_path(case: Case) -> bool:
     phases = case.problem.phases
     others = [phase for phase in phases if phase.path is None]
     return len(others) < len(phases) and all(is_exact(phase, (HermiteSimpson(),)) for phase in others)
-
-
-def _weighs_ends_alone(phase: Phase) -> bool:
-    """Whether only the ends count: the objective has no integral, as a least time, and no obstacles are in the way."""
-    terms = phase.objective.terms if phase.objective is not None else ()
-    avoiding = any(each.avoids_collisions for each in phase.constraints)
-    return bool(terms) and not avoiding and not any(isinstance(term, Integral) for _, term in terms)
 
 
 def _floats(phase: Phase) -> bool:
@@ -175,11 +152,11 @@ EXACT = Condition(
 )
 ARMS = Condition("arms", lambda case: all(map(_is_arm, case.problem.phases)))
 ON_PATH = Condition("a path", _follows_path)
-STICKING = Condition("friction", lambda case: needs_softening(case.problem))
+STICKING = Condition("friction", lambda case: shares_of(case.problem).sticking)
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)
-KINKED = any_phase("a kinked cost", is_kinked)
+KINKED = Condition("a kinked cost", lambda case: shares_of(case.problem).kinked)
 FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
 NATIVE = Condition("solver in C++", _calls_native)
 STAGEWISE = Condition("solver by stages", _has_narrow_stages)
@@ -187,6 +164,5 @@ ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase 
 SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
 FREE_RATES = Condition("free rates", lambda case: not any(phase.rows.rates for phase in case.problem.phases))
 FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])
-ENDS_ALONE = Condition("ends alone", lambda case: all(map(_weighs_ends_alone, case.problem.phases)))
 CONTACTS = any_phase("contacts", lambda phase: bool(phase.bound_contacts))
 PASSIVE = any_phase("joints without a motor", _has_passive_joints)

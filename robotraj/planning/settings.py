@@ -18,14 +18,15 @@ from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
 from robotraj.planning.proving.first_mesh import (
-    COARSE,
     FEW,
-    NEXT,
     STICKING,
     SYSTEM,
     MeshesOfLines,
     MeshesOnPaths,
+    MeshOfShares,
+    OfProblem,
     ProportionalMeshes,
+    RefinementOfShares,
     graded,
 )
 from robotraj.planning.setting_conditions import Case, Condition
@@ -99,8 +100,7 @@ RULES: tuple[Rule, ...] = (
         MeshesOfLines(),
         "accelerations that bend between the points hide power from the quadrature",
     ),
-    _rule("mesh", when.PROVED, when.EXACT, when.ENDS_ALONE, graded(COARSE), "least times converge slowly"),
-    _rule("mesh", when.PROVED, when.EXACT, graded(FEW), "a coarse mesh approximates the motion"),
+    _rule("mesh", when.PROVED, when.EXACT, MeshOfShares(), "least times converge more slowly than integrals"),
     _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
     _rule("mesh", when.FREE_RATES, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
@@ -171,15 +171,7 @@ RULES: tuple[Rule, ...] = (
         Equidistribute(second=3.0, finest=400, slope=0.3),
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
-    _rule(
-        "refinement",
-        when.PROVED,
-        when.EXACT,
-        when.ENDS_ALONE,
-        Equidistribute(second=NEXT),
-        "least times mostly settle on that mesh",
-    ),
-    _rule("refinement", when.PROVED, when.EXACT, Equidistribute(second=3.0), "only the objective has to converge"),
+    _rule("refinement", when.PROVED, when.EXACT, RefinementOfShares(), "the second mesh mostly settles the objective"),
     _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
@@ -232,11 +224,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
         if name not in values:
             case = Case(problem, values)
             rule = next(rule for rule in _RULES_OF[name] if rule.holds(case))
-            choice = (
-                rule.choice.of(problem)
-                if isinstance(rule.choice, ProportionalMeshes | MeshesOnPaths | MeshesOfLines)
-                else rule.choice
-            )
+            choice = rule.choice.of(problem) if isinstance(rule.choice, OfProblem) else rule.choice
             values[name], reasons[name] = choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:
         raise InputError(

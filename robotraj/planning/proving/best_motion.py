@@ -11,9 +11,8 @@ from robotraj._util.time_left import LimitReached
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.local_optimum import SMALL, gain_from
 from robotraj.planning.proving.measures import Measured, is_motion, measured
-from robotraj.planning.proving.soft_friction import needs_softening
 from robotraj.planning.proving.solves import Solves
-from robotraj.planning.setting_conditions import is_kinked
+from robotraj.planning.sizes.shares import shares_of
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -86,8 +85,8 @@ class BestMotion:
         self.measures: Measured | None = None
         self.steps: list[MeshStep] = []
         self.solves = Solves(progress)
-        self.sticking = needs_softening(problem)
-        self.kinked = any(is_kinked(phase) for phase in problem.phases)
+        shares = shares_of(problem)
+        self.sticking, self.kinked = shares.sticking, shares.kinked
         self.has_full_friction = any(map(has_full_friction, problem.phases))
         change = CHANGE_OF_POWERS if self.has_sticking_powers else CHANGE_FLAT
         # The objective is flat near its optimum: iterations move kinks from point to point.

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import field
 
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.problem import Problem
+from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.linear_controls import LINES
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, LobattoIIIA
@@ -16,11 +19,12 @@ from robotraj.transcription.schemes.radau import RadauIIA
 
 FEW = 16
 """Intervals of the first mesh. It approximates the motion, and objectives of finer meshes are compared with its own."""
+SECOND = 3.0
+"""Least growth to the second mesh, on which most objectives settle."""
 COARSE, NEXT = 28, 2.5
-"""Intervals of the first mesh of motions in least time, and least growth to the second one, on which most settle.
+"""Both for motions in least time, which converge by a lower order: from 16 and 48 intervals they needed a third mesh.
 
-Least times converge by a lower order than integrals. From 16 and 48 intervals they needed a third mesh.
-"""
+Where integrals and ends both count, the numbers lie between in proportion to their sizes."""
 KINKED = 32
 """Intervals of the first mesh of an arm whose objective has kinks, such as the absolute power, by ``LINES``."""
 SYSTEM = 30
@@ -43,8 +47,40 @@ minimised is then lower than the integral by percents. With one more point, and 
 """
 
 
+class OfProblem(ABC):
+    """A choice that depends on sizes of the problem."""
+
+    @abstractmethod
+    def of(self, problem: Problem) -> object:
+        """Return the value of the setting."""
+
+
 @dataclass(frozen=True)
-class ProportionalMeshes:
+class MeshOfShares(OfProblem):
+    """A mesh of ``FEW`` intervals for integrals, and of up to ``COARSE`` where the ends count, as in least time."""
+
+    def of(self, problem: Problem) -> Mesh:
+        """Return the mesh of all phases."""
+        return graded(round(FEW + (COARSE - FEW) * _ends(problem)))
+
+
+@dataclass(frozen=True)
+class RefinementOfShares(OfProblem):
+    """Equidistribution that grows by ``SECOND`` to the second mesh for integrals, down to ``NEXT`` for the ends."""
+
+    def of(self, problem: Problem) -> Equidistribute:
+        """Return the refinement of all phases."""
+        return Equidistribute(second=SECOND + (NEXT - SECOND) * _ends(problem))
+
+
+def _ends(problem: Problem) -> float:
+    """Part of the ends in the objective; none where obstacles are in the way, which decide the motion."""
+    avoiding = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
+    return 0.0 if avoiding else shares_of(problem).ends
+
+
+@dataclass(frozen=True)
+class ProportionalMeshes(OfProblem):
     """Meshes of several phases, with numbers of intervals in proportion to the durations.
 
     Attributes
@@ -70,7 +106,7 @@ class ProportionalMeshes:
 
 
 @dataclass(frozen=True)
-class MeshesOnPaths:
+class MeshesOnPaths(OfProblem):
     """Meshes of phases of which some are on a path: those on a path have ``PATH`` intervals with ``LINES``.
 
     Rows are imposed at three points of such an interval, on which s'' is a line.
@@ -82,7 +118,7 @@ class MeshesOnPaths:
 
 
 @dataclass(frozen=True)
-class MeshesOfLines:
+class MeshesOfLines(OfProblem):
     """Meshes whose controls are lines on every interval, so that no power is hidden between the points."""
 
     intervals: int = KINKED

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess
-from robotraj.problem.objectives.base import Integral
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
@@ -199,7 +199,7 @@ def measured(
     on_paths = all(part.phase.path is not None for part in parts)
     bending = bending or on_paths
     coarse = float(sum(each.sum() for each in bends)) / size if bending else 0.0
-    order = _order(parts)
+    order = _order(solution)
     unsettled = expected
     coarser = before if bending else _coarser(before, count)
     if coarser is not None:
@@ -234,12 +234,10 @@ def _alike(part: PhaseSolution, parts: Sequence[PhaseSolution]) -> list[PhaseTra
     return [other.trajectory for other in parts if other.phase.dae.states == states]
 
 
-def _order(parts: Sequence[PhaseSolution]) -> float:
-    """Return the order of convergence of the objective in the number of intervals."""
-    terms = (term for part in parts if part.phase.objective for _, term in part.phase.objective.terms)
-    if any(isinstance(term, Integral) for term in terms):
-        return ORDER
-    return ORDER_OF_ENDS if all(part.exact for part in parts) else ORDER_OF_SWITCHES
+def _order(solution: Solution) -> float:
+    """Return the order of convergence of the objective in the number of intervals, between those of its terms."""
+    of_ends = ORDER_OF_ENDS if all(part.exact for part in solution.phases) else ORDER_OF_SWITCHES
+    return ORDER + (of_ends - ORDER) * shares_of(solution.problem).ends
 
 
 def proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Proof | None:

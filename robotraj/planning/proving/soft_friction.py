@@ -23,7 +23,6 @@ import numpy as np
 
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
-from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.solution import Solution
@@ -56,14 +55,6 @@ def averaging_times(problem: Problem, meshes: Sequence[Mesh], found: Solution | 
     return tuple(AVERAGED * duration / mesh.count for duration, mesh in zip(durations, meshes, strict=True))
 
 
-def needs_softening(problem: Problem) -> bool:
-    """Whether an arm with dry friction minimises an integral.
-
-    In least time no joint rests. Legs lose little to friction, and their motions need no guess by softer one.
-    """
-    return any(_has_friction(phase) and _integrates(phase) for phase in problem.phases)
-
-
 def _softer(phase: Phase, softening: float, averaging: float) -> Phase:
     dynamics = phase.dynamics
     if not _has_friction(phase) or isinstance(dynamics, Kinematics):
@@ -78,7 +69,3 @@ def _has_friction(phase: Phase) -> bool:
     if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics):
         return False
     return bool(np.any(robot.friction > 0.0))
-
-
-def _integrates(phase: Phase) -> bool:
-    return phase.objective is not None and any(isinstance(term, Integral) for _, term in phase.objective.terms)

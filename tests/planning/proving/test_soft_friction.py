@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.soft_friction import averaging_times, needs_softening, softened
+from robotraj.planning.proving.soft_friction import averaging_times, softened
+from robotraj.planning.sizes.shares import shares_of
 
 
 def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
@@ -28,7 +29,7 @@ def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
 def test_integrals_over_motions_with_dry_friction_need_it(
     name: str, objective: rt.objectives.Objective, needed: bool
 ) -> None:
-    assert needs_softening(problem(name, objective)) is needed
+    assert shares_of(problem(name, objective)).sticking is needed
 
 
 @pytest.mark.parametrize("dynamics", [rt.dynamics.InverseDynamics(), rt.dynamics.ForwardDynamics()])

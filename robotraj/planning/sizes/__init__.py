@@ -1,0 +1,1 @@
+"""Sizes of a problem along a plain motion, from which settings and starts follow."""
