@@ -11,6 +11,7 @@ from robotraj._util.lazy_values import LazySequence
 from robotraj.planning.nlp_violations import violations
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.records import Round
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome
 from robotraj.solvers.status import Status
@@ -57,14 +58,18 @@ def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Sol
         + smoothing_cost(part.phase, part.trajectory, part.mesh.schemes, nlp.smoothing)
         for part in phases
     )
+    objective, spent = nlp.objective(outcome.w, outputs) - beyond, times | outcome.times
+    # Times named "solve: ..." are parts of others.
+    seconds = sum(value for name, value in spent.items() if ":" not in name)
+    intervals = sum(layout.mesh.count for layout in nlp.layouts)
     return Solution(
         nlp.problem,
         phases,
         status,
         outcome.message,
-        nlp.objective(outcome.w, outputs) - beyond,
+        objective,
         outcome.iterations,
-        times | outcome.times,
+        spent,
         broken,
         outcome.multipliers,
         duals=_lazy_duals(nlp, outcome) if status is Status.SOLVED else (),
@@ -72,6 +77,7 @@ def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Sol
             {unknown.name: float(value) for unknown, value in zip(link.unknowns, outcome.w[columns], strict=True)}
             for link, columns in zip(nlp.problem.bound_links, nlp.link_columns, strict=True)
         ),
+        rounds=(Round(intervals, status, objective, outcome.iterations, seconds, outcome.by),),
     )
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from robotraj.planning.diagnosis.closed_ways import has_closed_way
 from robotraj.solution.records import with_effort_of
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
@@ -30,8 +28,7 @@ def solved_otherwise(
     finds infeasible goes to its fallback, unless other guesses would end in the same way or obstacles close the way.
     """
     if failed.status is Status.ITERATION_LIMIT and solver == Ipopt():
-        found = InteriorPoint(fallback=None).solve(nlp, progress)
-        found = replace(found, message=f"{found.message} (since IPOPT ended at its iteration limit)")
+        found = fall_back(InteriorPoint(fallback=None), nlp, progress, None, "IPOPT ended at its iteration limit", None)
         accepted = found.status is Status.SOLVED
     elif failed.status is Status.INFEASIBLE and isinstance(solver, InteriorPoint) and solver.fallback is not None:
         if conflicts_are_certain(nlp) or has_closed_way(nlp.problem):

@@ -106,7 +106,7 @@ def plan(
         ``solution.control_interval_violations``.
     restarts : Restarts, optional
         Other initial guesses for a problem that was not solved from its guess; ``rt.planning.Restarts(0)`` for none.
-        The message of a solution on one mesh names its restart.
+        ``solution.history.start`` names the one that led to the solution.
     smoothing : float, optional
         A duration T that is minimised counts as the integral of 1 + smoothing * m in the program of the solver. m is
         the mean square of torques and accelerations relative to their limits. Of motions that take the same time it

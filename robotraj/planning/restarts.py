@@ -37,8 +37,8 @@ from robotraj.planning.other_solver import conflicts_are_certain
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict, are_certain
-from robotraj.solution.records import with_effort_of
-from robotraj.solution.settings import RESTARTED_FROM, Restarts
+from robotraj.solution.records import started_from, with_effort_of
+from robotraj.solution.settings import Restarts
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
@@ -120,6 +120,7 @@ def restarted(
         motion, conflicts = start.relaxed(problem, solve_coarse)
         if motion is None:
             continue
+        motion = replace(motion, rounds=started_from(motion.rounds, "relaxed problem"))
         failed = with_effort_of(motion, failed)
         if motion.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED)
@@ -130,12 +131,13 @@ def restarted(
                 break
             continue
         found = solve(problem, motion)
+        if found.success:
+            return with_effort_of(
+                failed, replace(found, rounds=started_from(found.rounds, start.described(nlp, found)))
+            )
         failed = with_effort_of(found, failed)
         if found.status is Status.INTERRUPTED:
             return replace(failed, status=Status.INTERRUPTED)
-        if found.success:
-            message = found.message + RESTARTED_FROM + start.described(nlp, found)
-            return replace(found, message=message, times=failed.times, iterations=failed.iterations)
         # All rows are met on a coarse mesh, so no limit excludes a motion.
         least, relaxed = (), motion
     if not all(conflict.physical for conflict in least) and not isinstance(guess, Solution):
@@ -154,10 +156,10 @@ def _attempt(failed: Solution, solve: Solve, guess: InitialGuess, description: s
     Returns the solution, or else the failed one, with the times and iterations of both. An interrupt is its status.
     """
     found = solve(failed.problem, guess)
-    failed = with_effort_of(found, failed)
+    found = replace(found, rounds=started_from(found.rounds, description))
     if found.success:
-        message = f"{found.message}{RESTARTED_FROM}{description}"
-        return replace(found, message=message, times=failed.times, iterations=failed.iterations)
+        return with_effort_of(failed, found)
+    failed = with_effort_of(found, failed)
     return replace(failed, status=Status.INTERRUPTED) if found.status is Status.INTERRUPTED else failed
 
 

@@ -8,6 +8,7 @@ from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
+from robotraj.solution.records import Lack
 
 SMOOTH = 0.02
 """Largest height of teeth of a control, relative to its limit."""
@@ -100,21 +101,27 @@ class Proof(OneLine):
             return f"the error of the motion is {self.error:.1e} (allowed {self.goals.error:.0e})"
         return f"the excess over limits is {self.excess:.1e} (allowed {self.goals.excess:.0e})"
 
-    def __str__(self) -> str:
-        measures: tuple[tuple[str, float, float], ...] = (
-            ("error of the motion", self.error, self.goals.error),
-            ("excess over limits", self.excess, self.goals.excess),
-            ("error of the objective's integral", self.quadrature, self.goals.objective),
-            ("objective still to gain in this local optimum", self.unsettled, self.goals.objective),
-        )
-        if self.shortfall > 0.0:
-            measures = (*measures, ("distance not proved [m]", self.shortfall, 0.0))
+    @property
+    def measures(self) -> tuple[Lack, ...]:
+        """Every measure with its goal."""
+        more = (Lack("distance not proved [m]", self.shortfall, 0.0),) if self.shortfall > 0.0 else ()
         if not self.is_smooth:
-            measures = (*measures, ("teeth of a control, of its limit", self.roughness, SMOOTH))
-        shown = (
-            f"{name} {value:.1e}" + (f" (allowed {goal:.0e})" if not value <= goal else "")
-            for name, value, goal in measures
+            more = (*more, Lack("teeth of a control, of its limit", self.roughness, SMOOTH))
+        return (
+            Lack("error of the motion", self.error, self.goals.error),
+            Lack("excess over limits", self.excess, self.goals.excess),
+            Lack("error of the objective's integral", self.quadrature, self.goals.objective),
+            Lack("objective still to gain in this local optimum", self.unsettled, self.goals.objective),
+            *more,
         )
+
+    @property
+    def lacks(self) -> tuple[Lack, ...]:
+        """The measures beyond their goals."""
+        return tuple(each for each in self.measures if not each.amount <= each.allowed)
+
+    def __str__(self) -> str:
+        shown = (str(each) if each in self.lacks else f"{each.kind} {each.amount:.1e}" for each in self.measures)
         verdict = (
             "proved" if self.holds else "motion proved, objective not settled" if self.motion_holds else "not proved"
         )

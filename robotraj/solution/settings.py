@@ -18,9 +18,6 @@ from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.mesh import Mesh
 
-RESTARTED_FROM = ", from a "
-"""Separates the message of a solver from the description of the start that led to its solution."""
-
 
 @dataclass(frozen=True)
 class Restarts(OneLine):

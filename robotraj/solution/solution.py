@@ -23,6 +23,7 @@ from robotraj.solution.claims.planned_claims import planned_claims
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
+from robotraj.solution.records import History, Round
 from robotraj.solution.reserves.shares import Share, shares_of
 from robotraj.solution.sample import Sample, Times, as_times, join
 from robotraj.solution.settings import Settings
@@ -89,6 +90,8 @@ class Solution(OneLine):
         Settings of the plan with their reasons; ``rt.plan(problem, settings=solution.settings)`` repeats it.
     proof : Proof or None
         Measures between the collocation points; None where nothing was proved, as on a given mesh.
+    rounds : tuple of Round
+        Every solve of the plan; ``print(solution.history)`` shows them.
     """
 
     problem: Problem
@@ -110,6 +113,7 @@ class Solution(OneLine):
     impulses: tuple[Mapping[str, float], ...] = ()
     settings: Settings | None = None
     proof: Proof | None = None
+    rounds: tuple[Round, ...] = ()
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle and copy the solution without its program; feedback gains that were read from a file are kept."""
@@ -118,6 +122,14 @@ class Solution(OneLine):
         kept = vars(released(self))
         names = [entry.name for entry in fields(self)]
         return {name: kept[name] for name in names} | {n: v for n, v in vars(self).items() if n == "gains"}
+
+    @property
+    def history(self) -> History:
+        """Every solve of the plan in order: its mesh, what its solution lacked, the response, iterations and seconds.
+
+        ``history.start`` names the start that led to the solution, where that is not the guess.
+        """
+        return History(self.rounds)
 
     @property
     def success(self) -> bool:

@@ -149,6 +149,8 @@ class Outcome(OneLine):
     iterations : int
     times : dict of str to float
         Wall-clock times [s] of ``"setup"``, ``"solve"`` and their parts, such as ``"solve: functions"``.
+    by : str
+        Another solver that took over, and why; empty where the first one ended.
     """
 
     status: Status
@@ -157,6 +159,7 @@ class Outcome(OneLine):
     multipliers: Multipliers
     iterations: int
     times: dict[str, float] = field(default_factory=dict)
+    by: str = ""
 
 
 class Solver(OneLine, ABC):

@@ -34,5 +34,5 @@ def fall_back(
     if seconds is not None:
         fallback = fallback.within(max(SHORTEST, seconds))
     outcome = fallback.solve(nlp, progress, multipliers)
-    message = f"{outcome.message} (by {type(fallback).__name__}, since {reason})"
-    return replace(outcome, message=message)
+    by = f"{type(fallback).__name__}, since {reason}"
+    return replace(outcome, message=f"{outcome.message} (by {by})", by=by)

@@ -52,20 +52,20 @@ def triple_integrator() -> rt.Phase:
 def test_the_triple_integrator() -> None:
     solution = rt.plan(triple_integrator(), rt.Mesh())
     assert solution.duration == pytest.approx(5.540681, abs=1e-4)
-    assert "the guess was too short" in solution.message
+    assert "the guess was too short" in solution.history.start
 
 
 def test_what_it_took_is_counted() -> None:
     solution = rt.plan(oscillator(5.0), rt.Mesh())
     again = rt.plan(solution.problem, rt.Mesh(), guess=solution)
-    assert "from a motion of" in solution.message and "from a motion of" not in again.message
+    assert solution.history.start.startswith("motion of") and not again.history.start
     assert solution.iterations > 3 * again.iterations
 
 
 def test_a_plan_on_several_meshes_names_the_start_that_led_to_it() -> None:
     solution = rt.plan(triple_integrator(), solver=rt.Ipopt())
     assert solution.proof is not None and solution.proof.holds
-    assert len(solution.refinement) > 1 and "the guess was too short" in solution.message
+    assert len(solution.refinement) > 1 and "the guess was too short" in solution.history.start
 
 
 def test_an_earlier_solution_from_which_the_solver_fails_is_replaced() -> None:
@@ -97,7 +97,7 @@ def test_a_guess_that_fails_on_two_meshes_does_not_make_a_problem_infeasible() -
     # Bounds of controls on whole intervals leave less than the exact 2 pi seconds need: from here both are stuck.
     own = rt.guess.Keyframes([0, 1], [rt.State([4, 0]), rt.State([0, 0])], duration=6.0)
     solution = rt.plan(oscillator(4.0, (4.0, 20.0)), guess=own)
-    assert solution.duration == pytest.approx(2 * np.pi, rel=1e-2) and "from a motion of" in solution.message
+    assert solution.duration == pytest.approx(2 * np.pi, rel=1e-2) and "from a motion of" in solution.history.start
 
 
 def test_more_equations_than_unknowns_are_called_so() -> None:
@@ -127,7 +127,7 @@ def test_what_was_tried_in_vain_is_counted() -> None:
 
 def test_a_guess_that_was_long_enough_is_not_called_short() -> None:
     solution = rt.plan(oscillator(5.0), rt.Mesh(), guess=rt.guess.StraightLine(30.0))
-    assert solution.duration < 8.0 and solution.message.endswith("from a motion of 40 s: the guess did not converge")
+    assert solution.duration < 8.0 and solution.history.start == "motion of 40 s: the guess did not converge"
 
 
 def test_motions_that_a_fixed_duration_makes_impossible_are_passed_over() -> None:
@@ -223,17 +223,17 @@ def test_variations_of_the_default_guess_follow_one_that_fails(monkeypatch: pyte
     module = importlib.import_module("robotraj.planning.solve")
     monkeypatch.setattr(module, "default_guess", lambda problem: AT_HOME)
     solution = rt.plan(around_a_ball(), rt.Mesh(30))
-    assert "from a variation of the guess" in solution.message
+    assert "variation of the guess" in solution.history.start
 
 
 def test_a_given_guess_that_fails_is_varied() -> None:
     solution = rt.plan(around_a_ball(), rt.Mesh(30), guess=AT_HOME)
-    assert "from a variation of the guess" in solution.message
+    assert "variation of the guess" in solution.history.start
 
 
 def test_what_no_variation_can_do_is_infeasible() -> None:
     solution = rt.plan(around_a_ball(0.05), rt.Mesh(10), check=False)
-    assert not solution.success and "variation" not in solution.message
+    assert not solution.success and "variation" not in solution.history.start
 
 
 def test_a_seed_may_be_a_number() -> None:
@@ -248,7 +248,7 @@ def test_a_weak_cartpole_is_not_called_infeasible_after_one_guess() -> None:
     weak = robot.limits.with_(effort=5.0)
     ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.5, np.pi], v=0)
     solution = rt.plan(rt.Phase(robot, 3.0, *ends, rt.Effort(), limits=weak))
-    assert "from a variation of the guess" in solution.message
+    assert "variation of the guess" in solution.history.start
     assert np.abs(solution.at(np.linspace(0, 3, 301)).tau).max() < 5.0 + 1e-3
     assert rt.validate(solution).passed
 
@@ -259,7 +259,7 @@ def test_a_fallback_without_result_does_not_end_the_plan() -> None:
     ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.5, np.pi], v=0)
     solver = rt.InteriorPoint(fallback=rt.Ipopt(max_iterations=3))
     solution = rt.plan(rt.Phase(robot, 3.0, *ends, rt.Effort(), limits=weak), solver=solver)
-    assert "from a variation of the guess" in solution.message
+    assert "variation of the guess" in solution.history.start
 
 
 def test_more_variations_are_tried_where_a_joint_has_no_motor() -> None:

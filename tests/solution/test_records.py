@@ -1,14 +1,16 @@
-"""Records of a solution: its times."""
+"""Records of a solution: its times and its history."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solution.records import added_times
+from robotraj.solution.records import History, Round, added_times, answered, merged, started_from
 from robotraj.solvers.base import Outcome
+from robotraj.solvers.status import Status
 
 
 def test_times_are_added_part_by_part() -> None:
@@ -55,3 +57,43 @@ def test_goals_are_numbers_above_zero(name: str, value: object) -> None:
     """With a goal of NaN no plan is ever proved."""
     with pytest.raises(rt.InputError, match=rf"Goals\({name}\)"):
         rt.solution.Goals(**{name: value})
+
+
+def swing_up() -> rt.Phase:
+    """Swing a pendulum up."""
+    start, end = rt.State(q=0, v=0), rt.State(q=np.pi, v=0)
+    return rt.Phase(rt.load("pendulum"), 2.0, start, end, rt.Effort())
+
+
+@pytest.mark.parametrize("options", [{}, {"tolerance": 1e-6}, {"mesh": rt.Mesh(10)}])
+def test_the_rounds_of_a_plan_add_up_to_its_effort(options: dict[str, Any]) -> None:
+    solution = rt.plan(swing_up(), **options)
+    assert sum(each.iterations for each in solution.history) == solution.iterations
+    assert sum(each.seconds for each in solution.history) == pytest.approx(solution.seconds, rel=1e-9)
+    assert len(solution.history) >= len(solution.refinement)
+    assert solution.history[len(solution.history) - 1].intervals == sum(part.mesh.count for part in solution.phases)
+
+
+def test_a_round_of_a_proved_plan_has_what_it_lacked_and_the_response() -> None:
+    history = rt.plan(swing_up()).history
+    assert history[0].lacked.startswith("objective still to gain inf") or "(allowed 1e-03)" in history[0].lacked
+    assert history[0].response == f"{history[1].intervals} intervals"
+    last = history[len(history) - 1]
+    assert (last.lacked, last.response) == ("", "end")
+    lines = str(history).splitlines()
+    assert len(lines) == 1 + len(history)
+    assert lines[0].split()[:4] == ["round", "intervals", "status", "iterations"]
+
+
+def test_rounds_of_attempts_are_in_the_order_in_which_they_were_solved() -> None:
+    first, second, third = (Round(n, Status.SOLVED, 0.0, n, 0.1) for n in (1, 2, 3))
+    assert merged((second,), (first, third)) == (first, second, third)
+
+
+def test_the_start_of_a_plan_is_the_last_one_that_led_to_a_solution() -> None:
+    failed, solved, finer = (Round(1, status, 0.0, 1, 0.1) for status in (Status.STALLED, Status.SOLVED, Status.SOLVED))
+    rounds = (*started_from((failed,), "guess 1"), *started_from((solved,), "guess 2"), finer)
+    assert History(rounds).start == "guess 2"
+    assert History(started_from(rounds, "other")).start == "other"
+    assert answered(rounds, "excess", "finer mesh")[-1].response == "finer mesh"
+    assert History(()).start == ""

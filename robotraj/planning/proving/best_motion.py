@@ -198,7 +198,7 @@ class BestMotion:
             gain = gain_from(plan, first, self.goals, self.solver, unseen)
             if gain is None:
                 return
-            self.solves.add(gain.outcome)
+            self.solves.add(gain.outcome, [gain.round])
             if gain.share <= self.goals.objective:
                 return
             coarse, self.limits_between = gain.solution, True

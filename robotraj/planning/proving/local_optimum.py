@@ -13,6 +13,7 @@ from typing import NamedTuple
 from robotraj.guess.from_solution import FromSolution
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.solution.proof import Goals
+from robotraj.solution.records import Round
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome, Progress, Solver
 from robotraj.solvers.status import Status
@@ -38,6 +39,14 @@ class Gain(NamedTuple):
     def solution(self) -> Solution:
         """The solution on the coarse mesh."""
         return checked_solution(self.nlp, self.outcome, {})
+
+    @property
+    def round(self) -> Round:
+        """The solve in the history of the plan."""
+        intervals = sum(layout.mesh.count for layout in self.nlp.layouts)
+        seconds = sum(value for part, value in self.outcome.times.items() if ":" not in part)
+        found = self.outcome.status, self.nlp.objective(self.outcome.w), self.outcome.iterations
+        return Round(intervals, *found, seconds, "the plan, on its first mesh", f"gains {self.share:.1e}")
 
 
 def gain_from(

@@ -103,6 +103,7 @@ class _Refining:
             if last.status is Status.INTERRUPTED:
                 return motion.interrupted(last)
             following = self._finer(last, first, enough) if last.success else self._after_failure(last, meshes, first)
+            self._note(last, meshes, following)
             if following is None:
                 break
             meshes = following
@@ -111,6 +112,20 @@ class _Refining:
             return motion.conclude(last)
         except KeyboardInterrupt:
             return motion.interrupted(last)
+
+    def _note(self, last: Solution, meshes: Meshes, following: Meshes | None) -> None:
+        """Note what a solution lacks and the response in the history of the plan."""
+        proof = self.motion.solution.proof if last.success and self.motion.solution is not None else None
+        lacked = last.status.value if proof is None else ", ".join(map(str, proof.lacks))
+        if following is None:
+            response = "end"
+        elif self.motion.afresh and self.motion.solution is None:
+            response = "begin again from the guess on finer meshes"
+        elif on_lines(self.problem, meshes) != meshes and on_lines(self.problem, following) == following:
+            response = "controls as lines"
+        else:
+            response = f"{sum(mesh.count for mesh in following)} intervals"
+        self.motion.solves.answered(lacked, response)
 
     def _after_failure(self, failed: Solution, meshes: Meshes, first: bool) -> Meshes | None:
         """Return the meshes to try after some that could not be solved; None where none would help."""

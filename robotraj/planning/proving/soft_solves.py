@@ -44,7 +44,9 @@ def soft_solution(
     for softening in SOFTENING:
         soft = softened(problem, softening, averaging_times(problem, meshes, found))
         try:
-            softer = solves.solve(soft, found or guess, replace(own, mesh=meshes))
+            softer = solves.solve(
+                soft, found or guess, replace(own, mesh=meshes), name=f"softer friction, {softening:g}"
+            )
         except LimitReached:
             break
         if is_guess(softer):

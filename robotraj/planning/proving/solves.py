@@ -9,8 +9,8 @@ from robotraj.planning.proving.measures import is_motion
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import MeshStep, added_times
-from robotraj.solution.settings import RESTARTED_FROM, Settings
+from robotraj.solution.records import MeshStep, Round, added_times, answered, started_from
+from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome, Progress
 from robotraj.solvers.status import Status
@@ -25,15 +25,15 @@ class Solves:
         Seconds of all solves together, by part.
     iterations : int
         Iterations of all solves together.
-    restart : str
-        Description of the restart that led to a solution; empty where the guess did.
+    rounds : tuple of Round
+        All solves in their order.
     """
 
     def __init__(self, progress: Progress | None) -> None:
         self.progress = progress
         self.times: dict[str, float] = {}
         self.iterations = 0
-        self.restart = ""
+        self.rounds: tuple[Round, ...] = ()
 
     def solve(
         self,
@@ -42,18 +42,22 @@ class Solves:
         settings: Settings,
         lower: bool = False,
         hold: Callable[[Solution], bool] | None = None,
+        name: str = "",
     ) -> Solution:
-        """Solve a problem on one mesh; see ``planning.solve``."""
+        """Solve a problem on one mesh; see ``planning.solve``. ``name`` is that of the start in the history."""
         found = solve(problem, start, settings, self.progress, hold, lower)
-        self.add(found)
-        _, _, restart = found.message.partition(RESTARTED_FROM)
-        self.restart = restart or self.restart
+        self.add(found, started_from(found.rounds, name))
         return found
 
-    def add(self, found: Solution | Outcome) -> None:
-        """Add the times and iterations of a solve."""
+    def add(self, found: Solution | Outcome, rounds: Sequence[Round]) -> None:
+        """Add the times, iterations and rounds of a solve."""
+        self.rounds += tuple(rounds)
         self.times = added_times(self.times, found.times)
         self.iterations += found.iterations
+
+    def answered(self, lacked: str, response: str) -> None:
+        """Note what the last solution lacked, and what follows."""
+        self.rounds = answered(self.rounds, lacked, response)
 
     def concluded(self, solution: Solution, steps: Sequence[MeshStep]) -> Solution:
         """Return the solution with the status and records of the whole plan.
@@ -63,13 +67,10 @@ class Solves:
         status = solution.status
         if status is Status.SOLVED and not is_motion(solution):
             status = Status.NOT_PROVED
-        message = solution.message
-        if self.restart and RESTARTED_FROM not in message:
-            message += RESTARTED_FROM + self.restart
         return replace(
             solution,
             status=status,
-            message=message,
+            rounds=self.rounds,
             refinement=tuple(steps),
             times=self.times,
             iterations=self.iterations,

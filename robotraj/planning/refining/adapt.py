@@ -12,7 +12,7 @@ from robotraj.planning.refining.finer_meshes import GROWTH, finer_meshes, split_
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import MeshStep, added_times
+from robotraj.solution.records import Lack, MeshStep, Round, added_times, answered
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
@@ -94,6 +94,7 @@ class _Adaptation:
         """Whether rows are added between the collocation points."""
         self.times: dict[str, float] = {}
         self.iterations = 0
+        self.rounds: tuple[Round, ...] = ()
 
     def plan(self, guess: InitialGuess | Solution | None) -> Solution:
         """Solve on one mesh after the other."""
@@ -107,6 +108,8 @@ class _Adaptation:
                 kept = self._recorded(solution)
                 assessments, worst, settled = self._assessed(solution)
                 self._record(solution, worst)
+                lacks = [] if worst <= self.tolerance else [str(Lack("error between knots", worst, self.tolerance))]
+                self.rounds = answered(self.rounds, ", ".join([*lacks, *([] if settled else ["objective"])]), "")
                 kept = solution = self._recorded(solution)
                 accurate = worst <= self.tolerance and settled
                 before = excess
@@ -171,6 +174,7 @@ class _Adaptation:
         own = replace(self.settings, mesh=tuple(self.meshes), solver=solver)
         found = solve(self.problem, start, own, self.progress, hold)
         self.times, self.iterations = added_times(self.times, found.times), self.iterations + found.iterations
+        self.rounds += found.rounds
         return found
 
     def _record(self, solution: Solution, error: float) -> None:
@@ -180,7 +184,13 @@ class _Adaptation:
 
     def _recorded(self, solution: Solution) -> Solution:
         """Return a solution with the records of the whole plan."""
-        return replace(solution, refinement=tuple(self.steps), times=self.times, iterations=self.iterations)
+        return replace(
+            solution,
+            refinement=tuple(self.steps),
+            times=self.times,
+            iterations=self.iterations,
+            rounds=self.rounds,
+        )
 
     def _onto_lines(self, solution: Solution, start: InitialGuess | Solution | None, worst: float) -> bool:
         """Make controls of systems lines on the next mesh where this one leads astray; return whether they are."""

@@ -94,7 +94,7 @@ from robotraj.robot.robot import Robot
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.proof import Goals, Proof
-from robotraj.solution.records import ContinuationRecord, MeshStep
+from robotraj.solution.records import ContinuationRecord, MeshStep, Round
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.storage.missing_contact import MissingContact
 from robotraj.solution.violation import Violation
@@ -158,7 +158,7 @@ OF_PLANS: Mapping[str, type] = {
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ClearancePoint, Sum,
         # solutions
         PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Proof, ContinuationRecord, MeshStep, Violation,
-        Multipliers, AddedRow, Settings, MissingContact, Variable,
+        Multipliers, AddedRow, Settings, MissingContact, Variable, Round,
     )
 }
 """What loading and planning add, by name."""
