@@ -46,7 +46,7 @@ class Gain(NamedTuple):
         intervals = sum(layout.mesh.count for layout in self.nlp.layouts)
         seconds = sum(value for part, value in self.outcome.times.items() if ":" not in part)
         found = self.outcome.status, self.nlp.objective(self.outcome.w), self.outcome.iterations
-        return Round(intervals, *found, seconds, "the plan, on its first mesh", f"gains {self.share:.1e}")
+        return Round(intervals, *found, seconds, lacked=f"back on the first mesh the plan gains {self.share:.1e}")
 
 
 def gain_from(
