@@ -97,7 +97,7 @@ def test_a_guess_that_fails_on_two_meshes_does_not_make_a_problem_infeasible() -
     # Bounds of controls on whole intervals leave less than the exact 2 pi seconds need: from here both are stuck.
     own = rt.guess.Keyframes([0, 1], [rt.State([4, 0]), rt.State([0, 0])], duration=6.0)
     solution = rt.plan(oscillator(4.0, (4.0, 20.0)), guess=own)
-    assert solution.duration == pytest.approx(2 * np.pi, rel=1e-2) and "from a motion of" in solution.history.start
+    assert solution.duration == pytest.approx(2 * np.pi, rel=1e-2) and solution.history.start.startswith("motion of")
 
 
 def test_more_equations_than_unknowns_are_called_so() -> None:
