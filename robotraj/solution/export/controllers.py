@@ -16,6 +16,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path
 from robotraj._util.system.whole_files import whole_file
 from robotraj.solution.export.set_points import SetPoints, set_points
+from robotraj.solution.export.texts import cell, yaml_text
 
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
@@ -99,7 +100,7 @@ def _write_yaml(points: SetPoints, path: Path) -> None:
     """
     message = joint_trajectory(points)
     lines = ["header:", "  stamp: {sec: 0, nanosec: 0}", '  frame_id: ""']
-    lines += [f"joint_names: {json.dumps(message['joint_names'])}", "points:"]
+    lines += [f"joint_names: [{', '.join(yaml_text(name) for name in points.joints)}]", "points:"]
     known = message["points"]
     assert isinstance(known, list)
     for point in known:
@@ -123,7 +124,7 @@ def _write_csv(points: SetPoints, path: Path) -> None:
     headings += [f"tau.{joint} [{unit}]" for joint, unit in zip(points.joints, efforts, strict=True)]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(headings)
+        writer.writerow([cell(heading) for heading in headings])
         for row in np.column_stack([points.t, points.q, points.v, points.a, points.tau]).tolist():
             writer.writerow([repr(value) for value in row])
 

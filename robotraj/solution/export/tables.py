@@ -17,6 +17,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.system.whole_files import whole_file
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
+from robotraj.solution.export.texts import cell
 from robotraj.solution.export.times import sample_times
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def to_csv(
     columns = table(solution, samples, gains, rate)
     with whole_file(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow([column.heading for column in columns])
+        writer.writerow([cell(column.heading) for column in columns])
         for row in zip(*(column.values for column in columns), strict=True):
             writer.writerow([repr(float(value)) if np.isfinite(value) else "" for value in row])
     return target
@@ -140,18 +141,18 @@ def to_json(
         "success": solution.success,
         "message": solution.message,
         "objective": _number(solution.objective),
-        "duration": float(solution.duration),
+        "duration": _number(solution.duration),
         "iterations": int(solution.iterations),
-        "times": {stage: float(seconds) for stage, seconds in solution.times.items()},
+        "times": _numbers(solution.times),
         "parameters": _numbers(solution.parameters),
         "violations": [str(violation) for violation in solution.violation_list],
         "phases": [
             {
                 "name": part.phase.name,
                 "subject": part.phase.subject.name,
-                "start": float(part.t0),
-                "duration": float(part.duration),
-                "knots": [float(t) for t in part.knots],
+                "start": _number(part.t0),
+                "duration": _number(part.duration),
+                "knots": [_number(t) for t in part.knots],
                 "parameters": _numbers(part.parameters),
             }
             for part in solution.phases
