@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from robotraj.planning.studies.cases import Case
+    from robotraj.planning.studies.regression import Regressions
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
     from robotraj.solution.solution import Solution
@@ -128,6 +129,12 @@ class Study(OneLine):
         for value in values[x][~good]:
             axes.axvline(value, color="0.85", linewidth=0.5, zorder=0)
         return figure
+
+    def regressions(self, before: Study, **ratios: float) -> Regressions:
+        """Return what became worse since an earlier study; see ``robotraj.planning.studies.regression``."""
+        from robotraj.planning.studies.regression import regressions
+
+        return regressions(before.figures, self.figures, **ratios)
 
     def _columns(self, *without: str) -> list[str]:
         """Columns of the rows, but for some."""
