@@ -32,7 +32,7 @@ DIRECTIONS = 8
 """Directions of friction forces around the cone."""
 BEYOND = 1.5
 """Multiple of the estimate above which a height is refused."""
-MODEST = 0.5
+MODEST = 0.2
 """Multiple of the estimate that a message names as one that would do."""
 EASY = 0.25
 """Height relative to the robot's reach up to which nothing is estimated."""

@@ -16,7 +16,7 @@ from robotraj.solvers.status import Status
 
 def test_limits_conflict_where_only_a_coarse_mesh_has_a_motion() -> None:
     """On six intervals by Simpson's rule, a jump of five_link meets limits that it exceeds between their points."""
-    jump = rt.gait.jump(rt.load("five_link", root="planar"), height=0.318, length=0.473)
+    jump = rt.gait.jump(rt.load("five_link", root="planar"), height=0.318, length=0.473, margin=0.0)
     stopped = rt.plan(jump, rt.Mesh(2), solver=rt.InteriorPoint(max_iterations=2), progress=False, check=False)
     failed = replace(stopped, status=Status.INFEASIBLE, conflicts=())
     coarse = partial(solve_relaxed, settings=stopped.settings)

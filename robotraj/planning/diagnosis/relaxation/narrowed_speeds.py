@@ -8,11 +8,16 @@ last motion shows which joints must turn faster.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import RobotrajError
 from robotraj.planning.diagnosis.elastic import Solve
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.bounds import Between
+from robotraj.problem.constraints.joint_limits import JointVelocity
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
@@ -55,7 +60,26 @@ def narrowed_speeds(problem: Problem, solve: Solve) -> tuple[tuple[Conflict, ...
 
 
 def _limits(phase: Phase) -> Limits | None:
-    return phase.limits if phase.robot is not None and isinstance(phase.limits, Limits) else None
+    """Return the limits of a phase with its tightest speeds: margins of gaits are bounds beside the limits."""
+    if phase.robot is None or not isinstance(phase.limits, Limits):
+        return None
+    bounds = phase.rows.limits() if any(map(_is_margin, phase.constraints)) else {}
+    tight = {joint: bounds.get(f"v.{joint}", (-np.inf, np.inf)) for joint in phase.robot.velocity_names}
+    finite = {joint: pair for joint, pair in tight.items() if pair[0] < 0.0 < pair[1]}
+    return phase.limits.with_(velocity=finite) if finite else phase.limits
+
+
+def _is_margin(constraint: Constraint) -> bool:
+    """Return whether a constraint bounds the speeds of joints in both directions."""
+    if not isinstance(constraint, JointVelocity) or not isinstance(constraint.bounds, Mapping):
+        return False
+    pairs = constraint.bounds.values()
+    return all(isinstance(pair, Between) and _straddles(pair) for pair in pairs)
+
+
+def _straddles(pair: Between) -> bool:
+    low, high = (-np.inf if pair.lower is None else pair.lower, np.inf if pair.upper is None else pair.upper)
+    return bool(np.all(np.asarray(low, dtype=float) < 0.0) and np.all(np.asarray(high, dtype=float) > 0.0))
 
 
 def _widened(phase: Phase, width: float) -> Phase:
@@ -63,7 +87,8 @@ def _widened(phase: Phase, width: float) -> Phase:
     limits = _limits(phase)
     if limits is None:
         return phase
-    return phase.with_(limits=limits.scaled(velocity=width))
+    others = [constraint for constraint in phase.constraints if not _is_margin(constraint)]
+    return phase.with_(limits=limits.scaled(velocity=width), constraints=others)
 
 
 def _exceeded(problem: Problem, motion: Solution) -> tuple[Conflict, ...]:
