@@ -30,15 +30,15 @@ LIMIT = 40.0
 """Processor time of a plan [s]."""
 
 
-def problems(name: str, count: int, seed: int = 1) -> Iterator[rt.Phase]:
-    """Yield least times whose ends are clear of the obstacles."""
+def problems(name: str, seed: int = 1) -> Iterator[rt.Phase]:
+    """Yield least times whose ends are clear of the obstacles, without end."""
     robot = rt.load(name, locked=LOCKED.get(name))
     model, data = robot.model, robot.model.createData()
     random = np.random.default_rng([seed, *name.encode()])
     low = np.maximum(robot.limits.position_lower, -WIDEST)
     high = np.minimum(robot.limits.position_upper, WIDEST)
     found = 0
-    while found < count:
+    while True:
         start, end = low + (ROOM + (1 - 2 * ROOM) * random.random((2, robot.nq))) * (high - low)
         shapes: list[rt.obstacles.Obstacle] = []
         for _ in range(random.integers(1, 3)):
@@ -73,8 +73,14 @@ def planned(phase: rt.Phase, smoothing: float | None) -> tuple[rt.Solution, floa
 def line(name: str, count: int) -> str:
     """Plan the problems of a robot and return its line of the table."""
     pairs = []
-    for phase in problems(name, count):
-        (rough, before), (smooth, after) = planned(phase, 0.0), planned(phase, None)
+    for phase in problems(name):
+        if len(pairs) == count:
+            break
+        try:
+            (rough, before), (smooth, after) = planned(phase, 0.0), planned(phase, None)
+        except rt.InputError:
+            # Links overlap at an end.
+            continue
         if rough.proof is None or smooth.proof is None:
             continue
         pairs.append(

@@ -27,5 +27,6 @@ def test_an_end_a_little_outside_a_limit_leaves_room_for_the_solver() -> None:
     end = [-0.808686, -0.860828, 1.910125, -1.044286, 1.166023, -np.pi - 3e-7]
     phase = rt.Phase(robot, (0.1, 60.0), start, rt.State(q=end, v=0), rt.Duration(), limits=limits)
     solution = rt.plan(phase, check=False)
-    assert solution.message == "interior point: solved" and solution.iterations < 60
+    assert solution.message == "interior point: solved"
+    assert sum(step.iterations for step in solution.refinement) < 60
     np.testing.assert_allclose(solution.at(solution.duration).q, end, atol=1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ import numpy as np
 from robotraj._util.time_left import LimitReached
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.local_optimum import SMALL, gain_from
-from robotraj.planning.proving.measures import Measured, is_motion, measured
+from robotraj.planning.proving.measures import Measured, is_motion, largest_roughness, measured
 from robotraj.planning.proving.solves import Solves
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.planning.warm_start import PATIENCE
@@ -42,6 +43,8 @@ Most of that gain is power between the points, which the sum that is minimised d
 BARRIER_OF_POWERS = 1e-4
 """First barrier parameter there on a later mesh. A larger one raises the objective by a fifth, and takes a hundred
 iterations to lower it again."""
+SMOOTHER = 6.0
+"""Factor on the weight of smooth torques where they alternate with the mesh nevertheless."""
 BEYOND = 1.0
 """Excess over a limit, relative to its bound, above which no lower limit helps: the motion needs a finer mesh."""
 
@@ -157,11 +160,12 @@ class BestMotion:
     def conclude(self, last: Solution) -> Solution:
         """Impose what is left on the best solution, and return it with the records of the plan; else ``last``.
 
-        A proved motion gets knots where bounded rates jump. Any other is solved again with limits between its points,
-        if these were left to a mesh that was not solved.
+        A proved motion gets knots where bounded rates jump, and smoother torques where they alternate. Any other is
+        solved again with limits between its points, if these were left to a mesh that was not solved.
         """
         if self.is_motion:
             self._move_knots_to_switches()
+            self._smooth()
             self._settle()
         elif self.solution is not None and not self._is_limited:
             self._limit_between()
@@ -218,15 +222,34 @@ class BestMotion:
             self.measures = measures
 
     def _move_knots_to_switches(self) -> None:
-        """Solve again with knots where bounded rates jump; a motion that is not proved or no better is dropped."""
-        assert self.solution is not None and self.measures is not None
-        kept, measures, self.limits_between = self.solution, self.measures, True
+        """Solve again with knots where bounded rates jump, which a shorter motion repays."""
+        assert self.solution is not None
+        kept = self.solution
         meshes = tuple(with_knots_at(part.mesh, switches(part.phase, part.trajectory)) for part in kept.phases)
-        if meshes == tuple(part.mesh for part in kept.phases):
+        if meshes != tuple(part.mesh for part in kept.phases):
+            self._replace_by(meshes, lambda found: found.objective < kept.objective)
+
+    def _smooth(self) -> None:
+        """Solve again with a larger weight of smooth torques where they alternate with the mesh."""
+        assert self.solution is not None and self.measures is not None
+        kept, rough = self.solution, self.measures.proof.roughness
+        if self.measures.proof.is_smooth or not self.settings.smoothing:
             return
-        with suppress(LimitReached):
+        most = kept.objective + self.goals.objective * abs(kept.objective)
+        self.settings = replace(self.settings, smoothing=min(1.0, SMOOTHER * self.settings.smoothing))
+
+        def is_better(found: Solution) -> bool:
+            return found.objective <= most and largest_roughness(found.phases) < rough
+
+        self._replace_by(tuple(part.mesh for part in kept.phases), is_better)
+
+    def _replace_by(self, meshes: tuple[Mesh, ...], is_better: Callable[[Solution], bool]) -> None:
+        """Solve again on meshes; a motion that is not proved or no better is dropped."""
+        assert self.measures is not None
+        measures, self.limits_between = self.measures, True
+        with suppress(KeyboardInterrupt):
             found = self.solve(meshes, None, first=False)
-            if found.success and found.objective < kept.objective:
+            if found.success and is_better(found):
                 moved = self._with_proof(found, measures.before)
                 if moved.proof is not None and moved.proof.motion_holds:
                     # What is left to gain is no more than before.

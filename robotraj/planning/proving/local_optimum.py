@@ -18,6 +18,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome, Progress, Solver
 from robotraj.solvers.status import Status
 from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.refinement.objective_quadrature import smoothing_cost
 from robotraj.transcription.reuse import started_at
 
 TOLERANCE = 1e-3
@@ -79,6 +80,8 @@ def gain_from(
     outcome = careful.resolve(nlp, known, progress)
     if outcome.status is not Status.SOLVED:
         return Gain(nlp, outcome, 0.0)
-    before = min(plan.objective, nlp.objective(nlp.guess))
+    # The program's objective includes the cost of smoothing, and that of the plan does not.
+    smoothing = sum(smoothing_cost(p.phase, p.trajectory, p.mesh.schemes, nlp.smoothing) for p in plan.phases)
+    before = min(plan.objective + smoothing, nlp.objective(nlp.guess))
     share = (before - nlp.objective(outcome.w)) / max(abs(plan.objective), SMALL)
     return Gain(nlp, outcome, max(0.0, share))

@@ -222,8 +222,9 @@ def measured(
         np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
     )
     quadrature = abs(solution.objective - true) / size
-    rough = max(float(roughness(part.phase, part.trajectory, part.inputs).max(initial=0.0)) for part in parts)
-    proof = Proof(max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals, roughness=rough)
+    proof = Proof(
+        max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals, roughness=largest_roughness(parts)
+    )
     meshes = tuple(part.mesh for part in parts)
     return Measured(proof, true, meshes, errors, before, needs, broken, coarse, order).with_violations(solution)
 
@@ -238,6 +239,11 @@ def _order(solution: Solution) -> float:
     """Return the order of convergence of the objective in the number of intervals, between those of its terms."""
     of_ends = ORDER_OF_ENDS if all(part.exact for part in solution.phases) else ORDER_OF_SWITCHES
     return ORDER + (of_ends - ORDER) * shares_of(solution.problem).ends
+
+
+def largest_roughness(parts: Sequence[PhaseSolution]) -> float:
+    """Return the largest roughness of a control of any phase."""
+    return max(float(roughness(part.phase, part.trajectory, part.inputs).max(initial=0.0)) for part in parts)
 
 
 def proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) -> Proof | None:

@@ -36,6 +36,15 @@ def test_torques_have_no_teeth_and_the_time_is_the_same(around_a_post: rt.Phase)
     assert smooth.settings is not None and "smoothest" in smooth.settings.reasons["smoothing"]
 
 
+def test_torques_that_alternate_nevertheless_are_solved_again_with_more_weight(around_a_post: rt.Phase) -> None:
+    """A weight of 1e-4 leaves teeth of 3 percent; six times as much leaves none, and the time stays."""
+    solution = rt.plan(around_a_post, smoothing=1e-4)
+    assert solution.proof is not None and solution.proof.is_smooth and solution.proof.holds
+    assert [step.intervals for step in solution.refinement[-2:]] == [48, 48]
+    before, after = (step.objective for step in solution.refinement[-2:])
+    assert after == pytest.approx(before, rel=1e-4)
+
+
 def test_the_objective_is_the_duration_alone(around_a_post: rt.Phase) -> None:
     solution = rt.plan(around_a_post.with_(constraints=[]), rt.Mesh(10), smoothing=0.1)
     part = solution.phases[0]
