@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Where
+from robotraj.problem.objectives.base import Integral
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.points import Watched, all_watches, end_of, points_of, see, values_of
 from robotraj.witness.checks.residual import TORQUE_UNITS
@@ -20,6 +22,8 @@ from robotraj.witness.sampling import interval_samples
 
 FEW_SAMPLES = 9
 """Points of every interval at which constraints are evaluated first; near their bounds, more points follow."""
+STILL = 1e-3
+"""Speed below which a joint rests, relative to that of its friction."""
 CLOSER = 25
 """Points between two neighbours of the nearest one, where a row bends across its bound."""
 
@@ -128,7 +132,40 @@ def _limit_rows(planned: PhaseSolutionLike) -> Iterable[tuple[Row, Callable[[Rob
             i = joints.index(joint)
             lower, upper = (float(side[i]) for side in bounds)
             if np.isfinite(lower) or np.isfinite(upper):
-                yield Row(name, units[robot.units[i]], lower, upper, joint), _column(kind, column)
+                row = Row(name, units[robot.units[i]], lower, upper, joint)
+                yield row, _column(kind, column)
+                if kind == "tau" and robot.friction[i] > 0.0 and _starts_against_friction(planned):
+                    yield replace(row, name=f"{name} against dry friction"), _against_friction(robot, column, i)
+
+
+def _starts_against_friction(planned: PhaseSolutionLike) -> bool:
+    """Whether the torques of an arm's motion must overcome all of its dry friction.
+
+    Where an integral is minimised, slow joints stand for resting ones, whose friction may be anything.
+    """
+    phase, robot = planned.phase, planned.phase.robot
+    if (
+        robot is None
+        or robot.root != "fixed"
+        or phase.bound_contacts
+        or len(robot.actuated) < len(robot.velocity_names)
+    ):
+        return False
+    return phase.objective is None or not any(isinstance(term, Integral) for _, term in phase.objective.terms)
+
+
+def _against_friction(robot: RobotLike, column: int, joint: int) -> Callable[[RobotSample], Array]:
+    """Read a torque as by Coulomb's law: joints that move have their whole dry friction, which plans smooth by tanh.
+
+    A joint at less than ``STILL`` of the speed of that tanh rests.
+    """
+
+    def read(sample: RobotSample) -> Array:
+        speed = sample.v[:, joint] / robot.friction_speed
+        lacking = np.where(np.abs(speed) > STILL, np.sign(speed) - np.tanh(speed), 0.0)
+        return np.asarray(sample.tau[:, column] + robot.friction[joint] * lacking)
+
+    return read
 
 
 def _column(kind: str, index: int) -> Callable[[RobotSample], Array]:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.planning.proving import best_motion
+from robotraj.transcription.interval_limits import full_friction
 
 GRAVITY = 9.81
 URDF = """<robot name="axis"><link name="base"/><link name="mass"><inertial><mass value="{mass}"/>
@@ -75,6 +77,7 @@ def test_least_times_with_dry_friction_are_possible_by_coulombs_law(axis: Axis, 
     solution = rt.plan(rt.Problem(phases, [rt.Continuity(k, k + 1) for k in range(len(phases) - 1)]))
     assert solution.proof is not None and solution.proof.holds
     least = sum(axis.least_time(b - a) for a, b in pairwise(stops))
+    assert rt.validate(solution, drift=None).passed
     assert least * (1 - 5e-4) <= solution.duration <= least * (1 + 4e-3)
     for part in solution.phases:
         times = np.linspace(part.t0, part.t0 + part.duration, 5001)[1:-1]
@@ -90,3 +93,18 @@ def test_a_joint_that_rests_is_not_limited_by_its_friction(tmp_path) -> None:  #
     ends = rt.State(q=[0.0, 0.0], v=0), rt.State(q=[0.0, 0.4], v=0)
     solution = rt.plan(rt.Phase(slow, (0.05, 10), *ends, rt.Duration(), limits=slow.limits.with_(effort=1.0)))
     assert solution.proof is not None and solution.proof.motion_holds
+
+
+def test_the_witness_notices_a_start_that_the_smooth_friction_alone_allows(
+    tmp_path, monkeypatch: pytest.MonkeyPatch
+) -> None:  # type: ignore[no-untyped-def]
+    for module in (full_friction, best_motion):
+        monkeypatch.setattr(module, "has_full_friction", lambda phase: False)
+    axis, (start, end) = LIFTS[0]
+    ends = rt.State(q=[start], v=0), rt.State(q=[end], v=0)
+    solution = rt.plan(rt.Phase(axis.robot(tmp_path), (0.01, 20), *ends, rt.Duration()))
+    assert solution.proof is not None and solution.proof.holds
+    assert solution.duration < axis.least_time(end - start) * (1 - 1e-2)
+    report = rt.validate(solution, drift=None)
+    assert [violation.name for violation in report.violations] == ["effort limit against dry friction"]
+    assert not report.passed
