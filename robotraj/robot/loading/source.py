@@ -17,6 +17,7 @@ from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.missing_meshes import missing_meshes
 from robotraj.robot.loading.planning_model import names_of
+from robotraj.robot.mjcf.model import is_mjcf, read_mjcf
 from robotraj.robot.urdf.limits import StatedLimits, stated_limits
 from robotraj.robot.urdf.numbers import check_numbers
 from robotraj.robot.urdf.structure import check_structure
@@ -88,6 +89,8 @@ def describe(
         return _wrapper(source)
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
         path = Path(source).expanduser()
+        if is_mjcf(path):
+            return _from_mjcf(path)
         return _from_urdf(KnownRobot("", "", str(path), path), folders, trust_paths)
     if isinstance(source, str):
         return _from_urdf(find(source), folders, trust_paths=True)
@@ -118,6 +121,19 @@ def _wrapper(wrapper: pin.RobotWrapper) -> Description:
         part if part is not None else pin.GeometryModel() for part in (wrapper.visual_model, wrapper.collision_model)
     )
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
+
+
+def _from_mjcf(path: Path) -> Description:
+    found = read_mjcf(path)
+    return Description(
+        found.model.name or path.stem,
+        found.model,
+        found.shapes,
+        str(path),
+        actuated=found.actuated,
+        findings=found.findings,
+        stated=StatedLimits({"effort": found.efforts}),
+    )
 
 
 def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) -> Description:

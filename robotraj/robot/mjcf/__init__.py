@@ -1,0 +1,1 @@
+"""MJCF files: models of MuJoCo, read by Pinocchio."""

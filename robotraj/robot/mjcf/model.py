@@ -1,0 +1,110 @@
+"""Read a model of MuJoCo with Pinocchio's reader, and what that leaves out: motors and their limits."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import pinocchio as pin
+
+from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
+from robotraj.robot.meshes.reading import read_meshes
+from robotraj.robot.urdf.lenient import parsed
+from robotraj.robot.urdf.numbers import numbers
+from robotraj.robot.urdf.xml import MAX_BYTES
+
+CONSTRAINING = ("equality", "tendon")
+"""Sections that change the motion and are not read."""
+
+
+@dataclass(frozen=True)
+class MjcfModel:
+    """What is read of a file.
+
+    Attributes
+    ----------
+    model : pinocchio.Model
+    shapes : pair of pinocchio.GeometryModel
+        For display and for collisions.
+    actuated : tuple of str or None
+        Joints with an actuator; None if the file has none at all.
+    efforts : mapping by joint
+        Lower and upper limits of the motors [N m, N].
+    findings : tuple of str
+    """
+
+    model: pin.Model
+    shapes: tuple[pin.GeometryModel, pin.GeometryModel]
+    actuated: tuple[str, ...] | None
+    efforts: dict[str, tuple[float, float]]
+    findings: tuple[str, ...]
+
+
+def is_mjcf(path: Path) -> bool:
+    """Whether a file is XML whose top element is ``<mujoco>``."""
+    if path.suffix.lower() not in (".xml", ".mjcf") or not path.is_file() or path.stat().st_size > MAX_BYTES:
+        return False
+    try:
+        return parsed(path.read_bytes()).tag == "mujoco"
+    except ValueError:
+        return False
+
+
+def read_mjcf(path: Path) -> MjcfModel:
+    """Read a file of MuJoCo.
+
+    Raises
+    ------
+    InputError
+        Pinocchio's reader refuses it, it includes other files, or a mesh cannot be read within the limits of meshes.
+    """
+    root = parsed(path.read_bytes())
+    if root.find(".//include") is not None:
+        raise InputError(f"{str(path)!r} includes other files; load the one with the bodies of the robot, or a URDF.")
+    _check_meshes(root, path)
+    try:
+        model = pin.buildModelFromMJCF(str(path))
+        kinds = (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
+        visual, collision = (pin.buildGeomFromMJCF(model, str(path), kind) for kind in kinds)
+    except Exception as error:  # the reader raises errors of several libraries
+        raise InputError(
+            f"Pinocchio cannot read the MJCF {str(path)!r}: {error}. Give a URDF, or a pin.Model of your own."
+        ) from error
+    joints = [model.names[i] for i in range(1, model.njoints)]
+    actuators = [each for group in root.findall("actuator") for each in group if each.get("joint") in joints]
+    efforts = {each.get("joint", ""): pair for each in actuators if (pair := _effort(each)) is not None}
+    findings = []
+    constraining = [tag for tag in CONSTRAINING if any(len(group) for group in root.findall(tag))]
+    if constraining:
+        findings.append(f"Sections of the MJCF that are not read: {', '.join(f'<{tag}>' for tag in constraining)}.")
+    without = [each.get("joint", "") for each in actuators if each.get("joint") not in efforts]
+    if without:
+        findings.append(
+            f"Motors without a limit of effort in the MJCF: {', '.join(map(repr, without))}. Set them with "
+            "limits={'effort': {joint: largest}}."
+        )
+    driven = tuple(joint for joint in joints if joint in {each.get("joint") for each in actuators})
+    return MjcfModel(model, (visual, collision), driven if actuators else None, efforts, tuple(findings))
+
+
+def _check_meshes(root: Element, path: Path) -> None:
+    """Read every mesh in a process under limits first, since Pinocchio's reader has none."""
+    compiler = root.find("compiler")
+    given = {} if compiler is None else compiler.attrib
+    folder = path.parent / (given.get("meshdir") or given.get("assetdir") or "")
+    named = [mesh.get("file", "") for mesh in root.findall("asset/mesh")]
+    for file, read in read_meshes(folder / name for name in named if name).items():
+        if isinstance(read, str):
+            raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {read}.")
+
+
+def _effort(actuator: Element) -> tuple[float, float] | None:
+    """Return the range of force of an actuator: its ``forcerange``, or the ``ctrlrange`` of a motor, times its gear."""
+    given = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
+    ends, gear = numbers(given or "", 2), numbers((actuator.get("gear") or "1").split()[0], 1)
+    if ends is None or gear is None or not math.isfinite(gear[0]):
+        return None
+    low, high = sorted(gear[0] * end for end in ends)
+    return (low, high) if low < high else None
