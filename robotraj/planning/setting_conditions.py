@@ -8,7 +8,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
 from robotraj.native.engines.base import Engine
-from robotraj.planning.sizes.shares import shares_of
+from robotraj.planning.sizes.shares import has_kinks, shares_of
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -156,7 +156,7 @@ STICKING = Condition("friction", lambda case: shares_of(case.problem).sticking)
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
 COMPILED = Condition("engine=Compiled()", _needs_ipopt)
 NO_STAGES = Condition("shooting or moving knots", _without_stages)
-KINKED = Condition("a kinked cost", lambda case: shares_of(case.problem).kinked)
+KINKED = Condition("a kinked cost", lambda case: has_kinks(case.problem))
 FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
 NATIVE = Condition("solver in C++", _calls_native)
 STAGEWISE = Condition("solver by stages", _has_narrow_stages)

@@ -23,8 +23,7 @@ from robotraj.planning.other_solver import solved_otherwise
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
-from robotraj.planning.sizes.shares import shares_of
-from robotraj.planning.sizes.slack_powers import SlackPowers
+from robotraj.planning.sizes.slack_powers import with_slack_powers
 from robotraj.planning.warm_start import (
     earlier_multipliers,
     earlier_program,
@@ -119,9 +118,8 @@ def _solve_once(
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine
     interval_limits, smoothing = settings.interval_limits, settings.smoothing
     start = as_guess(guess) or default_guess(problem)
-    posed = start if shares_of(problem).kinked else SlackPowers(start)
     nlp = earlier_program(problem, mesh, guess, engine, interval_limits, smoothing) or transcribe(
-        problem, mesh, posed, engine, interval_limits, smoothing
+        problem, mesh, with_slack_powers(start, problem), engine, interval_limits, smoothing
     )
     added, same = earlier_rows(problem, mesh, guess) if interval_limits.rounds else ([], False)
     plain = nlp

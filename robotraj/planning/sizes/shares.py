@@ -88,6 +88,11 @@ def shares_of(problem: Problem) -> Shares:
     return _KNOWN[problem]
 
 
+def has_kinks(problem: Problem) -> bool:
+    """Whether kinks matter; a problem without any is not measured."""
+    return any(is_kinked(phase.dae) for phase in problem.phases) and shares_of(problem).kinked
+
+
 def _new_shares(problem: Problem) -> Shares:
     sums = {"end": 0.0, "kinked": 0.0, "smooth": 0.0}
     for phase in problem.phases:

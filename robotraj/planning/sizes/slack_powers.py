@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.planning.sizes.shares import is_kinked, shares_of
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.robot.limits import Limits
 
@@ -55,6 +56,12 @@ class SlackPowers(InitialGuess):
             return values
 
         return replace(known, controls=controls)
+
+
+def with_slack_powers(start: InitialGuess, problem: Problem) -> InitialGuess:
+    """Return a start whose slacks of powers are not 0, where there are kinks that weigh little."""
+    kinked = any(is_kinked(phase.dae) for phase in problem.phases)
+    return SlackPowers(start) if kinked and not shares_of(problem).kinked else start
 
 
 def _joint(name: str) -> str:
