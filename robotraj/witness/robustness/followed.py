@@ -11,6 +11,9 @@ from robotraj.witness.mujoco.following import second_opinion
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.protocols import SolutionLike
 
+NEAR = 0.5
+"""Largest deviation of a joint from the plan [rad, m] with which the plan counts as followed."""
+
 
 @dataclass(frozen=True)
 class Followed(OneLine):
@@ -19,7 +22,8 @@ class Followed(OneLine):
     Attributes
     ----------
     holds : bool or None
-        Whether it completed all periods without a fall; None where this was not judged.
+        Whether it completed all periods without a fall, with joints within ``NEAR`` of the plan; None where this was
+        not judged.
     reason : str
         Why it failed, or why it was not judged; empty where it holds.
     opinion : SecondOpinion or None
@@ -63,6 +67,11 @@ def followed(solution: SolutionLike, periods: int | None = None) -> Followed:
     except InputError as error:
         return Followed(None, str(error))
     if opinion.completed:
-        return Followed(True, "", opinion)
+        joints = [row for row in opinion.deviation.rows if row.name.startswith("q.") and ".root_" not in row.name]
+        worst = max(joints, key=lambda row: row.largest, default=None)
+        if worst is None or worst.largest <= NEAR:
+            return Followed(True, "", opinion)
+        where = f"{worst.name} deviates by {worst.largest:.2g} {worst.unit} at t = {worst.time:.4g} s"
+        return Followed(False, f"{where}, {NEAR:g} is allowed", opinion)
     fell = f"it falls at t = {opinion.fell:.4g} s" if opinion.fell is not None else ""
     return Followed(False, opinion.failure or fell, opinion)

@@ -10,6 +10,8 @@ import pytest
 import robotraj as rt
 from robotraj.witness.robustness import followed as module
 
+DEVIATIONS = {"q.root_x": 3.0, "q.knee": 2.5, "v.knee": 9.0, "q.hip": 0.2}
+
 
 @pytest.fixture(scope="module")
 def swing() -> rt.Solution:
@@ -35,6 +37,15 @@ def test_a_fall_fails(swing: rt.Solution, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(module, "second_opinion", lambda solution, periods: fallen)
     result = rt.witness.followed(swing)
     assert result.holds is False and str(result) == "followed: fails, the robot fell at t = 0.4 s"
+
+
+def test_a_joint_far_from_the_plan_fails(swing: rt.Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = [SimpleNamespace(name=name, largest=size, unit="rad", time=0.3) for name, size in DEVIATIONS.items()]
+    strayed = SimpleNamespace(completed=True, deviation=SimpleNamespace(rows=rows))
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: object())
+    monkeypatch.setattr(module, "second_opinion", lambda solution, periods: strayed)
+    result = rt.witness.followed(swing)
+    assert result.holds is False and "q.knee deviates by 2.5 rad" in str(result)
 
 
 def test_the_motion_of_a_system_is_not_judged() -> None:
