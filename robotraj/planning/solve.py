@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -53,6 +53,7 @@ from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 STATED, TWICE = 200, 2.0
 """Largest number of iterations of a solve with stated values, and the growth of the mesh for the second one."""
@@ -65,6 +66,7 @@ def solve(
     progress: Progress | None = None,
     hold: Callable[[Solution], bool] | None = None,
     lower: bool = False,
+    surfaces: Sequence[NearSurfaces | None] = (),
 ) -> Solution:
     """Solve a problem on a mesh and check the solution outside the solver.
 
@@ -88,19 +90,21 @@ def solve(
         Without them, distances may fall short by ``ROUGH_SHORTFALL``.
     lower : bool
         Whether limits of controls that the motion exceeds between the points are lowered there (``margins``).
+    surfaces : sequence of NearSurfaces or None
+        For each phase, links of the robot that rows keep apart.
     """
     form = separated_form(problem, settings.mesh, guess)
     if form is not None:
         problem, meshes = form
 
         def solve_separated(own: Settings) -> Solution:
-            return _solve_once(problem, guess, replace(own, mesh=meshes), progress, hold, lower)
+            return _solve_once(problem, guess, replace(own, mesh=meshes), progress, hold, lower, surfaces)
 
         def solve_compressed(first: Solution, own: Settings) -> Solution:
-            return _solve_once(problem, first, own, progress, hold, lower)
+            return _solve_once(problem, first, own, progress, hold, lower, surfaces)
 
         return from_separated_form(settings, solve_separated, solve_compressed)
-    return _solve_once(problem, guess, settings, progress, hold, lower)
+    return _solve_once(problem, guess, settings, progress, hold, lower, surfaces)
 
 
 def _solve_once(
@@ -110,6 +114,7 @@ def _solve_once(
     progress: Progress | None,
     hold: Callable[[Solution], bool] | None,
     lower: bool,
+    surfaces: Sequence[NearSurfaces | None],
 ) -> Solution:
     stop_if_noted()
     if isinstance(progress, PlanLimits):
@@ -125,10 +130,12 @@ def _solve_once(
     plain = nlp
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
+    nlp = _with_surfaces(nlp, surfaces)
     clearing, margins = Clearing(nlp, start), LoweredLimits()
     without_clearance, nlp = nlp, clearing.rows(nlp)
-    multipliers = earlier_multipliers(guess, nlp, True) if added and same else earlier_multipliers(guess, plain, False)
-    if (clearing or (added and not same)) and multipliers is not None:
+    extended = added and same and not any(surfaces)
+    multipliers = earlier_multipliers(guess, nlp if extended else plain, bool(extended))
+    if (clearing or any(surfaces) or (added and not same)) and multipliers is not None:
         multipliers = lengthened(multipliers, nlp)
     check = _infeasibility_check(problem, guess, settings, progress)
     # Restarts of a plan, which have none themselves, need no second opinion.
@@ -138,7 +145,7 @@ def _solve_once(
         return replace(solution, status=Status.INFEASIBLE, conflicts=check.conflicts)
     if check is not None and check.motion is not None:
         near = replace(settings, solver=solver.from_nearby())
-        return with_effort_of(solution, _solve_once(problem, check.motion, near, progress, hold, lower))
+        return with_effort_of(solution, _solve_once(problem, check.motion, near, progress, hold, lower, surfaces))
     if solution.status is Status.INTERRUPTED and not interval_limits.rounds:
         # No time is left to check an interrupted iterate between its points.
         return solution
@@ -180,6 +187,7 @@ def _solve_once(
                 last = FromSolution(solution)
                 without_clearance = transcribe(problem, mesh, last, engine, interval_limits, smoothing)
                 without_clearance = with_added_rows(without_clearance, [*added, *new], without_clearance.guess)
+                without_clearance = _with_surfaces(without_clearance, surfaces)
             else:
                 without_clearance = (
                     with_added_rows(without_clearance, new, w) if new else continued_at(without_clearance, w)
@@ -211,6 +219,14 @@ def _solve_once(
         return replace(solution, status=Status.INTERRUPTED, added_rows=tuple(added))
     controls = margins.violations(problem)
     return replace(solution, added_rows=tuple(added), interval_violations=left, control_interval_violations=controls)
+
+
+def _with_surfaces(nlp: Nlp, surfaces: Sequence[NearSurfaces | None]) -> Nlp:
+    if not any(surfaces):
+        return nlp
+    from robotraj.transcription.clearance.surface_rows import with_surface_rows
+
+    return with_surface_rows(nlp, surfaces)
 
 
 def _infeasibility_check(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +28,9 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.full_friction import has_full_friction
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 PATIENCE_STICKING = 300
 """``PATIENCE`` where joints stick and slide."""
@@ -80,14 +84,20 @@ class BestMotion:
         Whether the plan began again from the guess, on a finer mesh.
     """
 
-    def __init__(self, problem: Problem, settings: Settings, progress: Progress | None) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        settings: Settings,
+        progress: Progress | None,
+        surfaces: Sequence[NearSurfaces | None] = (),
+    ) -> None:
         assert settings.goals is not None
         self.problem, self.settings, self.goals = problem, settings, settings.goals
         self.solution: Solution | None = None
         self.first: Solution | None = None
         self.measures: Measured | None = None
         self.steps: list[MeshStep] = []
-        self.solves = Solves(progress)
+        self.solves = Solves(progress, surfaces)
         shares = shares_of(problem)
         self.sticking, self.kinked = shares.sticking, shares.kinked
         self.has_full_friction = any(map(has_full_friction, problem.phases))

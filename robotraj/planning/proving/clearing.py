@@ -103,7 +103,7 @@ class Clearing:
 
     def binds(self, nlp: Nlp, w: Array) -> bool:
         """Whether a row on a distance is active at w (n_w,)."""
-        if not nlp.keeps_clear:
+        if not self._every or not nlp.keeps_clear:
             return False
         left = (nlp.values(w) - nlp.rows.lower)[-self._count :]
         return bool(np.any(left < ACTIVE))

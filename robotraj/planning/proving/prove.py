@@ -9,9 +9,12 @@ Where that does not help either, and the solution on the coarse mesh is no motio
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from robotraj.planning.proving.best_motion import BestMotion
+from robotraj.planning.proving.kept_apart import KeptApart
 from robotraj.planning.proving.measures import proof_on
 from robotraj.planning.proving.soft_solves import finer_where_bent, soft_solution
 from robotraj.problem.initial_guess import InitialGuess
@@ -24,6 +27,9 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import Equidistribute, evenly_finer
 from robotraj.transcription.refinement.linear_controls import ENDLESS, on_lines
 from robotraj.transcription.schemes.mesh import Mesh
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 MOST_MESHES = 8
 """Largest number of meshes of a plan."""
@@ -59,18 +65,30 @@ def prove(
         With ``proof``. Its status is ``Status.NOT_PROVED`` if it is no motion within its limits. If a finer mesh cannot
         be solved, it is the solution on the coarser one.
     """
-    return _Refining(problem, settings, progress).plan(guess)
+    found = _Refining(problem, settings, progress).plan(guess)
+    apart = KeptApart(problem)
+    while (attempt := apart.next_attempt(found, settings)) is not None:
+        again = _Refining(problem, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
+        found = apart.kept(found, again.plan(attempt.guess))
+    return apart.judged(found)
 
 
 class _Refining:
     """A plan on one mesh after the other: what follows the solution of a mesh, or its failure."""
 
-    def __init__(self, problem: Problem, settings: Settings, progress: Progress | None) -> None:
-        self.problem, self.settings = problem, settings
+    def __init__(
+        self,
+        problem: Problem,
+        settings: Settings,
+        progress: Progress | None,
+        surfaces: Sequence[NearSurfaces | None] = (),
+        is_brief: bool = False,
+    ) -> None:
+        self.problem, self.settings, self.is_brief = problem, settings, is_brief
         mesh = settings.mesh
         self.coarsest: Meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
         self.on_lines = on_lines(problem, self.coarsest)
-        self.motion = BestMotion(problem, settings, progress)
+        self.motion = BestMotion(problem, settings, progress, surfaces)
         refinement = settings.refinement
         self.second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
         """Growth from the first mesh to the second."""
@@ -129,6 +147,8 @@ class _Refining:
 
     def _after_failure(self, failed: Solution, meshes: Meshes, first: bool) -> Meshes | None:
         """Return the meshes to try after some that could not be solved; None where none would help."""
+        if self.is_brief:
+            return None
         # Free controls may exploit the program of a coarse mesh.
         endless = failed.iterations >= ENDLESS and self.on_lines != self.coarsest
         if (not first or endless) and failed.status not in SPENT:

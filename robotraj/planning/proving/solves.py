@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from robotraj.planning.proving.measures import is_motion
 from robotraj.planning.solve import solve
@@ -14,6 +15,9 @@ from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome, Progress
 from robotraj.solvers.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
 class Solves:
@@ -29,8 +33,8 @@ class Solves:
         All solves in their order.
     """
 
-    def __init__(self, progress: Progress | None) -> None:
-        self.progress = progress
+    def __init__(self, progress: Progress | None, surfaces: Sequence[NearSurfaces | None] = ()) -> None:
+        self.progress, self.surfaces = progress, surfaces
         self.times: dict[str, float] = {}
         self.iterations = 0
         self.rounds: tuple[Round, ...] = ()
@@ -45,7 +49,7 @@ class Solves:
         name: str = "",
     ) -> Solution:
         """Solve a problem on one mesh; see ``planning.solve``. ``name`` is that of the start in the history."""
-        found = solve(problem, start, settings, self.progress, hold, lower)
+        found = solve(problem, start, settings, self.progress, hold, lower, self.surfaces)
         self.add(found, started_from(found.rounds, name))
         return found
 

@@ -1,8 +1,8 @@
 """Overlaps of the robot's own shapes along a motion, found by halving the time.
 
 Two shapes approach each other at a speed of at most L = factors @ abs(v) [m/s]. A piece of the motion of length h is
-free of overlaps where they are further apart than L h / 2 in its middle. Other pieces are halved, and shapes are
-compared at least every ``RESOLUTION`` where they stay near. Balls around shapes come first, then coal.
+free of overlaps where they are further apart than L h / 2 in its middle. Other pieces are divided, and shapes are
+compared at least every ``RESOLUTION`` where they stay near. Balls come first, then convex hulls, then the shapes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.collision.placements import placements
-from robotraj.robot.collision.solids import Placed, depth, distance, one_inside, touch
+from robotraj.robot.collision.solids import Placed, depth, distance, hull_distance, one_inside, touch
 from robotraj.robot.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -27,8 +27,10 @@ RESOLUTION = 1e-3
 """Longest time between two comparisons of shapes that are near each other [s]."""
 PIECES = 32
 """Largest number of pieces with a bound on the speeds of their own."""
-CLOSE = 1.5e-2
+CLOSE = 5e-3
 """Margin up to which coal compares shapes [m]."""
+MOST_PARTS = 8
+"""Largest number of parts into which a piece is divided."""
 DEPTHS = 9
 """Number of times of an overlap at which its depth is computed."""
 
@@ -88,7 +90,8 @@ def near_pairs(
         clock()
         finest = half <= 0.5 * RESOLUTION
         margins = np.where(finest, 0.0, bounds[piece, pair] * half)
-        open_ = _near(robot, body, motion, pair, at, margins)
+        parts = _parts(robot, body, motion, pair, at, margins)
+        open_ = parts > 0
         for k in np.flatnonzero(open_ | finest).tolist():
             own, width = int(pair[k]), float(half[k])
             known = deepest.setdefault(own, (width, []))
@@ -99,13 +102,23 @@ def near_pairs(
         for k in np.flatnonzero(open_ & finest).tolist():
             hits.setdefault(int(pair[k]), []).append(float(at[k]))
         open_ &= ~finest
-        piece, pair = np.repeat(piece[open_], 2), np.repeat(pair[open_], 2)
-        half = np.repeat(0.5 * half[open_], 2)
-        at = np.repeat(at[open_], 2) + half * np.tile([-1.0, 1.0], np.count_nonzero(open_))
+        parts = np.minimum(parts, np.ceil(half / (0.5 * RESOLUTION)).astype(int))[open_]
+        piece, pair, half, at = (np.repeat(each[open_], parts) for each in (piece, pair, half, at))
+        which, parts = np.arange(len(at)) - np.repeat(np.cumsum(parts) - parts, parts), np.repeat(parts, parts)
+        at += half * ((2 * which + 1) / parts - 1.0)
+        half = half / parts
     for own, t in _inside(robot, body, motion, knots, np.setdiff1d(np.arange(count), list(hits))):
         hits.setdefault(own, []).append(t)
     found = [Near(own, np.sort(times), True) for own, times in hits.items()]
     return found + [Near(own, np.sort(t), False) for own, (_, t) in deepest.items() if own not in hits]
+
+
+def overlapping(robot: Robot, body: OwnBody, q: Array) -> npt.NDArray[np.bool_]:
+    """Whether any pair overlaps in each configuration (m, nq), (m,)."""
+    count, pairs = len(q), len(body.pairs)
+    at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)
+    hit = _parts(robot, body, lambda times: q[times.astype(int)], pair, at.astype(float), np.zeros(len(at)))
+    return np.asarray(hit.reshape(count, pairs).any(axis=1))
 
 
 def deepest_overlap(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> tuple[float, float]:
@@ -133,13 +146,15 @@ def least_distance(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> t
     return apart[least], float(times[least])
 
 
-def _near(
-    robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array, margins: Array
-) -> npt.NDArray[np.bool_]:
-    """Whether each pair is nearer than its margin [m] at its time, (n,); with margin 0, whether it overlaps."""
+def _parts(robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array, margins: Array) -> Indices:
+    """Return the number of parts into which to divide the piece around each time, 0 where a pair is beyond its margin.
+
+    With margin 0, return 1 where the pair overlaps.
+    """
     times, which = np.unique(at, return_inverse=True)
     rotations, origins = placements(robot, motion(times))
-    found = _gaps(body, pair, which, rotations, origins) <= margins
+    near = np.flatnonzero(_gaps(body, pair, which, rotations, origins) <= margins)
+    parts = np.zeros(len(pair), dtype=int)
     turns = rotations[:, body.joint] @ body.rotation
     places = np.einsum("mnij,nj->mni", rotations[:, body.joint], body.position) + origins[:, body.joint]
     known: dict[tuple[int, int], Placed] = {}
@@ -150,14 +165,17 @@ def _near(
             known[key] = Placed(body.solids[shape], turns[key], places[key])
         return known[key]
 
-    # Meshes within a large margin of each other take coal long.
-    close = np.flatnonzero(found & (margins <= CLOSE))
-    pairs = body.pairs[pair[close]].tolist()
-    for k, time, (first, second), margin in zip(
-        close.tolist(), which[close].tolist(), pairs, margins[close].tolist(), strict=True
-    ):
-        found[k] = touch(placed(time, first), placed(time, second), margin)
-    return found
+    pairs = body.pairs[pair[near]].tolist()
+    for k, time, (a, b), margin in zip(near.tolist(), which[near].tolist(), pairs, margins[near].tolist(), strict=True):
+        first, second = placed(time, a), placed(time, b)
+        apart = hull_distance(first, second)
+        if apart > margin:
+            continue
+        # Meshes within a large margin of each other take coal long.
+        if margin <= CLOSE and apart <= 0.0 and not touch(first, second, margin):
+            continue
+        parts[k] = 1 if margin == 0.0 else min(max(int(np.ceil(margin / max(apart, CLOSE))), 2), MOST_PARTS)
+    return parts
 
 
 def _gaps(body: OwnBody, pair: Indices, which: Indices, rotations: Array, origins: Array) -> Array:

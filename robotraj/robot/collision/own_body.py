@@ -19,7 +19,7 @@ from robotraj._util.values import dataclass
 from robotraj.robot.collision.lever_arms import levers
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.collision.placements import joint_tree, placements
-from robotraj.robot.collision.solids import Placed, Solid, depth, one_inside, touch
+from robotraj.robot.collision.solids import Placed, Solid, depth, distance, one_inside, touch
 from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
 
@@ -81,6 +81,15 @@ class OwnBody(OneLine):
         return shape, centres, np.concatenate([np.zeros(0), *(radii for _, radii in every)])
 
     @cached_property
+    def farthest(self) -> Array:
+        """The point (n, 3) of each shape's hull that is furthest from its joint's origin, in that frame [m]."""
+        points = [
+            solid.outer_points @ turn.T + at
+            for solid, turn, at in zip(self.solids, self.rotation, self.position, strict=True)
+        ]
+        return np.array([each[np.argmax(np.linalg.norm(each, axis=1))] for each in points]).reshape(-1, 3)
+
+    @cached_property
     def ball_pairs(self) -> tuple[Indices, Indices]:
         """Pairs of balls (k, 2) of all judged pairs of shapes, one after the other, and the first one of each (m,)."""
         shape = self.balls[0]
@@ -106,9 +115,16 @@ class OwnBody(OneLine):
 
     def depth(self, robot: Robot, q: Array, pair: int) -> float:
         """Return the depth of an overlapping pair in a configuration (nq,) [m]."""
+        return depth(*self._placed_pair(robot, q, pair))
+
+    def distance(self, robot: Robot, q: Array, pair: int) -> float:
+        """Return the distance of the surfaces of a pair in a configuration (nq,) [m]."""
+        return distance(*self._placed_pair(robot, q, pair))
+
+    def _placed_pair(self, robot: Robot, q: Array, pair: int) -> tuple[Placed, Placed]:
         rotations, origins = (each[0] for each in placements(robot, q[None]))
-        first, second = (self.placed(shape, rotations, origins) for shape in self.pairs[pair].tolist())
-        return depth(first, second)
+        first, second = self.pairs[pair].tolist()
+        return self.placed(first, rotations, origins), self.placed(second, rotations, origins)
 
 
 _KNOWN: PerRobot[OwnBody] = PerRobot()
@@ -173,14 +189,9 @@ def _by_construction(robot: Robot, body: OwnBody) -> set[frozenset[str]]:
 
 
 def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
-    shape, centres, radii = body.balls
     joints = [[number] * joint.nv for number, joint in enumerate(robot.model.joints) if number]
     moved = joint_tree(robot).is_moved_by()[:, np.concatenate([np.zeros(0, dtype=int), *joints]).astype(int)]
-    turns = np.array([unit == "rad" for unit in robot.units])
-    # A point of a ball is further from the axis of a joint than its centre, by at most the radius.
-    of_ball = levers(robot, body.joint[shape], centres) + np.where(turns, radii[:, None], 0.0)
-    reach = np.zeros((len(body.solids), robot.nv))
-    np.maximum.at(reach, shape, of_ball)
+    reach = levers(robot, body.joint, body.farthest)
     a, b = pairs.T
     first, second = moved[body.joint[a]], moved[body.joint[b]]
     # Joints that move both shapes alike do not change their distance.

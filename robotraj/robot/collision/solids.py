@@ -27,6 +27,8 @@ MOST_BALLS = 8
 """Largest number of balls around a shape."""
 UNBOUNDED = 1e6
 """Extent from which a shape counts as unbounded [m]."""
+CELL = 0.01
+"""Side of the cells of which each has one point of a surface [m]."""
 MOST_TRIED = 20
 """Largest number of points that are compared for a depth."""
 INSIDE = 0.5
@@ -56,6 +58,22 @@ class Solid(OneLine):
         return np.array(box.min_), np.array(box.max_)
 
     @cached_property
+    def outer_points(self) -> Array:
+        """Points (n, 3) whose convex hull encloses the shape [m]: a mesh's own, or the corners of its box."""
+        if self.is_mesh:
+            return np.array(self.geometry.vertices())
+        return np.array(np.meshgrid(*np.transpose(self.box), indexing="ij")).reshape(3, -1).T
+
+    @cached_property
+    def hull(self) -> coal.CollisionGeometry:
+        """The convex hull of a mesh, or the shape itself, whose distances coal computes in microseconds."""
+        if not self.is_mesh:
+            return self.geometry
+        points = coal.StdVec_Vec3s()
+        points.extend(list(self.outer_points))
+        return coal.Convex.convexHull(points, False, "")
+
+    @cached_property
     def balls(self) -> tuple[Array, Array]:
         """Centres (n, 3) and radii (n,) of balls around the shape's box [m]; one infinite ball where it has none."""
         lower, upper = self.box
@@ -80,6 +98,14 @@ class Solid(OneLine):
         return np.unique(np.round(self._pieces.reshape(-1, 3), 9), axis=0)
 
     @cached_property
+    def spots(self) -> Array:
+        """Points (n, 3) of the surface, one in each cell of a grid of ``CELL`` or smaller [m]."""
+        if not len(self.corners):
+            return self.corners
+        cell = min(CELL, float(np.ptp(self.corners, axis=0).max()) / 10.0)
+        return np.asarray(self.corners[np.unique(np.floor(self.corners / cell), axis=0, return_index=True)[1]])
+
+    @cached_property
     def _pieces(self) -> Array:
         """Small triangles (f, 3, 3) of the surface, counter-clockwise from outside [m]."""
         triangles = self.triangles
@@ -99,14 +125,17 @@ class Solid(OneLine):
         normals = np.cross(b - a, c - a)
         return KDTree((a + b + c) / 3.0), normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
 
-    def heights(self, points: Array) -> tuple[Array, Array]:
-        """Return heights (n,) of points (n, 3) in its axes above the surface, negative inside, and normals (n, 3) [m].
+    def heights(self, points: Array, bound: float = np.inf) -> Array:
+        """Return heights (n,) of points (n, 3) in its axes above the surface, negative inside [m].
 
-        They are distances from the planes of the nearest pieces.
+        They are distances from the planes of the nearest pieces; infinite beyond a ``bound`` on the distance.
         """
         tree, normals = self._tree
-        _, nearest = tree.query(points)
-        return np.einsum("ni,ni->n", points - tree.data[nearest], normals[nearest]), normals[nearest]
+        away, nearest = tree.query(points, distance_upper_bound=bound)
+        known = np.isfinite(away)
+        found, nearest = np.full(len(points), np.inf), nearest[known]
+        found[known] = np.einsum("ni,ni->n", points[known] - tree.data[nearest], normals[nearest])
+        return found
 
     def in_box(self, points: Array) -> npt.NDArray[np.bool_]:
         """Whether points (n, 3) in its axes lie in ``box``, (n,)."""
@@ -127,6 +156,12 @@ class Solid(OneLine):
         """Return the distance of a point (3,) in its axes from a mesh's surface, or from a solid with its sign [m]."""
         there = coal.Transform3s(np.eye(3), point), self.geometry, coal.Transform3s()
         return float(coal.distance(coal.Sphere(POINT), *there, coal.DistanceRequest(), coal.DistanceResult())) + POINT
+
+    def nearest(self, point: Array) -> Array:
+        """Return the point (3,) of the surface that is nearest to a point (3,), both in its axes [m]."""
+        there, found = coal.Transform3s(np.eye(3), point), coal.DistanceResult()
+        coal.distance(coal.Sphere(POINT), there, self.geometry, coal.Transform3s(), coal.DistanceRequest(), found)
+        return np.array(found.getNearestPoint2())
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +208,12 @@ def one_inside(first: Placed, second: Placed) -> bool:
     )
 
 
+def hull_distance(first: Placed, second: Placed) -> float:
+    """Return the distance of the convex hulls of two shapes [m], a bound of theirs; negative where they overlap."""
+    pair = first.solid.hull, first.place, second.solid.hull, second.place
+    return float(coal.distance(*pair, coal.DistanceRequest(), coal.DistanceResult()))
+
+
 def distance(first: Placed, second: Placed) -> float:
     """Return the distance of two surfaces [m], negative between solids that overlap unless both are meshes."""
     pair = first.solid.geometry, first.place, second.solid.geometry, second.place
@@ -190,10 +231,10 @@ def depth(first: Placed, second: Placed) -> float:
         points = inner.seen_from(outer, inner.solid.corners)
         points = points[outer.solid.in_box(points)]
         if len(points) and outer.solid.triangles.size:
-            # Of the deepest points by the nearest pieces, one that is truly inside.
-            order = np.argsort(outer.solid.heights(points)[0])[:MOST_TRIED]
-            inside = points[order[outer.solid.contains(points[order])]]
-            deepest = max([deepest, *(abs(outer.solid.distance(point)) for point in inside)])
+            # The deepest point by the nearest pieces of those that are truly inside.
+            order = np.argsort(outer.solid.heights(points))[:MOST_TRIED]
+            inside = next((k for k in order.tolist() if outer.solid.contains(points[k : k + 1])[0]), None)
+            deepest = max(deepest, 0.0 if inside is None else abs(outer.solid.distance(points[inside])))
     return deepest
 
 

@@ -85,6 +85,18 @@ def function_of(
     return known[key]
 
 
+def function_of_links(robot: Robot, joint: int, other: int) -> DistanceFunction:
+    """Return the function of two points on joints, which is built once for each robot: n' (p - q) - offset [m].
+
+    Its constants are p and q in the frames of the joints, n and the offset. Joints that move both are neutral in n.
+    """
+    known = _FUNCTIONS.setdefault(robot, {})
+    key = joint, other
+    if key not in known:
+        known[key] = _of_links(robot, joint, other)
+    return known[key]
+
+
 def constants_of(pairs: ClearancePairs, chosen: Indices) -> Array:
     """Return the constants (n, n_c) of pairs with one function, without those of planes and times."""
     spheres = pairs.spheres
@@ -112,10 +124,7 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> Distan
     joint = int(spheres.joint[pairs.first[pair]])
     q = ca.SX.sym("q", robot.nq)
     if pair >= pairs.against:
-        other = int(spheres.joint[pairs.second[pair]])
-        c = ca.SX.sym("c", 10)
-        apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
-        return _stage(robot, ca.dot(c[6:9], apart) - c[9], q, None, c, (joint, other))
+        return _of_links(robot, joint, int(spheres.joint[pairs.second[pair]]))
     obstacle = pairs.obstacles[pairs.second[pair]]
     if plane or not obstacle.moves:
         c = ca.SX.sym("c", 7)
@@ -128,6 +137,12 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> Distan
     local = ca.mtimes(rotation.T, _world(robot, joint, q, c[before : before + 3]) - position)
     distance = ca.dot(c[before + 3 : before + 6], local) - c[before + 6]
     return _stage(robot, distance, q, clock, c, (joint,))
+
+
+def _of_links(robot: Robot, joint: int, other: int) -> DistanceFunction:
+    q, c = ca.SX.sym("q", robot.nq), ca.SX.sym("c", 10)
+    apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
+    return _stage(robot, ca.dot(c[6:9], apart) - c[9], q, None, c, (joint, other))
 
 
 def _stage(
