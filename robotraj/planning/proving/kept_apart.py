@@ -154,11 +154,15 @@ class KeptApart:
         return free_path(lambda q: ~overlapping(robot, body, q), first, last, lower, upper)
 
     def judged(self, found: Solution) -> Solution:
-        """Return a solution whose proof does not hold where links overlap."""
+        """Return a solution whose proof does not hold where links overlap.
+
+        It counts as solved if no row can move the links: on a given path, or where legs overlap in their gait.
+        """
         if not self._overlaps or found.proof is None:
             return found
         shortfall = max(found.proof.shortfall, *(each.depth for each in self._overlaps))
-        status = Status.NOT_PROVED if found.status is Status.SOLVED else found.status
+        movable = any(self._is_movable(each) for each in self._overlaps)
+        status = Status.NOT_PROVED if movable and found.status is Status.SOLVED else found.status
         broken = tuple(self._violation(each) for each in self._overlaps)
         return replace(
             found,
@@ -166,6 +170,10 @@ class KeptApart:
             proof=replace(found.proof, shortfall=shortfall),
             interval_violations=(*found.interval_violations, *broken),
         )
+
+    def _is_movable(self, each: Overlap) -> bool:
+        phase = self._problem.phases[each.phase]
+        return phase.path is None and phase.robot is not None and phase.robot.root == "fixed"
 
     def _found(self, found: Solution) -> list[Overlap]:
         overlaps = []

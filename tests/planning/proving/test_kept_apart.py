@@ -1,0 +1,122 @@
+"""Plans keep the links of a robot from overlapping; free plans are as they were, and what stays is named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import robotraj as rt
+from robotraj.guess.paths.around_itself import free_path
+from robotraj.robot.collision.own_body import own_body
+from robotraj.solvers.status import Status
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def wrist(angle: float) -> rt.State:
+    """A ur5 whose first wrist joint has an angle; the wrist overlaps the forearm between 1.2 and 1.9 rad."""
+    return rt.State(q=(0, -1.5, 0.5, angle, 0, 0), v=0)
+
+
+def overlapping_times(solution: rt.Solution) -> int:
+    """Number of milliseconds at which Pinocchio finds a pair of links in collision, neighbours left out."""
+    robot = solution.phases[0].phase.robot
+    shapes, data = robot.collision_model.copy(), robot.model.createData()
+    shapes.removeAllCollisionPairs()
+    for a, b in own_body(robot).pairs.tolist():
+        shapes.addCollisionPair(pin.CollisionPair(min(a, b), max(a, b)))
+    results, times = shapes.createData(), np.arange(0.0, solution.duration, 1e-3)
+    return sum(pin.computeCollisions(robot.model, data, shapes, results, q, True) for q in solution.at(times).q)
+
+
+def between_free_ends(name: str, number: int) -> rt.Phase:
+    """The least time between two random configurations without overlaps, drawn one after the other."""
+    robot, rng = rt.load(name), np.random.default_rng(0)
+    body = own_body(robot)
+    lower, upper = np.maximum(robot.limits.position_lower, -3), np.minimum(robot.limits.position_upper, 3)
+    while number:
+        ends = rng.uniform(lower, upper), rng.uniform(lower, upper)
+        number -= not (body.touching(robot, ends[0]) or body.touching(robot, ends[1]))
+    return rt.Phase(robot, (0.1, 10), rt.State(q=ends[0], v=0), rt.State(q=ends[1], v=0), rt.Duration())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [5, 10, 12])
+def test_least_times_of_an_arm_do_not_drive_its_wrist_into_its_forearm(number: int) -> None:
+    phase = between_free_ends("ur5", number)
+    through, around = rt.plan(phase.with_(self_collision=False)), rt.plan(phase)
+    assert overlapping_times(through) and not overlapping_times(around)
+    assert around.proof.holds and rt.validate(around).passed
+    # Rows only take motions away, so that the time grows or stays, up to what the proof leaves.
+    assert around.duration > through.duration * (1.0 - 2e-3)
+
+
+@pytest.mark.slow
+def test_a_motion_that_is_symmetric_to_the_overlap_goes_around_it() -> None:
+    """No row along the straight motion moves the wrist sideways; a path without overlaps is the guess."""
+    solution = rt.plan(rt.Phase(rt.load("ur5"), (0.1, 10), wrist(0.6), wrist(2.4), rt.Duration()))
+    assert solution.proof.holds and not overlapping_times(solution)
+    assert np.abs(solution.at(np.linspace(0, solution.duration, 50)).q[:, 4]).max() > 0.1
+
+
+def test_a_plan_that_keeps_off_itself_anyway_is_the_same_as_without() -> None:
+    phase = rt.Phase(rt.load("ur5"), 1.0, wrist(0.0), rt.State(q=(1, -1, 0.5, -1, 0, 0), v=0), rt.Effort())
+    kept, free = rt.plan(phase), rt.plan(phase.with_(self_collision=False))
+    assert kept.objective == free.objective and kept.iterations == free.iterations and kept.proof.holds
+
+
+def closed(tmp_path: Path, **changes: object) -> rt.Phase:
+    """A hand that slides along x through a wall, which is a link of the robot: there is no way around."""
+    wall = '<collision><origin xyz="0 0 0"/><geometry><box size="0.02 2 2"/></geometry></collision>'
+    hand = '<collision><geometry><sphere radius="0.05"/></geometry></collision>'
+    links = (
+        f'<link name="wall">{wall}</link><link name="cart">{INERTIAL}</link><link name="hand">{INERTIAL}{hand}</link>'
+    )
+    limit = '<limit lower="-1" upper="1" velocity="2" effort="50"/>'
+    joints = (
+        f'<joint name="x" type="prismatic"><parent link="wall"/><child link="cart"/><axis xyz="1 0 0"/>{limit}</joint>'
+        f'<joint name="y" type="prismatic"><parent link="cart"/><child link="hand"/><axis xyz="0 1 0"/>{limit}</joint>'
+    )
+    (tmp_path / "robot.urdf").write_text(f'<robot name="gate">{links}{joints}</robot>')
+    gate = rt.load(str(tmp_path / "robot.urdf"))
+    ends = rt.State(q=(-0.5, 0), v=0), rt.State(q=(0.5, 0), v=0)
+    return rt.Phase(gate, 1.0, *ends, rt.Effort(), name="gate").with_(**changes)
+
+
+def test_a_closed_way_is_not_proved_and_names_the_links(tmp_path: Path) -> None:
+    solution = rt.plan(closed(tmp_path), check=False)
+    assert solution.status is Status.NOT_PROVED and not solution.proof.holds
+    # The deepest point of the ball is at the far side of the wall, 0.01 m below the nearer face in its middle.
+    assert solution.proof.shortfall >= 0.009
+    (worst,) = (each for each in solution.interval_violations if each.name == "clearance")
+    assert worst.joint == "hand and wall" and worst.phase == "gate"
+
+
+def test_self_collision_false_plans_through_the_robot(tmp_path: Path) -> None:
+    solution = rt.plan(closed(tmp_path, self_collision=False))
+    assert solution.proof.holds and rt.validate(solution).left_out
+
+
+def test_a_free_path_goes_around_a_disc() -> None:
+    """Every configuration of the path is free, and it is at most a third longer than the tangents to the disc."""
+    first, last = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
+
+    def free(q: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(q, axis=1) > 0.5
+
+    corners = free_path(free, first, last, np.full(2, -2.0), np.full(2, 2.0))
+    assert corners is not None and np.array_equal(corners[0], first) and np.array_equal(corners[-1], last)
+    for a, b in zip(corners[:-1], corners[1:], strict=True):
+        assert free(a + np.linspace(0, 1, 30)[:, None] * (b - a)).mean() > 0.9
+    shortest = 2 * np.sqrt(0.75) + 0.5 * (np.pi - 2 * np.arccos(0.5))
+    assert np.linalg.norm(np.diff(corners, axis=0), axis=1).sum() < 4 / 3 * shortest
+
+
+def test_a_wall_leaves_no_path() -> None:
+    found = free_path(
+        lambda q: np.abs(q[:, 0]) > 0.1, np.array([-1.0, 0]), np.array([1.0, 0]), np.full(2, -2.0), np.full(2, 2.0)
+    )
+    assert found is None
