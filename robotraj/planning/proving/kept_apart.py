@@ -49,6 +49,8 @@ MOST = 0.02
 """Largest height [m]."""
 RESERVE = 1.2
 """Factor on the joint speeds at the points of an interval, for those between them."""
+STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
+"""Statuses after which nothing else is tried."""
 LEAST = 1e-6
 """Least depth of an overlap [m]; where edges cross, no point lies inside."""
 
@@ -124,6 +126,9 @@ class KeptApart:
     def kept(self, before: Solution, found: Solution) -> Solution:
         """Return a plan with rows, or else the one before it, with the effort of both."""
         self._failed = not found.success
+        if found.status in STOPPED:
+            # Nothing else is tried; the plan before it is a motion, although links overlap.
+            return replace(with_effort_of(found, before), status=found.status)
         return with_effort_of(found, before) if self._failed else with_effort_of(before, found)
 
     def _attempt_around(self, found: Solution, settings: Settings) -> Attempt | None:

@@ -67,9 +67,12 @@ def prove(
     """
     found = _Refining(problem, settings, progress).plan(guess)
     apart = KeptApart(problem)
-    while (attempt := apart.next_attempt(found, settings)) is not None:
-        again = _Refining(problem, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
-        found = apart.kept(found, again.plan(attempt.guess))
+    try:
+        while (attempt := apart.next_attempt(found, settings)) is not None:
+            again = _Refining(problem, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
+            found = apart.kept(found, again.plan(attempt.guess))
+    except KeyboardInterrupt:
+        found = replace(found, status=Status.INTERRUPTED)
     return apart.judged(found)
 
 
