@@ -64,7 +64,7 @@ class Overlap(NamedTuple):
     time: float
 
 
-class Attempt(NamedTuple):
+class PlanAttempt(NamedTuple):
     """A plan with rows on surfaces: its guess and settings, and whether it ends with the first solve that fails."""
 
     guess: InitialGuess | Solution
@@ -93,7 +93,7 @@ class KeptApart:
         self._failed = False
         self._around = False
 
-    def next_attempt(self, found: Solution, settings: Settings) -> Attempt | None:
+    def next_attempt(self, found: Solution, settings: Settings) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try."""
         if not found.success or self._rounds == ROUNDS:
             return None
@@ -121,7 +121,7 @@ class KeptApart:
             restarts=Restarts(0),
             solver=solver.at_most(PATIENCE),
         )
-        return Attempt(found, near, surfaces, True)
+        return PlanAttempt(found, near, surfaces, True)
 
     def kept(self, before: Solution, found: Solution) -> Solution:
         """Return a plan with rows, or else the one before it, with the effort of both."""
@@ -131,7 +131,7 @@ class KeptApart:
             return replace(with_effort_of(found, before), status=found.status)
         return with_effort_of(found, before) if self._failed else with_effort_of(before, found)
 
-    def _attempt_around(self, found: Solution, settings: Settings) -> Attempt | None:
+    def _attempt_around(self, found: Solution, settings: Settings) -> PlanAttempt | None:
         """Return a plan from a path without overlaps; None where there is none."""
         corners: list[Array | None] = []
         for phase, margins in enumerate(self._margins):
@@ -143,7 +143,7 @@ class KeptApart:
         for phase, part in enumerate(found.phases):
             states, nq = guess.of(part.phase, phase).states, part.phase.robot.nq if part.phase.robot else 0
             surfaces.append(self._surfaces(part.phase, phase, partial(_positions, states, nq)))
-        return Attempt(guess, replace(settings, restarts=Restarts(0)), surfaces, False)
+        return PlanAttempt(guess, replace(settings, restarts=Restarts(0)), surfaces, False)
 
     def _path(self, phase: int) -> Array | None:
         """Return the corners of a path of a phase without overlaps, between its fixed ends."""

@@ -65,7 +65,7 @@ class NearSurfaces:
     ends: Mapping[int, tuple[float, float]]
 
 
-class _Points(NamedTuple):
+class _SurfacePoints(NamedTuple):
     """Points of one surface near another one: both points in their joints' frames (n, 3), and normals (n, 3)."""
 
     first: Array
@@ -144,7 +144,7 @@ def _lower(near: NearSurfaces, pair: int, fractions: Array) -> Array:
 
 def _points(
     near: NearSurfaces, function: DistanceFunction, inner: int, outer: int, place: int, places: StatePlaces
-) -> _Points:
+) -> _SurfacePoints:
     """Return the lowest points of a surface above another one, at least ``SPREAD`` apart, at a place."""
     body = near.body
     q = near.robot.neutral.copy()
@@ -152,13 +152,13 @@ def _points(
     rotations, origins = (each[0] for each in placements(near.robot, q[None]))
     moves, stays = (body.placed(shape, rotations, origins) for shape in (inner, outer))
     if hull_distance(moves, stays) > NEAR:
-        return _Points(*np.zeros((3, 0, 3)))
+        return _SurfacePoints(*np.zeros((3, 0, 3)))
     own = moves.solid.spots
     there = moves.seen_from(stays, own)
     lower, upper = stays.solid.box
     close = np.flatnonzero(np.all((there > lower - NEAR) & (there < upper + NEAR), axis=1))
     if not close.size or not len(stays.solid.spots):
-        return _Points(*np.zeros((3, 0, 3)))
+        return _SurfacePoints(*np.zeros((3, 0, 3)))
     heights = stays.solid.heights(there[close], NEAR)
     close, heights = close[heights < NEAR], heights[heights < NEAR]
     chosen: list[int] = []
@@ -167,9 +167,11 @@ def _points(
         apart = np.linalg.norm(own[close] - own[chosen[-1]], axis=1) > SPREAD
         close, heights = close[apart], heights[apart]
     if not chosen:
-        return _Points(*np.zeros((3, 0, 3)))
+        return _SurfacePoints(*np.zeros((3, 0, 3)))
     kept, feet, normals = _feet(stays, there[chosen])
-    return _Points(_in_joint(body, inner, own[chosen][kept]), _in_joint(body, outer, feet), normals @ stays.rotation.T)
+    return _SurfacePoints(
+        _in_joint(body, inner, own[chosen][kept]), _in_joint(body, outer, feet), normals @ stays.rotation.T
+    )
 
 
 def _feet(stays: Placed, points: Array) -> tuple[Indices, Array, Array]:
