@@ -95,7 +95,7 @@ def local_error_of(
     windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)
     ends = _ends(plant, windows, -1)
-    stepper = Stepper(plant, [span for window in windows for span in window], plant.spread(sizes), rtol, atol)
+    stepper = Stepper(plant, [span for window in windows for span in window], plant.spread(sizes), rtol, atol, clock)
     reached = np.full_like(ends, np.nan)
     for i, window in enumerate(windows):
         clock()

@@ -10,7 +10,7 @@ Source: Hairer and Wanner, Solving Ordinary Differential Equations II (1996), se
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -106,6 +106,7 @@ def pass_stiffly(
     step: float,
     rtol: float,
     atol: Array,
+    clock: Callable[[], None] = lambda: None,
 ) -> Stepped:
     """Pass a span in adaptive steps.
 
@@ -115,6 +116,8 @@ def pass_stiffly(
         The plan for a single step through the span; for shorter steps it is evaluated here.
     step : float
         First step to try [s].
+    clock : callable, optional
+        Called before every step; it raises where no time is left.
 
     Raises
     ------
@@ -123,6 +126,7 @@ def pass_stiffly(
     """
     t, times, states = span.begin, [span.begin], [x]
     for _ in range(MOST_STEPS):
+        clock()
         wanted, left = step, span.end - t
         last = wanted >= left * (1.0 - 1e-9)
         step = left if last else wanted

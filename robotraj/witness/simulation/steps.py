@@ -42,8 +42,16 @@ class Stepper:
         Begin [s] of the first span that was passed by implicit steps.
     """
 
-    def __init__(self, driven: Driven, spans: Sequence[Span], sizes: Array, rtol: float, atol: float) -> None:
-        self._driven, self._sizes, self._rtol, self._atol = driven, sizes, rtol, atol
+    def __init__(
+        self,
+        driven: Driven,
+        spans: Sequence[Span],
+        sizes: Array,
+        rtol: float,
+        atol: float,
+        clock: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._driven, self._sizes, self._rtol, self._atol, self._clock = driven, sizes, rtol, atol, clock
         self._steps = 1
         self._step = np.inf
         self.stiff: float | None = None
@@ -72,6 +80,7 @@ class Stepper:
         """Pass a span in equal steps, as many as their error needs; None where they are too many."""
         driven, steps = self._driven, self._steps
         while steps <= MOST_STEPS:
+            self._clock()
             plan = self._given[span] if steps == 1 else runge_kutta.sampled(driven, [span], steps)[0]
             found = runge_kutta.steps_through(driven, x, span, plan, self._rtol, self._atol * self._sizes)
             if found.error <= 1.0:
@@ -91,7 +100,7 @@ class Stepper:
             given, reference = sdirk.sampled(driven, [span])[0], sdirk.references(driven, [span])[0]
         rtol, atol = max(self._rtol, STIFF_TOLERANCE), max(self._atol, STIFF_TOLERANCE)
         step = min(self._step, span.length)
-        found = sdirk.pass_stiffly(driven, x, span, reference, given, step, rtol, atol * self._sizes)
+        found = sdirk.pass_stiffly(driven, x, span, reference, given, step, rtol, atol * self._sizes, self._clock)
         self._step = found.step
         return found.times, found.states
 
@@ -138,9 +147,9 @@ def march(
     ended : callable, optional
         ``ended(x, span)`` returns why the simulation ends with the state at the end of a span; None continues it.
     clock : callable, optional
-        Called before every span; it raises when the time limit is reached.
+        Called before every span and step; it raises when the time limit is reached.
     """
-    x, stepper = np.array(x0, dtype=float), Stepper(driven, spans, sizes, rtol, atol)
+    x, stepper = np.array(x0, dtype=float), Stepper(driven, spans, sizes, rtol, atol, clock)
     times, states, intervals = [np.array([spans[0].begin])], [x[None, :]], [np.array([spans[0].interval])]
     failure, stopped = None, spans[0].begin
     for span in spans:
