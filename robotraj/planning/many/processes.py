@@ -87,6 +87,12 @@ class Processes(Executor):
         return cast("Future[R]", future)
 
     @property
+    def running(self) -> tuple[int, ...]:
+        """Numbers of the processes that are running."""
+        with self._lock:
+            return tuple(process.pid for process in self._running)
+
+    @property
     def started(self) -> bool:
         """Whether a process is running."""
         return bool(self._running)
