@@ -36,7 +36,7 @@ def check_step(robot: Robot, phases: Sequence[Support], length: float) -> None:
     InputError
         The message has the length of the leg and a step length that would do.
     """
-    standing = set.intersection(*(set(phase.feet) for phase in phases))
+    standing = [foot for foot in phases[0].feet if all(foot in phase.feet for phase in phases)]
     lengths = {foot: leg_length(robot, foot) for foot in standing}
     if not lengths or abs(length) <= 2.0 * max(lengths.values()):
         return
