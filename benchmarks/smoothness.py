@@ -122,7 +122,7 @@ def picture(path: Path) -> None:
 def main() -> None:
     """Write the table and the picture."""
     warnings.simplefilter("ignore")
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 40
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 8
     head = "robot | plans | roughness without smoothing, median and largest [%] | with it | above 2 %, both "
     head += "| longer by, median and largest | processor time, both, median [s]"
     lines = [f"| {head} |", "|---" * 7 + "|", *(line(name, count) for name in ROBOTS)]

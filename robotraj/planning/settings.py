@@ -46,9 +46,7 @@ from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
 SMOOTHING = 5e-3
-"""Weight of the mean square of torques beside a duration.
-
-The loss is of second order: at most 7e-4 of the least times of benchmarks/smoothness.py, and 1e-8 in the middle."""
+"""Weight of the mean square of torques beside a duration. The loss is of second order: see benchmarks/smoothness.md."""
 GIVEN = "given"
 """Reason of a setting that the user gave."""
 
