@@ -145,9 +145,9 @@ def _implausible_accelerations(solution: Summarised) -> list[str]:
         accelerations = part.at(times).a
         if robot is None or robot.root != "fixed" or not isinstance(limits, Limits) or accelerations is None:
             continue
-        far = reaches(robot.model)
+        far, bounds = reaches(robot.model), limits.largest("acceleration")
         for joint, unit, largest, limit in zip(
-            robot.velocity_names, robot.units, np.abs(accelerations).max(axis=0), limits.acceleration, strict=True
+            robot.velocity_names, robot.units, np.abs(accelerations).max(axis=0), bounds, strict=True
         ):
             lever = 1.0 if unit == "m" else far[robot.model.getJointId(joint)]
             if joint in robot.actuated and not np.isfinite(limit) and largest * lever > worst:

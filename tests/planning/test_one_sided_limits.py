@@ -86,3 +86,15 @@ def test_what_the_proof_allows_passes_the_witness():
     worst = max((v.relative for v in rt.validate(solution).violations if v.name == "effort limit"), default=0.0)
     assert worst <= max(solution.proof.excess, 1e-2) + 1e-9
     assert rt.validate(solution).passed
+
+
+def test_work_is_planned_within_one_sided_limits():
+    """Slacks of powers start from the largest effort either way, and doubts on accelerations read two sides."""
+    robot = rt.load(winch((0.0, 30.0)), limits={"acceleration": {"winch": (-5.0, 15.0)}})
+    ends = rt.State(q=[0.0], v=0), rt.State(q=[1.0], v=0)
+    objective = rt.objectives.MechanicalWork() + 1e-3 * rt.Effort()
+    solution = rt.plan(rt.Phase(robot, 1.5, *ends, objective), progress=False)
+    assert rt.validate(solution).passed
+    assert str(solution)
+    sample = solution.at(np.linspace(0.0, 1.5, 999))
+    assert sample.a.min() >= -5.0 - 0.1

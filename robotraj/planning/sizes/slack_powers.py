@@ -46,7 +46,8 @@ class SlackPowers(InitialGuess):
         names = [variable.name for variable in phase.dae.controls]
         if phase.state_robot is None or not isinstance(limits, Limits) or not any(map(_joint, names)):
             return known
-        states, efforts = [v.name for v in phase.dae.states], dict(zip(limits.joints, limits.effort, strict=True))
+        states = [variable.name for variable in phase.dae.states]
+        efforts = dict(zip(limits.joints, limits.largest("effort"), strict=True))
 
         def controls(s: Array) -> Array:
             values, speeds = np.array(known.controls(s)), known.states(s)
