@@ -71,11 +71,11 @@ def with_model(phase: rt.Phase, change: Callable[[pin.Model], None]) -> rt.Phase
 URDF = """<robot name="axis"><link name="base"/><link name="body"><inertial><mass value="{mass}"/>
 <inertia ixx="{mass}" iyy="{mass}" izz="{mass}" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="slide" type="prismatic"><parent link="base"/><child link="body"/><axis xyz="{axis}"/>
-<limit lower="-100" upper="100" velocity="{speed}" effort="{effort}"/>{dynamics}</joint></robot>"""
+<limit lower="-{travel}" upper="{travel}" velocity="{speed}" effort="{effort}"/>{dynamics}</joint></robot>"""
 
 
 def axis(folder: Path, **values: Any) -> rt.Robot:
     """Return a mass on a slide."""
     file = folder / f"axis_{abs(hash(tuple(values.items())))}.urdf"
-    file.write_text(URDF.format(**{"axis": "1 0 0", "speed": 100, "effort": 1e6, "dynamics": ""} | values))
+    file.write_text(URDF.format(**{"axis": "1 0 0", "speed": 100, "effort": 1e6, "travel": 100, "dynamics": ""} | values))
     return rt.load(str(file))

@@ -24,15 +24,16 @@ def reach(name: str, start: Any, end: Any, seconds: float) -> rt.Solution:
 
 
 def slide(seconds: float, metres: float, **values: Any) -> rt.Solution:
-    robot = axis(Path(mkdtemp()), **values)
+    robot = axis(Path(mkdtemp()), travel=10.0 * metres, **values)
     phase = rt.Phase(robot, seconds, rt.State(q=0, v=0), rt.State(q=metres, v=0), rt.Effort())
     return rt.plan(phase, progress=False)
 
 
 def two_phases() -> rt.Solution:
     robot = rt.load("two_link_arm")
-    there = rt.Phase(robot, 1.0, rt.State(q=[0, 0], v=0), rt.State(q=[1, 0.5], v=0), rt.Effort(), name="there")
-    back = rt.Phase(robot, 1.0, None, rt.State(q=[0, 0], v=0), rt.Effort(), name="back")
+    home, away = rt.State(q=[0, 0], v=0), rt.State(q=[1, 0.5], v=0)
+    there = rt.Phase(robot, 1.0, home, away, rt.Effort(), name="there", limits=None)
+    back = rt.Phase(robot, 1.0, None, home, rt.Effort(), name="back", limits=None)
     return rt.plan(rt.Problem([there, back], [rt.Continuity(0, 1)]), progress=False)
 
 
