@@ -77,5 +77,7 @@ URDF = """<robot name="axis"><link name="base"/><link name="body"><inertial><mas
 def axis(folder: Path, **values: Any) -> rt.Robot:
     """Return a mass on a slide."""
     file = folder / f"axis_{abs(hash(tuple(values.items())))}.urdf"
-    file.write_text(URDF.format(**{"axis": "1 0 0", "speed": 100, "effort": 1e6, "travel": 100, "dynamics": ""} | values))
+    file.write_text(
+        URDF.format(**{"axis": "1 0 0", "speed": 100, "effort": 1e6, "travel": 100, "dynamics": ""} | values)
+    )
     return rt.load(str(file))
