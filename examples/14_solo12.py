@@ -19,7 +19,7 @@ trot = rt.gait.trot(robot, step_length=0.06, duration=0.2, clearance=0.04, conta
 # A small load is kept on standing feet, because the friction cone is not smooth at its tip.
 loaded = partial(foot, cone=rt.contacts.Linearised(4), normal_force=(0.5, 40.0))
 jump = rt.gait.jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=posture + 10 * calm)
-meshes = rt.Mesh(5, rt.schemes.LobattoIIIA(4)), [rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 12, 12)]
+meshes = rt.Mesh(5, rt.schemes.LobattoIIIA(4)), [rt.Mesh(n, rt.HermiteSimpson()) for n in (18, 12, 14)]
 
 weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)
 for name, problem, mesh, periods in (("trot", trot, meshes[0], 4), ("jump", jump, meshes[1], 1)):

@@ -11,6 +11,7 @@ from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.guess.default import default_guess
 from robotraj.native.engines.compiled import Compiled
+from robotraj.planning.settings import SMOOTHING
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh
@@ -79,7 +80,9 @@ def precompile(
     if engine is not None and not isinstance(engine, Compiled):
         raise InputError(f"engine= of rt.planning.precompile is an rt.engines.Compiled(); got {engine!r}.")
     engine = replace(engine or Compiled(), wait=True)
-    nlp = transcribe(problem, mesh or Mesh(), default_guess(problem), engine)
+    # A plan without a mesh smooths its torques, as the settings do.
+    smoothing = SMOOTHING if mesh is None else 0.0
+    nlp = transcribe(problem, mesh or Mesh(), default_guess(problem), engine, smoothing=smoothing)
     cache = engine.open_cache()
     before = set(cache.libraries())
     seconds = nlp.functions.preparing

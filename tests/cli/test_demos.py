@@ -20,7 +20,7 @@ SLOW = {
     "talos_walking",
     "two_arms",
 }
-NOT_PROVED = {"hopper", "bolt_walking"}  # an impact lasts one interval; legs overlap
+NOT_PROVED = {"hopper"}  # an impact lasts one interval
 
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

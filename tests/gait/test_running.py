@@ -17,7 +17,7 @@ MASS = 40.0
 def running() -> rt.Problem:
     robot = rt.load("five_link", root="planar")
     foot = rt.PointContact("left_foot", friction=FRICTION)
-    written = rt.gait.run(robot, step_length=STEP, duration=TIME, contact=foot)
+    written = rt.gait.run(robot, step_length=STEP, duration=TIME, contact=foot, margin=0.0)
     phases = [replace(phase, duration=(0.05, 0.35)) for phase in written.phases]
     pace = rt.links.Linkage([0, 1], lambda a, b: b.end.t - a.start.t, TIME, TIME, name="time of a step", unit="s")
     return rt.Problem(phases, [*written.links, pace])

@@ -38,7 +38,7 @@ def jump(solo: rt.Robot) -> rt.Solution:
     foot = partial(rt.PointContact, friction=FRICTION, cone=rt.contacts.Linearised(4), normal_force=(0.5, 40.0))
     posture = objective(solo, foot, calm=1e-4)
     leap = rt.gait.jump(solo, length=0.1, height=0.08, push=0.25, land=0.25, contact=foot, objective=posture)
-    return rt.plan(leap, mesh=[rt.Mesh(n, rt.HermiteSimpson()) for n in (14, 8, 12)])
+    return rt.plan(leap, mesh=[rt.Mesh(n, rt.HermiteSimpson()) for n in (18, 12, 14)])
 
 
 def test_a_trot_is_planned_and_proved(trot: rt.Solution) -> None:

@@ -48,7 +48,9 @@ def test_the_report_of_a_plan_on_a_given_mesh_is_its_verdict_and_stands_on_the_p
     report = rt.validate(solution)
     assert report.passed
     path = replay(solution, tmp_path / "arm.html", report=report)
-    assert '<dd id="status" class="status good">validated by simulation</dd>' in path.read_text()
+    assert (
+        '<dd id="status" class="status unproved">validated by simulation; not judged: optimum</dd>' in path.read_text()
+    )
     assert data_of(path)["proof"]["report"].startswith("Validation of") and "PASSED" in data_of(path)["proof"]["report"]
     both = replay([solution, solution], tmp_path / "both.html", labels=["one", "other"], report=[None, report])
     assert '<dd id="status" class="status unproved">one: solved; nothing was proved</dd>' in both.read_text()

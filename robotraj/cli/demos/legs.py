@@ -50,7 +50,7 @@ def solo12_jump() -> Demo:
     # Feet keep a small load when they push off and land, since the cone is not smooth at zero force.
     loaded = partial(foot, cone=Linearised(4), normal_force=(0.5, 40.0))
     leap = jump(robot, length=0.1, height=0.08, push=0.25, land=0.25, contact=loaded, objective=cost)
-    return Demo(leap, ([Mesh(n, HermiteSimpson()) for n in (14, 8, 12)],))
+    return Demo(leap, ([Mesh(n, HermiteSimpson()) for n in (18, 12, 14)],))
 
 
 def bolt_walking() -> Demo:

@@ -77,7 +77,8 @@ def test_least_times_with_dry_friction_are_possible_by_coulombs_law(axis: Axis, 
     solution = rt.plan(rt.Problem(phases, [rt.Continuity(k, k + 1) for k in range(len(phases) - 1)]))
     assert solution.proof is not None and solution.proof.holds
     least = sum(axis.least_time(b - a) for a, b in pairwise(stops))
-    assert rt.validate(solution, drift=None).passed
+    report = rt.validate(solution, drift=None)
+    assert report.passed, report.failures(report.tolerances)
     assert least * (1 - 5e-4) <= solution.duration <= least * (1 + 4e-3)
     for part in solution.phases:
         times = np.linspace(part.t0, part.t0 + part.duration, 5001)[1:-1]
