@@ -213,7 +213,8 @@ AT_HOME = rt.Guess([0.0, 1.0], q=np.array([[0, -1.3, 1.6, -1.9, -1.57, 0]] * 2))
 
 
 def test_an_obstacle_in_the_way_of_the_default_guess() -> None:
-    solution = rt.plan(around_a_ball(), rt.Mesh(30))
+    # On a given mesh nothing keeps the links of the arm apart, which is no matter here.
+    solution = rt.plan(around_a_ball(self_collision=False), rt.Mesh(30))
     # The best of several starts.
     assert solution.objective == pytest.approx(599.517, rel=1e-4)
     rt.validate(solution, drift=None).check(limits=1e-3)

@@ -135,13 +135,14 @@ def _expanded(annotation: str, module: str, depth: int = 0) -> list[Alternative]
     found: list[Alternative] = []
     for part in split(annotation.strip().strip("\"'"), "|"):
         name, _, inside = part.strip("\"'").partition("[")
-        short = name.rsplit(".", 1)[-1]
+        owner, _, short = name.rpartition(".")
         if short in ("Optional", "Union"):
             arguments = split(inside.removesuffix("]"), ",") + ["None"] * (short == "Optional")
             found += [each for text in arguments for each in _expanded(text, module, depth + 1)]
             continue
         arguments = [text for text in split(inside.removesuffix("]"), ",") if text]
-        alias = _alias(short, sys.modules[module])
+        # Aliases that are written out name the module of each class.
+        alias = _alias(short, sys.modules.get(owner, sys.modules[module]))
         if alias is None or depth > _DEPTH:
             found.append(Alternative(short, tuple(arguments), module))
         else:

@@ -57,6 +57,7 @@ from robotraj.problem.constraints.heights import SwingApex
 from robotraj.problem.constraints.integral import IntegralConstraint
 from robotraj.problem.constraints.joint_limits import JointAcceleration, JointEffort, JointPosition, JointVelocity
 from robotraj.problem.constraints.motors.drive import MotorPower, SpeedTorqueCurve
+from robotraj.problem.constraints.motors.end_accelerations import EndAcceleration, HoldingTorque
 from robotraj.problem.constraints.motors.payloads import PayloadScenarios
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate
 from robotraj.problem.constraints.path import PathConstraint
@@ -156,6 +157,8 @@ OF_PLANS: Mapping[str, type] = {
     for kind in (
         # robots, and what binding a constraint adds
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ClearancePoint, Sum,
+        # what phases add at their ends
+        EndAcceleration, HoldingTorque,
         # solutions
         PiecewisePolynomial, PhaseTrajectory, Conflict, PhaseDuals, Proof, ContinuationRecord, MeshStep, Violation,
         Multipliers, AddedRow, Settings, MissingContact, Variable, Round,
