@@ -125,7 +125,7 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
     "state of a system given as q": (
         lambda: block(start=rt.State(q=[0])),
         rt.InputError,
-        ["start of a System", "q= and v= are for robots"],
+        ["start of a System", "q=, v= and a= are for robots"],
     ),
     "state of a robot given by position": (
         lambda: cartpole(start=rt.State([0, 0, 0, 0])),

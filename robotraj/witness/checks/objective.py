@@ -1,7 +1,7 @@
 """The stated objective against the cost of the planned motion.
 
-The terms' own expressions are integrated by Gauss and Legendre's rule on every interval; end costs are evaluated at the
-two ends. The sum at the collocation points, which the solver minimises, has no part in it.
+The terms' own expressions are integrated by Gauss and Legendre's rule on every interval, and evaluated at both ends. The
+sum at the collocation points, which the solver minimises, has no part in it.
 """
 
 from __future__ import annotations
@@ -10,17 +10,16 @@ from collections.abc import Callable
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import AnyPoint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
-from robotraj.witness.checks.points import end_of
-from robotraj.witness.numbers import as_numbers
 from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
-from robotraj.witness.sampling import IntervalSamples, interval_samples
+from robotraj.witness.sampling import interval_samples
 
 POINTS = 6
 """Points of an interval, exact for integrands of degree 11."""
@@ -76,16 +75,23 @@ def _costs(planned: PhaseSolutionLike) -> list[tuple[float, float]]:
         sites, weights = np.polynomial.legendre.leggauss(POINTS)
         sums = np.zeros((2, len(integrals)))
         for part in interval_samples(planned, POINTS, 0.5 * (sites + 1.0)):
-            values = np.array(integrand.map(len(part.times))(*_arguments(planned, part)))
+            arguments = _arguments(planned, part.times, part.interval)
+            values = np.array(integrand.map(len(part.times))(*arguments))
             share = np.repeat(0.5 * (part.ends - part.begins), POINTS) * np.tile(weights, len(part.intervals))
             sums += np.array([values @ share, np.abs(values) @ share])
         found += [(float(value), float(scale)) for value, scale in sums.T]
     ends = [(weight, term) for weight, term in objective.terms if not isinstance(term, Integral)]
     if ends:
-        (_, start), (_, last) = end_of(planned, 0), end_of(planned, -1)
-        for weight, term in ends:
-            value = weight * float(as_numbers(term.value(start, last), "end cost")[0])
-            found.append((value, abs(value)))
+        (first, start), (second, last) = _symbols(phase), _symbols(phase)
+        costs = ca.vertcat(*(ca.SX(weight * term.value(start, last)) for weight, term in ends))
+        knots = np.asarray(planned.knots, dtype=float)
+        at_ends = [
+            value
+            for times, interval in ((knots[:1], 0), (knots[-1:], len(knots) - 2))
+            for value in _arguments(planned, times, interval)
+        ]
+        values = np.array(ca.Function("ends", [*first, *second], [ca.densify(costs)])(*at_ends)).ravel()
+        found += [(float(value), abs(float(value))) for value in values]
     return found
 
 
@@ -98,10 +104,10 @@ def _symbols(phase: Phase) -> tuple[list[ca.SX], AnyPoint]:
     return symbols, dae.point(t, x, z, u, p, phase.parameter_names)
 
 
-def _arguments(planned: PhaseSolutionLike, part: IntervalSamples) -> list[Array]:
-    """Return the values of the symbols at the times of some intervals, one column a time."""
-    sample, dae, count = planned.at(part.times, interval=part.interval), planned.phase.dae, len(part.times)
+def _arguments(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]) -> list[Array]:
+    """Return the values of the symbols at times (m,) of intervals, one column a time."""
+    sample, dae, count = planned.at(times, interval=interval), planned.phase.dae, len(times)
     kinds = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
     values = [columns(named, tuple(v.name for v in kind), count).T for named, kind in kinds]
     parameters = np.array([planned.parameters[name] for name in planned.phase.parameter_names], dtype=float)
-    return [part.times[None, :], *values, np.tile(parameters[:, None], count)]
+    return [times[None, :], *values, np.tile(parameters[:, None], count)]

@@ -67,7 +67,9 @@ def reach(name: str, objective: rt.objectives.Objective, timed: bool, friction: 
     low, high = np.minimum(low, high), np.maximum(low, high)
     draw = np.random.default_rng(5)
     first, last = (low + (0.2 + 0.6 * draw.random(robot.nq)) * (high - low) for _ in range(2))
-    return rt.Phase(robot, 3.0 if timed else (0.2, 10.0), rt.State(q=first, v=0), rt.State(q=last, v=0), objective)
+    ends = rt.State(q=first, v=0), rt.State(q=last, v=0)
+    # Rows between links have a cost of their own.
+    return rt.Phase(robot, 3.0 if timed else (0.2, 10.0), *ends, objective, self_collision=False)
 
 
 def cost(solution: rt.Solution) -> int:
