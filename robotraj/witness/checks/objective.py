@@ -1,7 +1,7 @@
 """The stated objective against the cost of the planned motion.
 
-The terms' own expressions are integrated by Gauss and Legendre's rule on every interval, and evaluated at both ends. The
-sum at the collocation points, which the solver minimises, has no part in it.
+The terms' own expressions are integrated by Gauss and Legendre's rule, and evaluated at both ends. The sum at the
+collocation points, which the solver minimises, has no part in it.
 """
 
 from __future__ import annotations
