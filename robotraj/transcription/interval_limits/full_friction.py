@@ -4,9 +4,11 @@ Equations of motion smooth the friction of a joint, F tanh(v / v_s). Below v_s a
 Coulomb's F sign(v), and a least time was up to some percent below any that its motors allow. Limits of torques between
 the points are therefore imposed on
 
-    tau + F (tanh(v / v_0) - tanh(v / v_s)),    v_0 = ``STILL`` v_s.
+    tau + F (tanh(v / v_0) - tanh(v / v_s)),    v_0 = ``STILL`` v_s,
 
-A joint below v_0 rests. Its friction takes any value between -F and F, and its limits are those of the smooth law.
+and on tau itself, which is the larger one where friction helps to stop. A joint below v_0 rests. Its friction takes any
+value between -F and F, and its limits are those of the smooth law.
+
 The smooth law is kept where an integral is minimised: joints that stick to save effort creep slowly in such plans.
 """
 
@@ -76,6 +78,6 @@ def has_full_friction(phase: Phase) -> bool:
     return driven and not integrates and bool(np.any(robot.friction))
 
 
-def with_full_friction(inputs: DrivenInputs) -> DrivenInputs | FullFriction:
-    """Return the inputs of an exact motion against full friction; those of other phases as they are."""
-    return FullFriction(inputs) if has_full_friction(inputs.phase) else inputs
+def by_law_of_friction(inputs: DrivenInputs) -> tuple[DrivenInputs | FullFriction, ...]:
+    """Return the inputs of an exact motion by the smooth law and, where its limits hold too, against full friction."""
+    return (inputs, FullFriction(inputs)) if has_full_friction(inputs.phase) else (inputs,)

@@ -24,7 +24,7 @@ from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.full_friction import with_full_friction
+from robotraj.transcription.interval_limits.full_friction import by_law_of_friction
 from robotraj.transcription.interval_limits.methods import limited_algebraic
 from robotraj.transcription.interval_limits.row_values import (
     STEP,
@@ -130,7 +130,7 @@ def variable_violations(
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
-        curves.append((phase.body.controls, DrivenCurve(with_full_friction(inputs), 1), EXACT_SHARE))
+        curves += [(phase.body.controls, DrivenCurve(each, 1), EXACT_SHARE) for each in by_law_of_friction(inputs)]
     if not isinstance(inputs, DrivenInputs) or phase.dae.controls != phase.body.controls:
         curves.append((phase.dae.controls, trajectory.u, SHARE))
     found = []
@@ -141,6 +141,7 @@ def variable_violations(
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
         allowed = share * np.array([row.size for row in rows])
         found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
+    found = _worst(found)
     if isinstance(inputs, DrivenInputs | DefinedInputs):
         # Accelerations are the planned polynomials, whose rates are bounded everywhere.
         algebraic = phase.dae.algebraic
@@ -152,6 +153,16 @@ def variable_violations(
     reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
     allowed = np.array([row.size * (RATE_SHARE if _limits_rate(phase, row) else EXACT_SHARE) for row in rows])
     return found + _violations(index, rows, reader, ONE_SIDED, allowed)
+
+
+def _worst(found: Sequence[IntervalViolation]) -> list[IntervalViolation]:
+    """Return the worst violation of every row and interval: torques may exceed one limit by both laws of friction."""
+    worst: dict[tuple[int, int], IntervalViolation] = {}
+    for each in found:
+        known = worst.setdefault((each.row.number, each.interval), each)
+        if each.amount > known.amount:
+            worst[each.row.number, each.interval] = each
+    return list(worst.values())
 
 
 def _is_given(phase: Phase, row: PhaseRow) -> bool:
