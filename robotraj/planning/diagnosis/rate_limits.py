@@ -7,16 +7,16 @@ Where the widest limits do not suffice, other rows must give whatever the rates 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from robotraj._util.values import dataclass
-from robotraj.dynamics.dae import Dynamics
 from robotraj.planning.diagnosis.elastic import Solve, motion_near, relaxed_motion
-from robotraj.problem.constraints.base import BoundConstraint, Constraint
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.motors.rates import RateLimit
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
 from robotraj.solution.conflict import Conflict, with_room
@@ -29,24 +29,6 @@ BISECTIONS = 4
 """Bisections of the factor, to a sixteenth of its last doubling."""
 PLACES = np.linspace(0.0, 1.0, 5)
 """Places of an interval at which rates are read."""
-
-
-@dataclass(frozen=True)
-class _Widened(Constraint):
-    """A limit of rates whose bounds are ``factor`` times as wide."""
-
-    limit: RateLimit
-    factor: float
-
-    def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Multiply the bounds of all rows."""
-        bound = self.limit.bind(dynamics, parameters)
-        rows = tuple(replace(r, lower=self.factor * r.lower, upper=self.factor * r.upper) for r in bound.rows)
-        return replace(bound, rows=rows)
-
-    def augment(self, dynamics: Dynamics) -> Dynamics:
-        """Add the variables that the limit reads."""
-        return self.limit.augment(dynamics)
 
 
 def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple[tuple[Conflict, ...], Solution | None]:
@@ -102,12 +84,20 @@ def wider_rates(problem: Problem, solve: Solve, guess: Solution | None) -> tuple
 def _widened(problem: Problem, factor: float) -> Problem:
     phases = [
         phase.with_(
-            constraints=[_Widened(each, factor) if isinstance(each, RateLimit) else each for each in phase.constraints],
+            constraints=[_wider(each, phase, factor) for each in phase.constraints],
             limits=phase.limits.scaled(jerk=factor) if isinstance(phase.limits, Limits) else None,
         )
         for phase in problem.phases
     ]
     return Problem(phases, problem.links)
+
+
+def _wider(constraint: Constraint, phase: Phase, factor: float) -> Constraint:
+    """Return a limit of rates with ``factor`` times its bounds, which still begins and ends at rest; others as is."""
+    if not isinstance(constraint, RateLimit) or phase.robot is None:
+        return constraint
+    limited = constraint.limited(phase.robot)
+    return replace(constraint, bounds={joint: between(factor * low, factor * high) for joint, low, high in limited})
 
 
 def _used(problem: Problem, motion: Solution, factor: float) -> Iterator[Conflict]:
