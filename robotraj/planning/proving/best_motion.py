@@ -255,15 +255,16 @@ class BestMotion:
 
     def _replace_by(self, meshes: tuple[Mesh, ...], is_better: Callable[[Solution], bool]) -> None:
         """Solve again on meshes; a motion that is not proved or no better is dropped."""
-        assert self.measures is not None
-        measures, self.limits_between = self.measures, True
+        assert self.solution is not None and self.measures is not None
+        kept, measures, self.limits_between = self.solution.objective, self.measures, True
         with suppress(KeyboardInterrupt):
             found = self.solve(meshes, None, first=False)
             if found.success and is_better(found):
                 moved = self._with_proof(found, measures.before)
-                if moved.proof is not None and moved.proof.motion_holds:
-                    # What is left to gain is no more than before.
-                    left = min(moved.proof.unsettled, measures.proof.unsettled)
+                # What is left to gain is no more than before, apart from what the motion lost.
+                known, lost = measures.proof.unsettled, max(0.0, found.objective - kept) / max(abs(kept), SMALL)
+                left = lost + (known if moved.proof is None else min(moved.proof.unsettled, known))
+                if moved.proof is not None and moved.proof.motion_holds and left <= max(known, self.goals.objective):
                     self.solution = replace(moved, proof=replace(moved.proof, unsettled=left))
                     return
                 self.steps.pop()
