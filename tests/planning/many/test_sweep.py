@@ -334,7 +334,7 @@ def test_a_chain_of_default_plans_stays_on_a_proved_mesh_with_its_program(monkey
     compiled = interior_point.native_program
     monkeypatch.setattr(interior_point, "native_program", lambda *a: built.append(compiled(*a)) or built[-1])
     robot = rt.load("five_link", root="planar")
-    steps = [rt.gait.walk(robot, step_length=length, duration=0.6, clearance=0.05) for length in (0.4, 0.42, 0.44)]
+    steps = [rt.gait.walk(robot, step_length=length, duration=0.6, clearance=0.05) for length in (0.4, 0.41, 0.42)]
     rt.sweep(steps[:1], chain=True)
     of_first = len(built)
     chained = rt.sweep(steps, chain=True)
