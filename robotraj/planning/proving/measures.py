@@ -15,12 +15,11 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.interval_limits.interval_violations import variable_violations
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.refinement.path_bends import path_bends
-from robotraj.transcription.refinement.path_violations import broken_rows
+from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.smoothness.roughness import roughness
@@ -219,7 +218,8 @@ def measured(
         for own, of_objective, of_bends in zip(errors, left, bends, strict=True)
     )
     broken = tuple(
-        np.maximum(broken_rows(p.phase, p.trajectory, p.inputs), _beyond_limits(p, i)) for i, p in enumerate(parts)
+        np.maximum(*(measure(p.phase, p.trajectory, p.inputs) for measure in (broken_rows, beyond_limits)))
+        for p in parts
     )
     quadrature = abs(solution.objective - true) / size
     proof = Proof(
@@ -265,14 +265,6 @@ def _bends(part: PhaseSolution, bending: bool) -> Array:
     if not bending:
         return np.zeros(part.mesh.count)
     return unresolved(part.phase, part.trajectory, part.mesh.schemes, part.inputs)
-
-
-def _beyond_limits(part: PhaseSolution, index: int) -> Array:
-    """Return the relative excess over limits of controls and accelerations on every interval, (K,)."""
-    excess = np.zeros(part.mesh.count)
-    for violation in variable_violations(part.phase, index, part.trajectory, part.inputs):
-        excess[violation.interval] = max(excess[violation.interval], violation.amount / violation.row.size)
-    return excess
 
 
 def _coarser(before: Measured | None, count: int) -> Measured | None:

@@ -37,7 +37,7 @@ ALIKE = 2.0
 CALMED = 4.0
 """Largest change of the objective before the last one, relative to the tolerance, once it has settled."""
 MOST_EXCESS = 5e-4
-"""Excess over a path row between the points, relative to its bound, below which no interval is split for it."""
+"""Excess over a path row or a limit between the points, relative to its bound, for which no interval is split."""
 FALL = 0.25
 """Largest ratio of the excesses on successive meshes for a further split.
 
@@ -64,7 +64,7 @@ def adapt(
     Each mesh starts from the solution on the one before, with a smaller barrier. An objective has settled when it
     hardly changes on a finer mesh, and changed little on the mesh before (``CALMED``). Controls of systems become lines
     where a mesh fails, or where its error hardly falls. Last, intervals are split on which path rows on controls
-    or accelerations are violated, while that excess falls.
+    or accelerations, or limits of torques, are violated, while that excess falls.
 
     Rows are added between the collocation points once a mesh meets the tolerance without them, or is no better than an
     earlier one. Rows added on a coarse mesh would have to be found again on the next one. Where the solver stops too

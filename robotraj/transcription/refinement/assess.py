@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
 from robotraj.robot.size.error_window import WINDOWS, error_window
-from robotraj.transcription.driven_motion import inputs_of
+from robotraj.transcription.driven_motion import inputs_of, is_driven
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.error import interval_errors, residuals_of, sizes_of
 from robotraj.transcription.refinement.integrals import integral_errors
 from robotraj.transcription.refinement.path_bends import path_bends
-from robotraj.transcription.refinement.path_violations import broken_rows
+from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
 from robotraj.transcription.refinement.simulation_errors import errors_of_simulations, errors_of_windows
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
@@ -35,11 +35,15 @@ def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool)
     if phase.path is not None:
         # Relative to the duration, and to the share of an interval.
         errors = np.maximum(errors, len(errors) * path_bends(phase, trajectory) / trajectory.duration)
+    broken = broken_rows(phase, trajectory)
+    if is_driven(phase, mesh.schemes):
+        # Bernstein bounds hold for the polynomials of torques, not for the torques of the equations of motion.
+        broken = np.maximum(broken, beyond_limits(phase, trajectory, inputs_of(phase, trajectory, mesh.schemes)))
     return Assessment(
         errors,
         control_jumps(trajectory, moving),
         _decays(trajectory),
-        broken_rows(phase, trajectory),
+        broken,
         settled,
         _coarse(trajectory, moving),
     )

@@ -17,7 +17,7 @@ from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.driven_motion import Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.held_forces import HeldForces
-from robotraj.transcription.interval_limits.interval_violations import input_violations
+from robotraj.transcription.interval_limits.interval_violations import input_violations, variable_violations
 from robotraj.transcription.interval_limits.row_values import Expressions
 
 if TYPE_CHECKING:
@@ -60,6 +60,14 @@ def broken_rows(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None
             values = Expressions(phase.rows, held, trajectory, forces).grid(FORCE_PLACES)
             beyond = np.maximum(lower - values, values - upper) / sizes
             excess = np.maximum(excess, beyond.max(axis=(1, 2)))
+    return excess
+
+
+def beyond_limits(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs) -> Array:
+    """Return the relative excess over limits of controls and accelerations on every interval, (K,)."""
+    excess = np.zeros(len(trajectory.x.values))
+    for violation in variable_violations(phase, 0, trajectory, inputs):
+        excess[violation.interval] = max(excess[violation.interval], violation.amount / violation.row.size)
     return excess
 
 
