@@ -71,8 +71,8 @@ class TorqueError(OneLine):
 
     def __str__(self) -> str:
         return (
-            f"{self.joint}, t = {self.time:.4g} s: {self.amount:.3g} {self.unit} are missing in the mean over a "
-            f"window, {100 * self.relative:.2g} percent of the joint's load of {self.size:.3g} {self.unit}"
+            f"{self.joint}, t = {self.time:.4g} s: {self.amount:.3g} {self.unit} missing, "
+            f"{100 * self.relative:.2g} percent of {self.size:.3g} {self.unit}"
         )
 
 

@@ -25,7 +25,8 @@ def torques(figures: Figures, tolerances: Tolerances) -> Claim | None:
     wrong = []
     if tolerances.torques is not None and found.relative > tolerances.torques:
         wrong.append(
-            f"The planned torques and forces are not those of the planned motion: {found} in phase {found.phase!r}; "
+            f"The planned torques and forces are not those of the planned motion: {found}, the "
+            f"joint's load, in the mean over a window of phase {found.phase!r}; "
             f"{100 * tolerances.torques:.2g} percent are allowed."
         )
     rates = figures.rates
