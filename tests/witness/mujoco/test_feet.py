@@ -122,11 +122,17 @@ def test_feet_touch_their_own_ground_alone(monopod):
     )
 
 
+class Rod:
+    """A contact kind of one's own on flat ground."""
+
+    ground = rt.terrain.Flat()
+
+
 def test_other_contacts_are_refused(monopod):
     q = standing(monopod, "foot", [0.0, 0.0, 0.0])
     course = ReferenceMotion(resting(monopod, [rt.PointContact("foot")], q))
-    course.phases[0].phase.bound_contacts = (SimpleNamespace(name="rod", contact=object(), frame="foot"),)
-    with pytest.raises(InputError, match="object 'rod' cannot be simulated in MuJoCo"):
+    course.phases[0].phase.bound_contacts = (SimpleNamespace(name="rod", contact=Rod(), frame="foot"),)
+    with pytest.raises(InputError, match="Rod 'rod' cannot be simulated in MuJoCo"):
         feet_of(course)
 
 
