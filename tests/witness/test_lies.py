@@ -18,8 +18,9 @@ from tests.lies import axis, elsewhere, lying, with_model
 Lie = Callable[[rt.Solution], rt.Solution]
 
 
-def reach(name: str, start: Any, end: Any, seconds: float) -> rt.Solution:
-    phase = rt.Phase(rt.load(name), seconds, rt.State(q=start, v=0), rt.State(q=end, v=0), rt.Effort())
+def reach(name: str, start: Any, end: Any, seconds: float, apart: bool = True) -> rt.Solution:
+    ends = rt.State(q=start, v=0), rt.State(q=end, v=0)
+    phase = rt.Phase(rt.load(name), seconds, *ends, rt.Effort(), self_collision=apart)
     return rt.plan(phase, progress=False)
 
 
@@ -52,7 +53,7 @@ def oscillator() -> rt.Solution:
 
 PLANS: dict[str, Callable[[], rt.Solution]] = {
     "ur5": lambda: reach("ur5", [0, -1.3, 1.6, -1.9, -1.57, 0], [1, -1, 1.2, -1, -1, 1], 1.0),
-    "ur5, 20 s": lambda: reach("ur5", [0, -1.3, 1.6, -1.9, -1.57, 0], [1, -1, 1.2, -1, -1, 1], 20.0),
+    "ur5, 20 s": lambda: reach("ur5", [0, -1.3, 1.6, -1.9, -1.57, 0], [1, -1, 1.2, -1, -1, 1], 20.0, False),
     "crane": lambda: slide(60.0, 5.0, mass=20000),
     "stage": lambda: slide(0.5, 1e-3, mass=0.5),
     "watch": lambda: slide(0.1, 1e-6, mass=1e-6),
