@@ -73,5 +73,6 @@ def test_works_with_dry_friction_are_limited_between_the_points_from_the_second_
     limits = robot.limits.with_(effort=20.0, velocity=6.0)
     solution = rt.plan(rt.Phase(robot, 2.0, *ends, rt.objectives.MechanicalWork(), limits=limits))
     assert limited[:2] == [False, True][: len(limited)]
-    assert len(solution.refinement) <= ENOUGH_OF_POWERS
+    # A better solution from the plan itself is a further step on the same mesh.
+    assert len({step.intervals for step in solution.refinement}) <= ENOUGH_OF_POWERS
     assert solution.proof is not None and solution.proof.motion_holds
