@@ -69,14 +69,14 @@ def test_what_a_point_has_is_listed_where_something_else_is_asked_of_it() -> Non
 
 
 def test_a_warning_of_a_plan_points_at_the_line_of_the_call() -> None:
-    arm = rt.load("ur5")
-    folded = (0, -1.5, 2.8, 1.1, 1.3, 0)
-    fold = rt.Phase(arm, duration=1.0, start=rt.State(q=(0, -1.5, 0.5, -1.2, 0, 0), v=0), end=rt.State(q=folded, v=0))
+    block = rt.load("block")
+    moves = [rt.Phase(block, 4.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort(), name=name) for name in "ab"]
+    apart = rt.Problem(moves, [])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        rt.plan(fold, time_limit=1.0, check=False)
-    touching = [each for each in caught if "touch" in str(each.message)]
-    assert touching and all(each.filename == __file__ for each in touching)
+        rt.plan(apart, rt.Mesh(4), check=False)
+    unlinked = [each for each in caught if "not linked" in str(each.message)]
+    assert unlinked and all(each.filename == __file__ for each in unlinked)
 
 
 def test_a_warning_skips_the_frames_of_context_managers() -> None:
