@@ -75,9 +75,9 @@ def jump(
         Durations of both stances [s], by default 2.5 sqrt(h / g) with the height h of the centre of mass. Free
         durations, (least, greatest), take many more iterations.
     feet, contact, clearance, upright, ground
-        See ``walk``.
-    sides, margin
         As for ``walk``; all feet stand. By default the root may sink lower than in a walk and rise without bound.
+    sides, margin
+        As for ``walk``.
     objective : Objective, optional
         Objective of every phase; ``rt.gait.posture_objective`` by default. By effort alone, planar robots land on
         straight legs, whose motors cannot brake the impact.
