@@ -1,1 +1,1 @@
-"""What the package asks of the operating system: processes, files, limits."""
+"""Calls of the operating system: processes, files, limits."""

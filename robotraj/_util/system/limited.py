@@ -1,6 +1,6 @@
 """Work on untrusted bytes in a process of its own, whose memory and time are limited.
 
-A parser that crashes, allocates without end or never returns ends that process alone. The parent asks one question at a
+A parser that crashes, allocates without end or never returns ends that process alone. The parent sends one request at a
 time, and starts another process after a failure.
 """
 

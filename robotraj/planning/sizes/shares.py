@@ -183,7 +183,7 @@ def _controls(phase: Phase, motion: PhaseGuess) -> Array:
 
 
 def _friction(phase: Phase) -> float:
-    """Return the size of dry friction relative to the torques; 0 without, infinite where no motion tells."""
+    """Return the size of dry friction relative to the torques; 0 without, infinite where there is no motion."""
     robot = phase.robot
     if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics) or not robot.friction.any():
         return 0.0
