@@ -10,13 +10,18 @@ s_i is the joint's own load: the largest of motor torque, gravity, inertia and c
 ``SHARE`` of the largest among joints of the same unit. A machine that is slow or light has small loads, and its force
 is judged by these.
 
-Positions are compared with velocities too: |dq/dt - v| relative to the size of the velocity. A position that is wrong
-between two ends of windows is seen there.
+Positions are compared with velocities by the same measure, and inside each window too, since a position that is wrong
+between two ends of windows is seen there alone:
+
+    error = max_i max_w max_(t in w) |integral_(begin of w)^t (dq/dt - v)_i dt| / (s_i |w|)
+
+Here s_i is the size of the velocity in the motion.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -78,7 +83,7 @@ class TorqueError(OneLine):
 
 @dataclass(frozen=True)
 class RateError(OneLine):
-    """The largest difference of a planned velocity from the derivative of the planned position.
+    """The largest mean difference over a window of a planned velocity from the derivative of the planned position.
 
     Attributes
     ----------
@@ -86,7 +91,7 @@ class RateError(OneLine):
     time : float
         [s].
     amount, size : float
-        |dq/dt - v|, and the size of the velocity in the motion [unit].
+        The mean of dq/dt - v, and the size of the velocity in the motion [unit].
     """
 
     joint: str
@@ -114,7 +119,7 @@ class _Missing(OneLine):
 
 
 def rate_error(phases: Sequence[PhaseSolutionLike], sizes: Sequence[Array]) -> RateError | None:
-    """Return the largest |dq/dt - v| between the knots over all robots' phases; None without a robot.
+    """Return the largest error of a velocity over all robots' phases; None without a robot.
 
     Parameters
     ----------
@@ -122,25 +127,53 @@ def rate_error(phases: Sequence[PhaseSolutionLike], sizes: Sequence[Array]) -> R
     sizes : sequence of ndarray (2 nv,)
         Sizes of the differences of states of every phase.
     """
-    found = []
-    for planned, own in zip(phases, sizes, strict=True):
-        if planned.phase.robot is None:
-            continue
-        robot = realised(planned)
-        of_rates = own[robot.model.nv :]
-        for part in interval_samples(planned, SAMPLES):
-            sample = robot_sample(planned, part.times, part.interval)
-            gaps = np.abs(velocities(robot.model, sample.q, time_derivative(sample.q, part)) - sample.v)
-            relative = np.nan_to_num(gaps / of_rates, nan=np.inf)
-            i, j = np.unravel_index(int(np.argmax(relative)), relative.shape)
-            unit = RATE_UNITS[robot.units[j]]
-            phase = str(planned.phase.name)
-            found.append(
-                RateError(
-                    robot.velocity_names[j], phase, unit, float(part.times[i]), float(gaps[i, j]), float(of_rates[j])
-                )
-            )
-    return max(found, key=lambda row: row.relative, default=None)
+    pairs = zip(phases, sizes, strict=True)
+    found = [_rate_error(planned, own) for planned, own in pairs if planned.phase.robot is not None]
+    return max((row for row in found if row is not None), key=lambda row: row.relative, default=None)
+
+
+def _rate_error(planned: PhaseSolutionLike, sizes: Array) -> RateError | None:
+    robot = realised(planned)
+    own = sizes[robot.model.nv :]
+    times, begins, ends, gained = [], [], [], []
+    for part in interval_samples(planned, SAMPLES):
+        sample = robot_sample(planned, part.times, part.interval)
+        gaps = velocities(robot.model, sample.q, time_derivative(sample.q, part)) - sample.v
+        by_interval = np.nan_to_num(gaps, nan=np.inf).reshape(len(part.intervals), SAMPLES, -1)
+        halves = 0.5 * (part.ends - part.begins)
+        gained.append(halves[:, None, None] * np.einsum("ts,ksj->ktj", _integration(SAMPLES), by_interval))
+        times.append(part.times.reshape(len(part.intervals), SAMPLES))
+        begins.append(part.begins)
+        ends.append(part.ends)
+    if not times:
+        return None
+    gains, places = np.concatenate(gained), np.concatenate(times)
+    worst: RateError | None = None
+    for first, last, length in _windows(np.concatenate(begins), np.concatenate(ends), error_window(robot)):
+        within = gains[first : last + 1]
+        before = np.cumsum(np.vstack([np.zeros((1, len(own))), within[:-1, -1]]), axis=0)
+        mean = np.abs(before[:, None] + within) / length
+        k, i, j = np.unravel_index(int(np.argmax(mean / own)), mean.shape)
+        found = RateError(
+            robot.velocity_names[j],
+            str(planned.phase.name),
+            RATE_UNITS[robot.units[j]],
+            float(places[first + k, i]),
+            float(mean[k, i, j]),
+            float(own[j]),
+        )
+        worst = found if worst is None or found.relative > worst.relative else worst
+    return worst
+
+
+def _windows(begins: Array, ends: Array, window: float) -> Iterator[tuple[int, int, float]]:
+    """Yield the first and last intervals of windows with their lengths [s]: whole intervals, at least ``window``."""
+    first = 0
+    while first < len(ends):
+        reached = int(np.searchsorted(ends, begins[first] + window * (1.0 - 1e-9)))
+        last = min(reached, len(ends) - 1)
+        yield first, last, float(ends[last] - begins[first])
+        first = last + 1
 
 
 def torque_error(phases: Sequence[PhaseSolutionLike], clock: Callable[[], None] = lambda: None) -> TorqueError | None:
@@ -162,20 +195,13 @@ def _errors(part: _Missing, parts: Sequence[_Missing]) -> list[TorqueError]:
     least = ROUNDING * own.max(initial=0.0)
     sizes = np.array([max(own[i], SHARE * own[units == unit].max(), least) for i, unit in enumerate(units)])
     sizes = np.where(sizes > 0.0, sizes, 1.0)
-    window = error_window(robot)
     sums = np.vstack([np.zeros(len(names)), np.cumsum(part.impulses, axis=0)])
     worst = np.zeros(len(names))
     times = np.full(len(names), part.begins[0] if len(part.begins) else 0.0)
-    first = 0
-    while first < len(part.ends):
-        # Whole intervals, at least a window long together.
-        reached = int(np.searchsorted(part.ends, part.begins[first] + window * (1.0 - 1e-9)))
-        last = min(reached, len(part.ends) - 1)
-        length = part.ends[last] - part.begins[first]
+    for first, last, length in _windows(part.begins, part.ends, error_window(robot)):
         mean = np.abs(sums[last + 1] - sums[first]) / length
         better = mean > worst
         worst, times = np.where(better, mean, worst), np.where(better, part.begins[first] + 0.5 * length, times)
-        first = last + 1
     phase = str(part.planned.phase.name)
     return [
         TorqueError(name, phase, TORQUE_UNITS[units[i]], float(times[i]), float(worst[i]), float(sizes[i]))
@@ -224,3 +250,11 @@ def _weights(count: int) -> Array:
     sites = chebyshev.chebpts2(count)
     moments = np.array([0.0 if k % 2 else 1.0 / (1.0 - k * k) for k in range(count)])
     return np.asarray(np.linalg.solve(chebyshev.chebvander(sites, count - 1).T, moments))
+
+
+@lru_cache(maxsize=1)
+def _integration(count: int) -> Array:
+    """Return the matrix from values at Chebyshev-Lobatto points of [-1, 1] to integrals from -1 to each."""
+    sites = chebyshev.chebpts2(count)
+    sums = [chebyshev.chebval(sites, chebyshev.chebint(unit, lbnd=-1.0)) for unit in np.eye(count)]
+    return np.asarray(np.column_stack(sums) @ np.linalg.inv(chebyshev.chebvander(sites, count - 1)))

@@ -22,6 +22,7 @@ def torques(figures: Figures, tolerances: Tolerances) -> Claim | None:
     found = figures.torques
     if found is None:
         return SCOPE.unknown(LATE)
+    figure = max(found.relative, 0.0 if figures.rates is None else figures.rates.relative)
     wrong = []
     if tolerances.torques is not None and found.relative > tolerances.torques:
         wrong.append(
@@ -33,7 +34,7 @@ def torques(figures: Figures, tolerances: Tolerances) -> Claim | None:
     if tolerances.torques is not None and rates is not None and rates.relative > tolerances.torques:
         wrong.append(
             f"The planned velocity of {rates.joint} is not the derivative of its position: {rates.amount:.3g} "
-            f"{rates.unit} off at t = {rates.time:.4g} s in phase {rates.phase!r}, "
+            f"{rates.unit} off in the mean over a window up to t = {rates.time:.4g} s in phase {rates.phase!r}, "
             f"{tolerances.torques * rates.size:.3g} is allowed."
         )
     energy = figures.energy
@@ -44,5 +45,5 @@ def torques(figures: Figures, tolerances: Tolerances) -> Claim | None:
             f"{tolerances.energy:.3g} is allowed."
         )
     if tolerances.torques is None and not wrong:
-        return SCOPE.unknown("No threshold was given.", found.relative)
-    return SCOPE.judged(wrong, found.relative, tolerances.torques)
+        return SCOPE.unknown("No threshold was given.", figure)
+    return SCOPE.judged(wrong, figure, tolerances.torques)

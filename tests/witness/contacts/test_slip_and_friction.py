@@ -74,7 +74,7 @@ def test_a_quadruped_on_four_feet_is_simulated_as_planned():
         objective=rt.Effort() + rt.Lagrange(lambda point: 0.5 * ca.sumsqr(point.v)),
         name="sway",
     )
-    report = rt.validate(rt.plan(sway, mesh=rt.Mesh(12)))
+    report = rt.validate(rt.plan(sway, mesh=rt.Mesh(24)))
     assert report.passed
     assert {holding.contact for holding in report.holdings} == set(feet)
     assert max(max(h.slip.value, h.sink.value) for h in report.holdings) < 1e-5
