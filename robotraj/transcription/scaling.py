@@ -1,6 +1,7 @@
 """Automatic scaling: unknowns of order one, rows with gradients of order one.
 
-A variable is scaled by its bounds if both are finite, else by the guess; all its instances share the scale. Variables
+A variable is scaled by its bounds if both are finite, but by at most ``PLACEHOLDER`` times its guess: limits may be
+placeholders far from the motion. Else it is scaled by the guess. All its instances share the scale. Variables
 of joints and contacts with the same quantity and unit, in all phases, share the scale of the guess. An acceleration
 that is nearly zero in the guess need not stay small, and scales of very different size double the iterations of legged
 problems. Variables that are zero in the guess keep SI units.
@@ -25,7 +26,12 @@ from robotraj.transcription.scalar_table import Entry, Scalars
 Array = NDArray[np.float64]
 
 LEAST, GREATEST = 1e-3, 1e24
-"""Range of the sizes of variables and of gradients; friction cones of 1e9 kg are squares of 1e10 N."""
+"""Range of the sizes of gradients; friction cones of 1e9 kg are squares of 1e10 N. The least is relative to the largest
+variable where all are small, as in motions of micrometres."""
+PLACEHOLDER = 1e3
+"""Bounds above this multiple of the guess are placeholders that do not measure the motion."""
+ROUNDING = 1e-9
+"""Least size of a variable relative to the largest one in the guess: rounding errors of the guess are no sizes."""
 TIGHT = 1e3
 """Largest bound by which a variable is scaled."""
 PLAIN = 1e2
@@ -39,17 +45,20 @@ ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "co
 def variable_scale(variables: Scalars, guess: Array) -> Array:
     """Return the scale of every column, (n_w,)."""
     meaning, low, high = variables.meaning, variables.lower, variables.upper
-    count = len(variables.entries)
+    entries, count = variables.entries, len(variables.entries)
     both = np.isfinite(low) & np.isfinite(high) & (high > low)
     by_bounds, by_guess = np.zeros(count), np.zeros(count)
     np.maximum.at(by_bounds, meaning[both], np.maximum(np.abs(low[both]), np.abs(high[both])))
     np.maximum.at(by_guess, meaning, np.abs(guess))
     fixed = np.isfinite(low) & (low == high)
     np.maximum.at(by_guess, meaning[fixed], np.abs(low[fixed]))
-    by_guess = _shared(variables.entries, by_guess)
-    bounded = (by_bounds > 0) & (by_bounds <= TIGHT) & [entry.name != "duration" for entry in variables.entries]
-    size = np.where(bounded, by_bounds, by_guess)
-    return np.where(size > 0, np.clip(size, LEAST, GREATEST), 1.0)[meaning]
+    by_guess = _shared(entries, by_guess)
+    durations = _durations(variables)
+    bounded = (by_bounds > 0) & (by_bounds <= TIGHT) & ~durations
+    least = ROUNDING * by_guess[~durations].max(initial=0.0)
+    known = np.where(by_guess > least, PLACEHOLDER * by_guess, np.inf)
+    size = np.where(bounded, np.minimum(by_bounds, known), by_guess)
+    return np.where(size > 0, np.clip(size, least, GREATEST), 1.0)[meaning]
 
 
 def scales(
@@ -72,7 +81,7 @@ def scales(
         for group in unsized:
             columns = np.concatenate([np.zeros(0, dtype=int), *group])
             scale = rescale_unsized(scale, blocks, linear, variables, rows, guess, columns)
-        return scale, row_scale(blocks, linear, rows, scale, guess)
+        return scale, row_scale(blocks, linear, variables, rows, scale, guess)
     except LimitReached:
         # Without the time for derivatives there is no solve, and the program is only evaluated at its guess.
         return scale, np.ones(len(rows))
@@ -131,6 +140,11 @@ def rescale_unsized(
     return out
 
 
+def _durations(variables: Scalars) -> NDArray[np.bool_]:
+    """Return the entries that are durations, (entries,)."""
+    return np.array([entry.name == "duration" for entry in variables.entries], dtype=bool)
+
+
 def _sized(variables: Scalars, guess: Array) -> NDArray[np.bool_]:
     """Return the entries whose size ``variable_scale`` knows from bounds or from the guess, (entries,)."""
     reach = np.maximum(np.abs(variables.lower), np.abs(variables.upper))
@@ -151,7 +165,9 @@ def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
     return out
 
 
-def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: Array, guess: Array) -> Array:
+def row_scale(
+    blocks: Sequence[Block], linear: csr_array, variables: Scalars, rows: Scalars, scale: Array, guess: Array
+) -> Array:
     """Return the scale of every row, (n_g,), for blocks and a linear part in physical units."""
     magnitudes = row_magnitudes(blocks, linear, scale, guess)
     largest = np.zeros(len(rows.entries))
@@ -161,7 +177,8 @@ def row_scale(blocks: Sequence[Block], linear: csr_array, rows: Scalars, scale: 
     np.maximum.at(states, rows.meaning, _largest(linear, np.abs(linear.data) * scale[linear.indices]))
     stiff = STIFF * np.where(states > 0, states, 1.0)
     greatest = np.where([entry.name == "defect" for entry in rows.entries], stiff, GREATEST)
-    return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), LEAST, greatest)[rows.meaning]
+    least = LEAST * min(1.0, float(scale[~_durations(variables)[variables.meaning]].max(initial=0.0)))
+    return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), least, greatest)[rows.meaning]
 
 
 def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: Array) -> Array:

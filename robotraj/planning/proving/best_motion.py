@@ -11,13 +11,14 @@ import numpy as np
 
 from robotraj._util.time_left import LimitReached
 from robotraj.planning.plan_limits import PlanLimits
-from robotraj.planning.proving.local_optimum import SMALL, gain_from
+from robotraj.planning.proving.local_optimum import gain_from
 from robotraj.planning.proving.measures import Measured, is_motion, largest_roughness, measured
 from robotraj.planning.proving.solves import Solves
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import MeshStep
 from robotraj.solution.settings import Restarts, Settings
@@ -205,7 +206,6 @@ class BestMotion:
         assert plan is not None and plan.proof is not None and measures is not None
         if first is None or measures.before is None or not plan.proof.holds:
             return
-        size = max(abs(plan.objective), SMALL)
         with suppress(LimitReached):
             limits = self.solves.progress
             unseen = limits.unseen if isinstance(limits, PlanLimits) else None
@@ -215,6 +215,7 @@ class BestMotion:
             self.solves.add(gain.outcome, [gain.round])
             if gain.share <= self.goals.objective:
                 return
+            size = objective_size(plan.phases, plan.objective)
             coarse, self.limits_between = gain.solution, True
             found = self.solve(tuple(part.mesh for part in plan.phases), None, first=False, start=coarse)
             self.solution = replace(plan, proof=replace(plan.proof, unsettled=gain.share))
@@ -262,8 +263,10 @@ class BestMotion:
             if found.success and is_better(found):
                 moved = self._with_proof(found, measures.before)
                 # What is left to gain is no more than before, apart from what the motion lost.
-                known, lost = measures.proof.unsettled, max(0.0, found.objective - kept) / max(abs(kept), SMALL)
-                left = lost + (known if moved.proof is None else min(moved.proof.unsettled, known))
+                known, lost = measures.proof.unsettled, max(0.0, found.objective - kept)
+                left = lost / size_for(lost, self.goals.objective, found.phases, kept) + (
+                    known if moved.proof is None else min(moved.proof.unsettled, known)
+                )
                 if moved.proof is not None and moved.proof.motion_holds and left <= max(known, self.goals.objective):
                     self.solution = replace(moved, proof=replace(moved.proof, unsettled=left))
                     return

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from robotraj.guess.from_solution import FromSolution
 from robotraj.planning.checked_solution import checked_solution
+from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.proof import Goals
 from robotraj.solution.records import Round
 from robotraj.solution.solution import Solution
@@ -25,8 +26,6 @@ TOLERANCE = 1e-3
 """Tolerance of the solve relative to the goal of the objective."""
 MOST = 2
 """Largest number of iterations relative to those of the first solve."""
-SMALL = 1e-2
-"""Least size of an objective to which a gain is relative."""
 
 
 class Gain(NamedTuple):
@@ -56,7 +55,8 @@ def gain_from(
     """Solve from a plan on the mesh of its first solution.
 
     The gain is the lesser one of two: that over the plan's objective, and that over the sum that the plan has at the
-    points of this mesh. It is 0 where the solve does not converge in ``MOST`` times the iterations of the first one.
+    points of this mesh. It is 0 where the solve does not converge in one iteration more than ``MOST`` times those of
+    the first one.
 
     Parameters
     ----------
@@ -76,12 +76,13 @@ def gain_from(
     if known is None or known.origin is None:
         return None
     nlp = started_at(known.origin.nlp, FromSolution(plan))
-    careful = solver.from_nearby(altered=True).at_most(MOST * first.iterations).accurate_to(TOLERANCE * goals.objective)
+    nearby = solver.from_nearby(altered=True).at_most(1 + MOST * first.iterations)
+    careful = nearby.accurate_to(TOLERANCE * goals.objective)
     outcome = careful.resolve(nlp, known, progress)
     if outcome.status is not Status.SOLVED:
         return Gain(nlp, outcome, 0.0)
     # The program's objective includes the cost of smoothing, and that of the plan does not.
     smoothing = sum(smoothing_cost(p.phase, p.trajectory, p.mesh.schemes, nlp.smoothing) for p in plan.phases)
     before = min(plan.objective + smoothing, nlp.objective(nlp.guess))
-    share = (before - nlp.objective(outcome.w)) / max(abs(plan.objective), SMALL)
-    return Gain(nlp, outcome, max(0.0, share))
+    gain = max(0.0, before - nlp.objective(outcome.w))
+    return Gain(nlp, outcome, gain / size_for(gain, goals.objective, plan.phases, plan.objective))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess
+from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
@@ -33,8 +34,6 @@ In least time controls stay at their limits and switch inside intervals. The fir
 against meshes four times as fine: between 1 and 2 for least times, above 2 for integrals of squared torques. The last
 is that of systems whose controls are unknowns of their own, where a switch costs a share of its interval.
 """
-SMALL = 1e-2
-"""Least size of an objective to which its errors are relative."""
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
 """Bounds on the growth of the number of intervals for the convergence of the objective."""
 MOST_GROWTH_BENDING = 2.0
@@ -193,14 +192,16 @@ def measured(
     count = max(part.mesh.count for part in parts)
     left = [quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.inputs) for p in parts]
     true = solution.objective - float(sum(errors.sum() for errors in left))
-    size = max(abs(true), SMALL)
     bends = tuple(_bends(part, bending) for part in parts)
     on_paths = all(part.phase.path is not None for part in parts)
     bending = bending or on_paths
-    coarse = float(sum(each.sum() for each in bends)) / size if bending else 0.0
+    bent = float(sum(each.sum() for each in bends)) if bending else 0.0
+    coarser = before if bending else _coarser(before, count)
+    left_out = max(abs(solution.objective - true), bent, 0.0 if coarser is None else abs(coarser.objective - true))
+    size = size_for(left_out, goals.objective, parts, true)
+    coarse = bent / size
     order = _order(solution)
     unsettled = expected
-    coarser = before if bending else _coarser(before, count)
     if coarser is not None:
         gained = abs(coarser.objective - true) / size
         finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)

@@ -12,6 +12,7 @@ from robotraj.planning.refining.finer_meshes import GROWTH, finer_meshes, split_
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.claims.objective_size import objective_size
 from robotraj.solution.records import Lack, MeshStep, Round, added_times, answered
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
@@ -49,8 +50,6 @@ CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
 ENDING = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
-SMALL = 1e-2
-"""Least size of an objective to which the tolerance is relative."""
 
 
 def adapt(
@@ -147,7 +146,7 @@ class _Adaptation:
 
     def _allowed(self, solution: Solution) -> float:
         """Return the allowed error of the objective, in its unit."""
-        return self.tolerance * max(abs(solution.objective), SMALL)
+        return self.tolerance * objective_size(solution.phases, solution.objective)
 
     def _assessed(self, solution: Solution) -> tuple[list[Assessment], float, bool]:
         """Return the assessments of all phases, the largest error, and whether the objective has settled."""

@@ -26,6 +26,8 @@ OFFSET = 1e-3
 """Least size of a state relative to its own largest value: an altitude of 1 km that changes by 1 m."""
 ROUNDING = 1e-6
 """Least size of a state relative to the largest range of all."""
+NOTHING = 1e-30
+"""Ranges up to this are no motion: a pendulum that hangs still moves by 1e-52 rad in the solver's arithmetic."""
 
 
 def state_sizes(units: Sequence[str], values: Array) -> Array:
@@ -41,7 +43,7 @@ def state_sizes(units: Sequence[str], values: Array) -> Array:
     Returns
     -------
     ndarray (n,)
-        Above 0; 1 where no state ever differs from zero.
+        Above 0; 1 where no state moves.
     """
     peaks = np.abs(values).max(axis=0, initial=0.0)
     rates = np.array([unit.endswith("/s") for unit in units], dtype=bool)
@@ -50,4 +52,4 @@ def state_sizes(units: Sequence[str], values: Array) -> Array:
     for unit in set(units) - {""}:
         alike = np.array([each == unit for each in units], dtype=bool)
         sizes[alike] = np.maximum(sizes[alike], SHARE * ranges[alike].max())
-    return np.where(sizes > 0.0, sizes, 1.0)
+    return np.where(sizes > NOTHING, sizes, 1.0)

@@ -110,7 +110,7 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
     scale = np.append(nlp.scale, [scales[m] for m in variables.meaning[len(nlp.variables) :].tolist()])
     start = np.append(w, _states(nlp, added, w))
     alone = [replace(block, scatter=own) for block, own in zip(kept, extra, strict=True) if own.nnz]
-    rows_alone = row_scale([*alone, *further], matrix, constraints, scale, start)
+    rows_alone = row_scale([*alone, *further], matrix, variables, constraints, scale, start)
 
     before = nlp.linear.copy()
     before.resize(shape)

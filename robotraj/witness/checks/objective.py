@@ -17,6 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.point import AnyPoint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
+from robotraj.solution.claims.objective_size import objective_size
 from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
 from robotraj.witness.sampling import interval_samples
@@ -36,7 +37,7 @@ class ObjectiveCheck(OneLine):
     of_motion : float
         The sum of integrals along the motion and of end costs.
     size : float
-        The sum of the absolute values of all terms: terms may cancel.
+        The sum of the absolute values of all terms, since terms may cancel, at least that of ``objective_size``.
     """
 
     stated: float
@@ -58,7 +59,7 @@ def objective_check(solution: SolutionLike, clock: Callable[[], None] = lambda: 
         for value, scale in _costs(planned):
             total, size = total + value, size + scale
     stated = float(solution.objective)
-    return ObjectiveCheck(stated, total, max(size, abs(stated)))
+    return ObjectiveCheck(stated, total, max(size, objective_size(solution.phases, stated)))
 
 
 def _costs(planned: PhaseSolutionLike) -> list[tuple[float, float]]:

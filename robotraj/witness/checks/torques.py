@@ -6,8 +6,9 @@ window therefore measures a wrong torque, force, mass or gravity, whatever the m
 
     error = max_i max_w |integral_w r_i dt| / (s_i |w|)
 
-s_i is the joint's own load: the largest of motor torque, gravity, inertia and contact forces in the motion, at least
-``SHARE`` of the largest among joints of the same unit. A machine that is slow or light has small loads, and its force
+s_i is the joint's own load: the largest of motor torque, gravity, inertia and contact forces in the motion, and of the
+force that gives the joint its momentum (M v)_i within the time of the phase. It is at least ``SHARE`` of the largest
+among joints of the same unit. A machine that is slow or light has small loads, and its force
 is judged by these.
 
 Positions are compared with velocities by the same measure, and inside each window too, since a position that is wrong
@@ -222,6 +223,7 @@ def _missing(planned: PhaseSolutionLike, clock: Callable[[], None]) -> _Missing:
     impulses: list[Array] = []
     loads = np.zeros(model.nv)
     still = np.zeros(model.nv)
+    duration = float(planned.knots[-1] - planned.knots[0])
     for part in interval_samples(planned, SAMPLES):
         clock()
         sample = robot_sample(planned, part.times, part.interval)
@@ -234,7 +236,9 @@ def _missing(planned: PhaseSolutionLike, clock: Callable[[], None]) -> _Missing:
             if i % SAMPLES == SAMPLES // 2:
                 weight = pin.rnea(model, data, q, still, still).copy()
                 inertia = pin.rnea(model, data, q, still, a) - weight
-                loads = np.max([loads, np.abs(motors), np.abs(pushed), np.abs(weight), np.abs(inertia)], axis=0)
+                momentum = pin.rnea(model, data, q, still, sample.v[i]) - weight
+                forces = motors, pushed, weight, inertia, momentum / duration
+                loads = np.max([loads, *map(np.abs, forces)], axis=0)
         lengths = part.ends - part.begins
         by_interval = missing.reshape(len(part.intervals), SAMPLES, -1)
         impulses.append(lengths[:, None] * np.einsum("s,ksj->kj", weights, np.nan_to_num(by_interval, nan=np.inf)))

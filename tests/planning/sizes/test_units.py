@@ -1,0 +1,56 @@
+"""The same problem in other units has the same plan and verdict: nothing is relative to 1."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from tests.lies import axis
+
+MASSES, DISTANCES, DURATIONS = (1e-6, 1.0, 2e4), (1e-6, 1e-3, 5.0), (0.01, 1.0, 60.0)
+
+
+@pytest.mark.parametrize("mass", MASSES)
+@pytest.mark.parametrize("distance", DISTANCES)
+@pytest.mark.parametrize("duration", DURATIONS)
+def test_the_effort_of_a_mass_is_that_in_closed_form(
+    tmp_path: Path, mass: float, distance: float, duration: float
+) -> None:
+    """From rest to rest the integral of the squared force is 12 m^2 d^2 / T^3, whatever the limits of the file."""
+    robot = axis(tmp_path, mass=mass, travel=100, speed=1e5, effort=1e12)
+    phase = rt.Phase(robot, duration, rt.State(q=[0], v=0), rt.State(q=[distance], v=0), rt.Effort())
+    solution = rt.plan(phase, progress=False)
+    assert solution.objective == pytest.approx(12 * mass**2 * distance**2 / duration**3, rel=1e-4)
+    assert solution.proof is not None and solution.proof.holds
+    assert rt.validate(solution).passed
+
+
+@pytest.mark.parametrize("limit", [1.0, 100.0])
+@pytest.mark.parametrize(("mass", "distance"), [(1.0, 1e-6), (1e-6, 1e-6), (1e-6, 1.0)])
+def test_a_least_time_is_that_in_closed_form(tmp_path: Path, limit: float, mass: float, distance: float) -> None:
+    """An acceleration of 4 d takes 1 s, whether the limits of position and speed are 10 or 1e8 times the motion."""
+    robot = axis(tmp_path, mass=mass, travel=10 * limit, speed=10 * limit, effort=4 * mass * distance)
+    phase = rt.Phase(robot, (1e-3, 100), rt.State(q=[0], v=0), rt.State(q=[distance], v=0), rt.Duration())
+    solution = rt.plan(phase, progress=False)
+    assert solution.objective == pytest.approx(1.0, rel=1e-3)
+    assert solution.proof is not None and solution.proof.holds
+    assert rt.validate(solution).passed
+
+
+@pytest.mark.parametrize("amplitude", [1e-6, 1e-2, 1.0])
+def test_an_oscillator_is_brought_to_rest_alike_at_every_amplitude(amplitude: float) -> None:
+    """x'' = -w^2 x + u from x = A to rest: the optimum is x' W^-1 x by the Gramian W of the reversed motion."""
+    w, duration = 60.0, 0.5
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], -(w**2) * p.x["x"] + p.u["u"]])
+    phase = rt.Phase(system, duration, rt.State([amplitude, 0]), rt.State([0, 0]), rt.Lagrange(lambda p: p.u["u"] ** 2))
+    t = np.linspace(0.0, duration, 200001)
+    away = np.vstack([-np.sin(w * t) / w, np.cos(w * t)])
+    gramian = np.trapezoid(away[:, None] * away[None], t, axis=2)
+    start = np.array([amplitude, 0.0])
+    solution = rt.plan(phase, progress=False)
+    assert solution.objective == pytest.approx(start @ np.linalg.solve(gramian, start), rel=1e-3)
+    assert solution.proof is not None and solution.proof.holds
+    assert rt.validate(solution).passed
