@@ -11,7 +11,6 @@ from collections.abc import Collection
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
@@ -20,6 +19,7 @@ from robotraj.robot.collision.lever_arms import levers
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.collision.placements import joint_tree, placements
 from robotraj.robot.collision.solids import Placed, Solid, depth, distance, one_inside, touch
+from robotraj.robot.collision.unguarded import unguarded_links
 from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
 
@@ -30,7 +30,6 @@ SAMPLED = 60
 """Number of configurations in which pairs that overlap in the neutral one are compared."""
 OFTEN = 0.15
 """Share of these configurations above which an overlap is one by construction."""
-UNREAD, SEEN_ONLY = "its <collision> shape was not read", "it has <visual> shapes only"
 CONSTRUCTED, DISABLED = "they overlap in the neutral configuration by construction", "the SRDF disables them"
 
 
@@ -160,7 +159,7 @@ def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> OwnBody:
     among = [(i, j) for i in range(len(links)) for j in range(i) if frozenset((links[i], links[j])) in every - named]
     left_out = [(" and ".join(sorted(pair)), DISABLED) for pair in every & named]
     whole = OwnBody(
-        links, solids, joint, rotation, position, _numbers(among), np.zeros((0, 0)), (), _unguarded(robot, links)
+        links, solids, joint, rotation, position, _numbers(among), np.zeros((0, 0)), (), unguarded_links(robot)
     )
     constructed = _by_construction(robot, whole)
     left_out += [(" and ".join(sorted(pair)), CONSTRUCTED) for pair in constructed]
@@ -196,14 +195,3 @@ def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
     first, second = moved[body.joint[a]], moved[body.joint[b]]
     # Joints that move both shapes alike do not change their distance.
     return np.where(first & ~second, reach[a], 0.0) + np.where(second & ~first, reach[b], 0.0)
-
-
-def _unguarded(robot: Robot, links: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-    """Return the links without shapes in a robot that has shapes: those not read, and those with others to look at."""
-    read = Counter(links)
-    stated = robot.geometry.stated(pin.GeometryType.COLLISION)
-    if not stated.total():
-        return ()
-    unread = [(link, UNREAD) for link, count in stated.items() if count > read[link]]
-    seen = robot.geometry.stated(pin.GeometryType.VISUAL)
-    return (*unread, *((link, SEEN_ONLY) for link, count in seen.items() if count and not stated[link]))

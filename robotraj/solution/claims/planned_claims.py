@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from robotraj.problem.phase import Phase
+from robotraj.robot.collision.unguarded import not_every_link, unguarded_links
 from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
@@ -22,8 +26,9 @@ def planned_claims(solution: Planned, proof: Proof | None) -> tuple[Claim, ...]:
         found.append(_later("ground and contacts"))
     if robots:
         found.append(_later("own body"))
-    if any(each.avoids_collisions for phase in robots for each in phase.constraints):
-        found.append(_distances(proof))
+    avoiding = [phase for phase in robots if any(each.avoids_collisions for each in phase.constraints)]
+    if avoiding:
+        found.append(_distances(proof, avoiding))
     found += [_measured("objective", proof, "quadrature"), _measured("optimum", proof, "unsettled")]
     return tuple(found)
 
@@ -43,8 +48,10 @@ def _measured(name: str, proof: Proof | None, measure: str) -> Claim:
     return Claim(name, judgement, PLANNER, "", "", value, goal)
 
 
-def _distances(proof: Proof | None) -> Claim:
+def _distances(proof: Proof | None, phases: Sequence[Phase]) -> Claim:
     if proof is None:
         return _later("obstacles")
-    judgement = Judgement.HOLDS if proof.shortfall <= 0.0 else Judgement.FAILS
-    return Claim("obstacles", judgement, PLANNER, "", "", proof.shortfall, 0.0, "m")
+    unguarded = {f"{link}: {why}" for phase in phases if phase.robot for link, why in unguarded_links(phase.robot)}
+    notes = (not_every_link(tuple(sorted(unguarded))),) if unguarded and proof.shortfall <= 0.0 else ()
+    judgement = Judgement.NOT_JUDGED if notes else Judgement.HOLDS if proof.shortfall <= 0.0 else Judgement.FAILS
+    return Claim("obstacles", judgement, PLANNER, "", "", proof.shortfall, 0.0, "m", notes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robotraj.robot.collision.unguarded import not_every_link
 from robotraj.solution.claims.claim import Claim
 from robotraj.witness.claims.judged import LATE, Scope
 from robotraj.witness.claims.limits import broken_bounds
@@ -23,4 +24,6 @@ def obstacles(figures: Figures, tolerances: Tolerances) -> Claim | None:
     if not figures.clearances and not short:
         return None
     nearest = min((each.distance - each.margin for each in figures.clearances), default=None)
+    if not short and figures.unguarded:
+        return SCOPE.unknown(not_every_link(figures.unguarded), nearest, None, "m beyond the margin")
     return SCOPE.judged(broken_bounds(short, tolerances.limits), nearest, None, "m beyond the margin")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robotraj.robot.collision.unguarded import not_every_link
 from robotraj.solution.claims.claim import Claim
 from robotraj.witness.checks.self_collision import SWITCHED_OFF
 from robotraj.witness.claims.judged import LATE, Scope
@@ -35,6 +36,5 @@ def own_body(figures: Figures, tolerances: Tolerances) -> Claim | None:
     if switched_off:
         return SCOPE.unknown(f"Not judged: {switched_off[0]}.", nearest, None, "m")
     if figures.unguarded:
-        names = ", ".join(figures.unguarded[:4]) + (" ..." if len(figures.unguarded) > 4 else "")
-        return SCOPE.unknown(f"Not every link has a shape that was read: {names}.", nearest, None, "m")
+        return SCOPE.unknown(not_every_link(figures.unguarded), nearest, None, "m")
     return SCOPE.judged([], nearest, None, "m")

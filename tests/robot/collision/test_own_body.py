@@ -9,9 +9,10 @@ import pytest
 
 import robotraj as rt
 from robotraj.robot.collision.along_motion import deepest_overlap, least_distance, near_pairs
-from robotraj.robot.collision.own_body import CONSTRUCTED, DISABLED, SEEN_ONLY, UNREAD, OwnBody, own_body
+from robotraj.robot.collision.own_body import CONSTRUCTED, DISABLED, OwnBody, own_body
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.solids import distance, touch
+from robotraj.robot.collision.unguarded import SEEN_ONLY, UNREAD
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
 

@@ -9,6 +9,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.dynamics.kinematics import Kinematics
+from robotraj.solution.claims.claim import Judgement
 from robotraj.witness.checks.self_collision import SWITCHED_OFF, own_body_of
 
 FREE, FOLDED = rt.State(q=(0, -1.5, 0.5, -1.2, 0, 0), v=0), rt.State(q=(0, -1.5, 2.8, 1.1, 1.3, 0), v=0)
@@ -55,18 +56,33 @@ def test_the_nearest_links_of_a_free_plan_are_a_figure() -> None:
     assert "own links: nearest are" in str(rt.validate(solution))
 
 
-def test_a_link_with_visual_shapes_alone_is_named_in_the_report(tmp_path: Path) -> None:
+def with_visual_shapes_alone(folder: Path) -> rt.Robot:
     inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     ball = '<geometry><sphere radius="0.05"/></geometry>'
     links = f'<link name="base"><collision>{ball}</collision></link>'
     links += f'<link name="arm">{inertial}<visual>{ball}</visual></link>'
     joint = '<parent link="base"/><child link="arm"/><limit lower="-2" upper="2" velocity="5" effort="50"/>'
     text = f'<robot name="r">{links}<joint name="a" type="revolute">{joint}<axis xyz="0 1 0"/></joint></robot>'
-    (tmp_path / "r.urdf").write_text(text)
-    arm = rt.load(str(tmp_path / "r.urdf"))
+    (folder / "r.urdf").write_text(text)
+    return rt.load(str(folder / "r.urdf"))
+
+
+def test_a_link_with_visual_shapes_alone_is_named_in_the_report(tmp_path: Path) -> None:
+    arm = with_visual_shapes_alone(tmp_path)
     solution = rt.plan(rt.Phase(arm, 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort()), mesh=rt.Mesh(6))
     report = rt.validate(solution)
     assert report.unguarded == ("arm: it has <visual> shapes only",) and "not judged: arm" in str(report)
+
+
+def test_distances_are_not_claimed_where_a_link_has_visual_shapes_alone(tmp_path: Path) -> None:
+    """The arm passes the ball at a distance of its invisible shape, which nobody knows."""
+    arm = with_visual_shapes_alone(tmp_path)
+    ball = rt.obstacles.Sphere(0.05, (0.0, 1.0, 0.0), name="ball")
+    ends = rt.State(q=0, v=0), rt.State(q=1, v=0)
+    solution = rt.plan(rt.Phase(arm, 1.0, *ends, rt.Effort(), constraints=[rt.CollisionFree([ball])]))
+    for claims in (solution.claims, rt.validate(solution).claims):
+        (claim,) = (each for each in claims if each.name == "obstacles")
+        assert claim.judgement is Judgement.NOT_JUDGED and "arm: it has <visual> shapes only" in claim.notes[0]
 
 
 def test_the_legs_of_a_floating_robot_are_judged() -> None:
