@@ -133,8 +133,8 @@ class Figures(OneLine):
         The stated objective beside the cost of the motion; None where the time limit was reached before.
     proof : Proof or None
         The planner's own measures.
-    moves_robot : bool
-        Whether a phase moves a robot, and not a System.
+    moves_robot, avoids_collisions : bool
+        Whether a phase moves a robot, and not a System; whether a phase has a ``CollisionFree``.
     clearances : tuple of Clearance
         Smallest distance of the exact shapes for every ``CollisionFree``.
     self_collisions : tuple of Clearance
@@ -176,6 +176,7 @@ class Figures(OneLine):
     objective: ObjectiveCheck | None = None
     proof: Proof | None = None
     moves_robot: bool = False
+    avoids_collisions: bool = False
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()
     own_distances: tuple[Clearance, ...] = ()

@@ -226,6 +226,7 @@ def validate(
         objective=cost,
         proof=solution.proof,
         moves_robot=bool(robots),
+        avoids_collisions=any(each.avoids_collisions for p in robots for each in p.phase.constraints),
         clearances=tuple(each for nearest, _ in distances for each in nearest),
         self_collisions=tuple(each for body in bodies for each in body.overlaps),
         own_distances=tuple(body.nearest for body in bodies if body.nearest is not None),

@@ -94,6 +94,7 @@ class FakePhase:
     robot: Any = None
     system: Any = None
     limits: Any = None
+    constraints: tuple[Any, ...] = ()
     bound_constraints: tuple[Any, ...] = ()
     bound_contacts: tuple[Any, ...] = ()
     start_bounds: Any = None

@@ -18,11 +18,11 @@ SCOPE = Scope(
 
 def obstacles(figures: Figures, tolerances: Tolerances) -> Claim | None:
     """Return the claim on distances; None without a ``CollisionFree``."""
+    short = [violation for violation in figures.breaches if violation.name == DISTANCE]
+    if not figures.avoids_collisions:
+        return None
     if figures.was_late("distances"):
         return SCOPE.unknown(LATE)
-    short = [violation for violation in figures.breaches if violation.name == DISTANCE]
-    if not figures.clearances and not short:
-        return None
     nearest = min((each.distance - each.margin for each in figures.clearances), default=None)
     if not short and figures.unguarded:
         return SCOPE.unknown(not_every_link(figures.unguarded), nearest, None, "m beyond the margin")
