@@ -54,6 +54,11 @@ DEPENDENT = 1e-5
 
 Of legs in nearly parallel planes, these values are 1e-8 to 1e-6, others above 1e-2."""
 
+CLOSELY = 2**13
+"""Points of a System's phase at which its equations are searched for short events."""
+EVENT = 2.0
+"""Ratio of the errors at many and at few points of an interval above which an event lies between the few."""
+
 
 class Residuals(NamedTuple):
     """Residuals of a trajectory at the points of Gauss's rule on every interval.
@@ -84,8 +89,12 @@ class Residuals(NamedTuple):
 
 def residuals_of(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None = None) -> Residuals:
     """Evaluate xdot - f between the nodes; for the parameters see ``interval_errors``."""
+    return _residuals_at(phase, trajectory, inputs, [len(sites) + 2 for sites in trajectory.z.sites])
+
+
+def _residuals_at(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | None, counts: Sequence[int]) -> Residuals:
+    """Evaluate xdot - f at the points of Gauss's rule, a number of them on every interval."""
     breaks = trajectory.x.breaks
-    counts = [len(sites) + 2 for sites in trajectory.z.sites]
     times: list[Array] = []
     weights: list[Array] = []
     for k, count in enumerate(counts):
@@ -150,7 +159,13 @@ def state_errors(
     lengths = np.diff(trajectory.x.breaks)
     eta = np.zeros((len(lengths), known.values.shape[1]))
     np.add.at(eta, known.interval, known.weights[:, None] * np.abs(known.effects(lengths)))
-    return eta
+    if phase.robot is not None or phase.dae.algebraic:
+        return eta
+    # The equations of a user may hold an event that is shorter than the distance of the points, such as a kick.
+    closely = np.zeros_like(eta)
+    every = _residuals_at(phase, trajectory, inputs, [-(-CLOSELY // len(lengths))] * len(lengths))
+    np.add.at(closely, every.interval, every.weights[:, None] * np.abs(every.effects(lengths)))
+    return np.where(closely > EVENT * eta, closely, eta)
 
 
 def _decay(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Array | None:

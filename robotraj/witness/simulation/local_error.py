@@ -21,6 +21,7 @@ from robotraj.witness.protocols import Array, SolutionLike
 from robotraj.witness.simulation.drift import Drift, DriftRow, merge
 from robotraj.witness.simulation.mirror_image import MIRRORED, mirror_image, mirror_of
 from robotraj.witness.simulation.open_loop import handed_on
+from robotraj.witness.simulation.short_events import cut_at_events
 from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
 
@@ -65,19 +66,19 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
         if before is not None:
             handed = handed_on(solution, i, plant, own, before)
             found.append(_seam(plant, handed, own, sizes[i], float(knots[0]), phase))
-        found.append(local_error_of(plant, knots, longest, phase, sizes[i], rtol, atol, clock))
+        windows = cut_at_events(planned, windows_of(knots, longest), sizes[i])
+        found.append(local_error_of(plant, windows, phase, sizes[i], rtol, atol, clock))
         image = None if mirror is None else mirror_image(realised(planned), mirror)
         if image is not None:
             half = RobotPlant(planned, robot=image)
-            found.append(local_error_of(half, knots, longest, phase + MIRRORED, sizes[i], rtol, atol, clock))
+            found.append(local_error_of(half, windows, phase + MIRRORED, sizes[i], rtol, atol, clock))
         before = plant, end, end
     return merge(found)
 
 
 def local_error_of(
     plant: Plant,
-    knots: Array,
-    longest: float,
+    windows: Sequence[Sequence[Span]],
     phase: str,
     sizes: Array,
     rtol: float,
@@ -92,7 +93,6 @@ def local_error_of(
         By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is the
         size of the state in the plan. Infinite where a simulation stopped.
     """
-    windows = windows_of(knots, longest)
     begins = _ends(plant, windows, 0)
     ends = _ends(plant, windows, -1)
     stepper = Stepper(plant, [span for window in windows for span in window], plant.spread(sizes), rtol, atol, clock)

@@ -1,0 +1,79 @@
+"""Short events in the equations of a user, such as a kick of half a millisecond, at which the simulation looks closely.
+
+A step of the simulation evaluates the equations at a few times, and an event between them is not seen. The rates along
+the plan are therefore evaluated at many times first, drawn at random so that no event lies between them by design. A
+span is cut into short pieces where the rates are not those of a polynomial through its own few times.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from robotraj.problem.phase import Phase
+from robotraj.witness.plants.system_plant import columns
+from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.simulation.spans import Span
+
+TIMES = 2**13
+"""Times of a phase at which its rates are evaluated."""
+FEW = 12
+"""Times of a span to which the many are compared, as many as a step of the simulation has."""
+MISSED = 1e-4
+"""Least change of a state by an event, relative to its size: a tenth of the local error that is allowed."""
+PIECE = 4
+"""Times in a piece of a span with an event."""
+SEED = 20261128
+
+
+def cut_at_events(planned: PhaseSolutionLike, windows: list[list[Span]], sizes: Array) -> list[list[Span]]:
+    """Cut spans of a System's phase where its rates have short events.
+
+    Parameters
+    ----------
+    planned : PhaseSolution
+    windows : list of list of Span
+    sizes : ndarray (n,)
+        Sizes of the states.
+    """
+    if planned.phase.robot is not None or not isinstance(planned.phase, Phase):
+        return windows
+    spans = [span for window in windows for span in window]
+    whole = sum(span.length for span in spans)
+    rng = np.random.default_rng(SEED)
+    counts = [max(FEW, int(np.ceil(TIMES * span.length / whole))) for span in spans]
+    many = [(np.arange(count) + rng.uniform(size=count)) / count for count in counts]
+    few = 0.5 * (1.0 + chebyshev.chebpts1(FEW))
+    places = [np.concatenate([few, each]) for each in many]
+    times = np.concatenate([span.inside(span.begin + span.length * at) for span, at in zip(spans, places, strict=True)])
+    intervals = np.repeat([span.interval for span in spans], [len(at) for at in places])
+    rates = _rates(planned, times, intervals)
+    if not np.isfinite(rates).all():
+        return windows
+    ends = np.cumsum([len(at) for at in places])
+    cut: dict[Span, list[Span]] = {}
+    for span, at, own in zip(spans, many, np.split(rates, ends[:-1]), strict=True):
+        smooth = chebyshev.chebval(2.0 * at - 1.0, chebyshev.chebfit(2.0 * few - 1.0, own[:FEW], FEW - 1)).T
+        missed = np.abs(own[FEW:] - smooth).mean(axis=0) * span.length
+        if np.any(missed > MISSED * sizes):
+            pieces = np.linspace(span.begin, span.end, -(-len(at) // PIECE) + 1)
+            cut[span] = [Span(float(a), float(b), span.interval) for a, b in zip(pieces, pieces[1:], strict=False)]
+    return [[piece for span in window for piece in cut.get(span, [span])] for window in windows] if cut else windows
+
+
+def _rates(planned: PhaseSolutionLike, times: Array, intervals: NDArray[np.int_]) -> Array:
+    """Evaluate the rates of the states along the plan, (m, n)."""
+    phase, dae = planned.phase, planned.phase.dae
+    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
+    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
+    t, x, z, u, p = symbols
+    rates = ca.densify(ca.SX(dae.rates(dae.point(t, x, z, u, p, phase.parameter_names))))
+    sample = planned.at(times, interval=intervals)
+    kinds = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
+    values = [columns(named, tuple(v.name for v in kind), len(times)).T for named, kind in kinds]
+    parameters = np.array([planned.parameters[name] for name in phase.parameter_names], dtype=float)
+    along = ca.Function("along", symbols, [rates]).map(len(times))
+    found = np.array(along(times[None], *values, np.tile(parameters[:, None], len(times))))
+    return np.asarray(found.T)
