@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from numbers import Real
 from typing import TypedDict
 
-import numpy as np
-
+from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError
 from robotraj.robot.robot import Robot
+
+SLOWEST = 1e-6
+"""Slowest playback; the fastest is its inverse."""
 
 
 class ReplayOptions(TypedDict, total=False):
@@ -33,17 +34,11 @@ def check_options(
     InputError
         A value out of range, or traces of a system. An unknown frame raises UnknownName.
     """
-    if not (_is_number(speed) and np.isfinite(speed) and speed > 0.0):
-        raise InputError(f"replay: speed is {speed!r}; give a factor above 0, such as 0.5 for half speed.")
-    if not (_is_number(fps) and 1 <= fps <= 240 and int(fps) == fps):
-        raise InputError(f"replay: fps is {fps!r}; give a whole number of frames per second from 1 to 240.")
+    number("replay: speed, 0.5 for half speed,", speed, SLOWEST, 1.0 / SLOWEST)
+    whole("replay: fps", fps, 1, 240)
     names = [traces] if isinstance(traces, str) else traces or ()
     if names and robot is None:
         raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; omit traces=.")
     for name in names:
         assert robot is not None
         robot.frame(name)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)

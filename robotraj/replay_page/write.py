@@ -110,7 +110,8 @@ def replay(
     reports = _reports(solutions, report)
     text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports)
     with whole_file(target) as file:
-        file.write_text(text, encoding="utf-8")
+        # Names from file names that are no UTF-8 hold letters which UTF-8 cannot encode.
+        file.write_text(text, encoding="utf-8", errors="backslashreplace")
     return target
 
 

@@ -40,7 +40,7 @@ def load(
     package_dirs : path or sequence of paths
         Folders that are searched for meshes first: those above a package, or packages themselves.
     trust_paths : bool
-        Read meshes from any path that the URDF names, and search the folders above the URDF and ROS's package paths.
+        Read meshes from any path that the file names, and search the folders above the URDF and ROS's package paths.
         Default: meshes in ``package_dirs`` and in the URDF's package only. That is the folder with ``package.xml``, or
         the one above ``urdf/``, ``robots/`` or ``models/``; else the URDF's own. Robots of the catalogue are trusted.
     actuated : iterable of str, optional

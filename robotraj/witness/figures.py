@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robotraj._util.checks import number
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.proof import Proof
@@ -60,6 +61,11 @@ class Tolerances(OneLine):
         of velocities against the derivatives of positions, relative to their sizes.
     objective : float or None
         Largest relative difference between the stated objective and the cost of the motion.
+
+    Raises
+    ------
+    InputError
+        A threshold is no number of at least 0.
     """
 
     local: float | None = 1e-3
@@ -74,6 +80,11 @@ class Tolerances(OneLine):
     drift: float | None = None
     torques: float | None = 5e-3
     objective: float | None = 2e-3
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if name == "limits" or value is not None:
+                number(name, value, 0.0)
 
 
 @dataclass(frozen=True, repr=False)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from typing import TypedDict, TypeVar
 
 import numpy as np
 
+from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError, require_solution
 from robotraj.solution.reserves.shares import shares_of
 from robotraj.solution.violation import Violation
@@ -37,6 +39,10 @@ Found = TypeVar("Found")
 LOCAL_RTOL, LOCAL_ATOL = 1e-6, 1e-6
 """Tolerances of simulations whose errors do not grow: a thousandth of the thresholds."""
 
+LEAST_RTOL = 1e-13
+"""Smallest relative tolerance of a step: above the rounding of DOP853's sums."""
+MOST_SAMPLES = 10_000
+"""Largest number of points of an interval."""
 TIME_LIMIT = 60.0
 """Processor time [s] that a validation may take by default."""
 
@@ -126,14 +132,28 @@ def validate(
     Raises
     ------
     InputError
-        The solution has no phases, ``samples_per_interval`` is below 2, or a constraint does not return numbers.
+        The solution has no phases, a number is out of its range, or a constraint does not return numbers.
     """
     require_solution(solution, "rt.validate")
     if not solution.phases:
         raise InputError("The solution has no phases: there is nothing to validate; plan a problem with a phase.")
-    if samples_per_interval < 2:
-        raise InputError(f"samples_per_interval is {samples_per_interval}; give 2 or more.")
-    clock, samples = ProcessorClock(time_limit), samples_per_interval
+    samples = whole("samples_per_interval", samples_per_interval, 2, MOST_SAMPLES)
+    number("rtol", rtol, LEAST_RTOL, 1.0), number("atol", atol, sys.float_info.min, 1.0)
+    clock = ProcessorClock(None if time_limit is None else number("time_limit", time_limit, 0.0, unit="s"))
+    tolerances = Tolerances(
+        local=local,
+        tracking=tracking,
+        limits=limits,
+        contact=contact,
+        forces=forces,
+        force_error=force_error,
+        ground=ground,
+        energy=energy,
+        residual=residual,
+        drift=drift,
+        torques=torques,
+        objective=objective,
+    )
     few = min(FEW_SAMPLES, samples)
     skipped: list[str] = []
     unseen: list[str] = []
@@ -192,20 +212,7 @@ def validate(
         energy=energies.add(balances or ()),
         residual=Residual(*(largest(getattr(r, of) for r in residuals or ()) for of in ("dynamics", "rate", "jumps"))),
         failure=None if drifted is None else drifted.failure,
-        tolerances=Tolerances(
-            local=local,
-            tracking=tracking,
-            limits=limits,
-            contact=contact,
-            forces=forces,
-            force_error=force_error,
-            ground=ground,
-            energy=energy,
-            residual=residual,
-            drift=drift,
-            torques=torques,
-            objective=objective,
-        ),
+        tolerances=tolerances,
         duration=float(sum(k[-1] - k[0] for k in knots)),
         intervals=sum(len(k) - 1 for k in knots),
         phases=tuple(planned.phase.name for planned in phases),

@@ -111,6 +111,12 @@ def test_names_with_slashes_and_tags_cannot_break_the_page(double_pendulum, wave
     assert run_of(tmp_path / "page.html")["phases"][0]["name"] == "</script><b>up"
 
 
+def test_a_name_that_utf8_cannot_encode_is_escaped(double_pendulum, wave_plan, tmp_path):
+    plan = wave_plan(double_pendulum, 1.0)
+    plan.phases[0].phase.name = "\udcff"
+    assert run_of(replay(plan, tmp_path / "page.html"))["phases"][0]["name"] == "\udcff"
+
+
 def test_a_system_gets_its_curves_and_no_viewer(block_plan, tmp_path):
     path = replay(block_plan, tmp_path / "block.html", speed=0.5)
     data = data_of(path)

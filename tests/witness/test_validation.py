@@ -331,8 +331,19 @@ def test_the_report_reads_as_a_table(make, swinging):
 def test_nothing_to_validate_is_refused(make, swinging):
     with pytest.raises(InputError, match="no phases"):
         validate(make.solution())
-    with pytest.raises(InputError, match="samples_per_interval is 1"):
+    with pytest.raises(InputError, match="samples_per_interval must be a whole number from 2"):
         validate(make.solution(swinging()), samples_per_interval=1)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"limits": np.nan}, {"limits": None}, {"local": -1.0}, {"rtol": 0.0}, {"atol": np.nan}, {"time_limit": -1}],
+)
+def test_a_threshold_that_judges_nothing_is_refused(make, swinging, given):
+    solution = make.solution(swinging())
+    (name,) = given
+    with pytest.raises(InputError, match=f"{name} must be a number"):
+        validate(solution, **given)
 
 
 def test_a_robot_of_many_joints_prints_its_worst_rows_only(make):

@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
@@ -18,6 +19,8 @@ from robotraj.solution.planned import Planned
 Array = NDArray[np.float64]
 FINEST = 8
 """Largest number of keys in a frame, a power of two."""
+MOST = 1_000_000
+"""Largest number of samples: an hour of motion at 30 frames per second takes 864,000."""
 TOLERANCE = 1e-5
 """Largest difference [m, rad] between a joint's pose and the interpolated one, if FINEST allows."""
 
@@ -57,7 +60,18 @@ def motion_of(model: pin.Model, solution: Planned | GaitCycles, fps: int) -> Sce
     model : pin.Model
     solution : Solution or GaitCycles
     fps : int
+
+    Raises
+    ------
+    InputError
+        The motion takes more than ``MOST`` samples.
     """
+    length = sum(phase.duration for phase in solution.phases)
+    if not length * fps * FINEST < MOST:
+        raise InputError(
+            f"replay: {length:.6g} s of motion at fps={fps} take more than {MOST} samples; give a smaller fps, or "
+            "replay a shorter motion."
+        )
     times, rows = [], []
     phases: Sequence[PhaseSolution | CyclePhase] = solution.phases
     for number, phase in enumerate(phases):

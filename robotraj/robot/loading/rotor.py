@@ -10,6 +10,9 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.system.regular_files import contents
+from robotraj.robot.urdf.xml import MAX_BYTES
+
 
 def with_rotors(model: pin.Model, srdf: Path | None) -> tuple[pin.Model, str]:
     """Copy a model with rotor inertias added as armature where it has none, and state their source.
@@ -28,7 +31,7 @@ def with_rotors(model: pin.Model, srdf: Path | None) -> tuple[pin.Model, str]:
     """
     copy = model.copy()
     source = "the model's own armature"
-    if srdf is not None and "<rotor_params" in srdf.read_text(encoding="utf-8"):
+    if srdf is not None and "<rotor_params" in contents(srdf, MAX_BYTES, "The SRDF file").decode("utf-8", "replace"):
         pin.loadRotorParameters(copy, str(srdf))
         source = f"the rotors in {srdf.name}"
     reflected = np.array(copy.rotorInertia) * np.array(copy.rotorGearRatio) ** 2

@@ -16,6 +16,7 @@ from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.missing_meshes import missing_meshes
+from robotraj.robot.loading.packages import search_folders
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.mjcf.model import is_mjcf, read_mjcf
 from robotraj.robot.urdf.limits import StatedLimits, stated_limits
@@ -90,7 +91,7 @@ def describe(
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
         path = Path(source).expanduser()
         if is_mjcf(path):
-            return _from_mjcf(path)
+            return _from_mjcf(path, None if trust_paths else search_folders(path, folders))
         return _from_urdf(KnownRobot("", "", str(path), path), folders, trust_paths)
     if isinstance(source, str):
         return _from_urdf(find(source), folders, trust_paths=True)
@@ -123,8 +124,8 @@ def _wrapper(wrapper: pin.RobotWrapper) -> Description:
     return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
 
 
-def _from_mjcf(path: Path) -> Description:
-    found = read_mjcf(path)
+def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
+    found = read_mjcf(path, folders)
     return Description(
         found.model.name or path.stem,
         found.model,

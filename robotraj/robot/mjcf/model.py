@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
+from robotraj.robot.loading.packages import is_inside
 from robotraj.robot.meshes.reading import read_meshes
 from robotraj.robot.urdf.lenient import parsed
 from robotraj.robot.urdf.numbers import numbers
@@ -44,26 +47,33 @@ class MjcfModel:
 
 def is_mjcf(path: Path) -> bool:
     """Whether a file is XML whose top element is ``<mujoco>``."""
-    if path.suffix.lower() not in (".xml", ".mjcf") or not path.is_file() or path.stat().st_size > MAX_BYTES:
+    if path.suffix.lower() not in (".xml", ".mjcf") or not path.is_file():
         return False
     try:
-        return parsed(path.read_bytes()).tag == "mujoco"
+        return _root(path).tag == "mujoco"
     except ValueError:
         return False
 
 
-def read_mjcf(path: Path) -> MjcfModel:
+def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     """Read a file of MuJoCo.
+
+    Parameters
+    ----------
+    path : Path
+    folders : sequence of Path or None
+        Folders whose meshes are read; None for all.
 
     Raises
     ------
     InputError
-        Pinocchio's reader refuses it, it includes other files, or a mesh cannot be read within the limits of meshes.
+        Pinocchio's reader refuses it, it includes other files, a mesh lies elsewhere, or a mesh cannot be read within
+        the limits of meshes.
     """
-    root = parsed(path.read_bytes())
+    root = _root(path)
     if root.find(".//include") is not None:
         raise InputError(f"{str(path)!r} includes other files; load the one with the bodies of the robot, or a URDF.")
-    _check_meshes(root, path)
+    _check_meshes(root, path, folders)
     try:
         model = pin.buildModelFromMJCF(str(path))
         kinds = (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
@@ -89,13 +99,23 @@ def read_mjcf(path: Path) -> MjcfModel:
     return MjcfModel(model, (visual, collision), driven if actuators else None, efforts, tuple(findings))
 
 
-def _check_meshes(root: Element, path: Path) -> None:
+def _root(path: Path) -> Element:
+    return parsed(contents(path, MAX_BYTES, "The MJCF file"))
+
+
+def _check_meshes(root: Element, path: Path, folders: Sequence[Path] | None) -> None:
     """Read every mesh in a process under limits first, since Pinocchio's reader has none."""
     compiler = root.find("compiler")
     given = {} if compiler is None else compiler.attrib
     folder = path.parent / (given.get("meshdir") or given.get("assetdir") or "")
-    named = [mesh.get("file", "") for mesh in root.findall("asset/mesh")]
-    for file, read in read_meshes(folder / name for name in named if name).items():
+    files = [folder / name for mesh in root.findall("asset/mesh") if (name := mesh.get("file"))]
+    outside = [file for file in files if folders is not None and not is_inside(file, folders)]
+    if outside:
+        raise InputError(
+            f"{str(path)!r}: the mesh {str(outside[0])!r} lies outside the folder of the file; package_dirs= with its "
+            "folder or trust_paths=True reads it."
+        )
+    for file, read in read_meshes(files).items():
         if isinstance(read, str):
             raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {read}.")
 

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.system.regular_files import contents
 from robotraj.robot.urdf.lenient import parsed, without_definitions
 
 MAX_BYTES = 10_000_000
@@ -36,13 +37,9 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
     """
     if not path.is_file():
         raise InputError(f"There is no {kind} file {str(path)!r}; give the path of an existing file.")
-    size = path.stat().st_size
-    if size > MAX_BYTES:
-        raise InputError(
-            f"{str(path)!r} has {size / 1e6:.0f} MB; a {kind} of at most {MAX_BYTES / 1e6:.0f} MB can be read."
-        )
+    data = contents(path, MAX_BYTES, f"The {kind} file")
     try:
-        root = parsed(path.read_bytes())
+        root = parsed(data)
     except ValueError as error:
         raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
     xacro = without_definitions(root) or path.suffix == ".xacro"

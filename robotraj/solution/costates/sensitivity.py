@@ -64,8 +64,8 @@ def sensitivity(kept: Multipliers | None, problem: Problem, by: str | Callable[[
 def _named(problem: Problem, name: str) -> tuple[Callable[[float], Problem], float]:
     """Return the problem as a function of a step of a named number, and the number."""
     known = [
-        {key: float(value) for key, value in phase.parameters.items() if is_number(value)}  # type: ignore[arg-type]
-        | ({"duration": float(phase.duration)} if is_number(phase.duration) else {})  # type: ignore[arg-type]
+        {key: float(value) for key, value in phase.parameters.items() if is_number(value)}
+        | ({"duration": float(phase.duration)} if is_number(phase.duration) else {})
         for phase in problem.phases
     ]
     values = [numbers[name] for numbers in known if name in numbers]

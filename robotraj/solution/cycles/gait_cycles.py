@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -21,6 +22,9 @@ from robotraj.solution.sample import Sample
 from robotraj.solution.solution import Solution
 
 Array = NDArray[np.float64]
+
+MOST = 1_000
+"""Largest number of periods."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,11 +248,10 @@ def gait_cycles(solution: Solution, periods: int = 1) -> GaitCycles:
     Raises
     ------
     InputError
-        ``periods`` is no whole number above 0, or several periods are wanted of a System or of a plan without a
-        periodic link.
+        ``periods`` is no whole number from 1 to ``MOST``, or several periods are wanted of a System or of a plan
+        without a periodic link.
     """
-    if not isinstance(periods, int) or isinstance(periods, bool) or periods < 1:
-        raise InputError(f"periods = {periods!r}; give a whole number, 1 or more.")
+    whole("periods", periods, 1, MOST)
     if periods > 1 and any(planned.phase.robot is None for planned in solution.phases):
         raise InputError(
             f"periods = {periods}, but the plan moves an rt.System; only robots are repeated. Use periods=1."

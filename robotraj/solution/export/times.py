@@ -7,10 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError
+from robotraj._util.printing import brief
 
 Array = NDArray[np.float64]
 
+MOST = 2_000_000
+"""Largest number of samples of a file: half an hour of a controller at 1 kHz."""
 SHORTEST = 1e-3
 """Length relative to the other periods below which a last period is joined to the one before it."""
 
@@ -31,18 +35,16 @@ def sample_times(start: float, end: float, samples: int | Sequence[float], rate:
     Raises
     ------
     InputError
-        Fewer than 2 samples, a rate that is not above 0, or an empty list.
+        Fewer than 2 samples, more than ``MOST``, a rate that is not above 0, or an empty list.
     """
     if rate is not None:
-        if not 0.0 < float(rate) < np.inf:
+        if not number("rate", rate, 0.0, MOST / (end - start) if end > start else MOST, "samples per second") > 0.0:
             raise InputError(f"rate={rate}: give samples per second above 0, such as 1000.")
         count = int(np.floor((end - start) * rate - SHORTEST)) + 1
         return np.append(start + np.arange(count) / rate, end)
     if not isinstance(samples, int | np.integer):
         times = np.asarray(samples, dtype=float)
-        if times.ndim != 1 or times.size == 0:
-            raise InputError(f"samples= is a number of samples or a list of times [s]; got {samples!r}.")
+        if times.ndim != 1 or not 0 < times.size <= MOST or not np.isfinite(times).all():
+            raise InputError(f"samples= is a number of samples or a list of times [s]; got {brief(samples)}.")
         return times
-    if isinstance(samples, bool) or samples < 2:
-        raise InputError(f"samples={samples}: give at least 2, or a list of times [s].")
-    return np.linspace(start, end, int(samples))
+    return np.linspace(start, end, whole("samples", samples, 2, MOST))

@@ -9,7 +9,7 @@ from textwrap import shorten
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.checks import is_number
+from robotraj._util.checks import is_number, is_whole, whole
 from robotraj._util.errors import InputError
 from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import WIDTH, OneLine, as_call
@@ -18,6 +18,9 @@ from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 
 Array = NDArray[np.float64]
+
+MOST = 100_000
+"""Largest number of intervals; larger problems fill the memory of any machine."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +37,17 @@ class Mesh(OneLine):
     Raises
     ------
     InputError
-        There is no interval, the knots do not ascend from 0 to 1, or the numbers of schemes and intervals differ.
+        There is no interval, there are more than ``MOST``, the knots do not ascend from 0 to 1, or the numbers of
+        schemes and intervals differ.
     """
 
     intervals: int | Sequence[float] = 40
     scheme: Scheme | Sequence[Scheme] = field(default_factory=HermiteSimpson)
 
     def __post_init__(self) -> None:
-        if isinstance(self.intervals, bool) or (isinstance(self.intervals, int | np.integer) and self.intervals < 1):
-            raise InputError(f"A mesh needs at least 1 interval, got {self.intervals}.")
-        if np.isscalar(self.intervals) and not isinstance(self.intervals, int | np.integer):
+        if is_whole(self.intervals):
+            whole("Mesh(intervals)", self.intervals, 1, MOST)
+        elif np.isscalar(self.intervals):
             raise InputError(f"Mesh(intervals) must be a whole number or a list of knots, got {self.intervals!r}.")
         if not isinstance(self.intervals, int | np.integer):
             # A tuple can be compared and hashed; an array cannot.
@@ -84,11 +88,9 @@ class Mesh(OneLine):
         Raises
         ------
         InputError
-            ``count`` is no whole number of at least 1, or see ``Mesh``.
+            ``count`` is no whole number from 1 to ``MOST``, or see ``Mesh``.
         """
-        if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
-            raise InputError(f"Mesh.chebyshev(count) must be a whole number of at least 1, got {count!r}.")
-        knots = tuple(lobatto_sites(int(count) + 1).tolist())
+        knots = tuple(lobatto_sites(whole("Mesh.chebyshev(count)", count, 1, MOST) + 1).tolist())
         return cls(knots, HermiteSimpson() if scheme is None else scheme)
 
     @property

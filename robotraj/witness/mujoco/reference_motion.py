@@ -11,10 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.design.binding import realised
 from robotraj.solution.cycles.cycle_map import CycleMap, cycle_map_of
+from robotraj.solution.cycles.gait_cycles import MOST
 from robotraj.witness.mujoco.roots import QUATERNION, RootCoordinates
 from robotraj.witness.planned import limits_of, robot_sample
 from robotraj.witness.protocols import Array, SolutionLike
@@ -228,8 +230,7 @@ def _impulses(solution: SolutionLike) -> dict[int, dict[str, Array]]:
 def _count(periods: int | None, closing: CycleMap | None) -> int:
     if periods is None:
         return 1 if closing is None else 3
-    if not isinstance(periods, int) or isinstance(periods, bool) or periods < 1:
-        raise InputError(f"periods = {periods!r}; give a whole number of at least 1.")
+    whole("periods", periods, 1, MOST)
     if periods > 1 and closing is None:
         raise InputError(
             f"periods = {periods}, but the plan does not end as it starts: no rt.Periodic, rt.Mirror or "

@@ -5,6 +5,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
+from robotraj import InputError
 from robotraj.replay_page.scene.motion import FINEST, keys, motion_of
 
 
@@ -74,3 +75,12 @@ def test_phases_join_on_one_time_line(double_pendulum, wave_plan):
         assert motion.times[-1] == pytest.approx(3.5, abs=1e-12)
     for k in range(2):
         np.testing.assert_allclose(np.interp(cut.times, whole.times, whole.q[:, k]), cut.q[:, k], atol=1e-4)
+
+
+@pytest.mark.parametrize("duration", [1e5, 1e308])
+def test_a_motion_of_too_many_frames_is_refused(duration):
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "spin")
+    phase = SimpleNamespace(t0=0.0, duration=duration, at=None)
+    with pytest.raises(InputError, match="give a smaller fps"):
+        motion_of(model, SimpleNamespace(phases=(phase,)), 30)

@@ -73,6 +73,19 @@ def test_meshes_are_read_within_limits(tmp_path):
         rt.load(write(tmp_path, asset, geom))
 
 
+def test_meshes_outside_the_folder_are_read_when_trusted_alone(tmp_path):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    trimesh.creation.box((0.1, 0.1, 0.2)).export(tmp_path / "box.stl")
+    asset, geom = '<asset><mesh name="box" file="../../box.stl"/></asset>', '<geom type="mesh" mesh="box"/>'
+    (inner / "meshes").mkdir()
+    path = write(inner, asset, geom)
+    with pytest.raises(rt.InputError, match="lies outside the folder of the file"):
+        rt.load(path)
+    assert rt.load(path, trust_paths=True).collision_model.ngeoms == 3
+    assert rt.load(path, package_dirs=tmp_path).collision_model.ngeoms == 3
+
+
 def test_what_is_not_read_is_named(tmp_path):
     tied = '<equality><joint joint1="shoulder" joint2="elbow"/></equality>'
     with pytest.warns(UserWarning, match="Sections of the MJCF that are not read: <equality>"):

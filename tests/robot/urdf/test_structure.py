@@ -78,7 +78,7 @@ def test_what_is_no_tree_is_refused_by_name(case, urdf):
         (chain(20_000), f"20001 links; at most {MAX_LINKS}"),
         (chain(20_000, "fixed"), f"20001 links; at most {MAX_LINKS}"),
         (chain(MAX_DEPTH + 1), f"{MAX_DEPTH + 1} joints follow one another"),
-        (star(200_000), "MB; a URDF of at most 10 MB"),
+        (star(200_000), "MB, above 10.0 MB"),
         (chain(2).replace("<link ", "<link " + " ".join(f'a{i}="1"' for i in range(100_000)) + " ", 1), "attributes"),
     ],
     ids=["20,000 joints", "20,000 fixed joints", "too deep", "200,000 fixed links", "100,000 attributes"],

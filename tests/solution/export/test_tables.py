@@ -107,13 +107,14 @@ def test_a_failed_solution_is_exported_with_its_violations(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("samples", "message"),
     [
-        (1, "at least 2"),
-        (True, "at least 2"),
+        (1, "samples must be a whole number from 2"),
+        (True, "samples must be a whole number from 2"),
+        (10**13, "samples must be a whole number from 2"),
         ([[0.0, 1.0]], "list of times"),
         ([], "list of times"),
         ([0.0, 3.5], "t = 3.5 s lies outside"),
         ([-0.1, 1.0], "t = -0.1 s lies outside"),
-        ([np.nan], "outside"),
+        ([np.nan], "list of times"),
     ],
 )
 def test_samples_that_cannot_be_are_refused(
@@ -121,6 +122,13 @@ def test_samples_that_cannot_be_are_refused(
 ) -> None:
     with pytest.raises(rt.InputError, match=message):
         two_phases.to_csv(tmp_path / "a.csv", samples=samples)
+    assert not (tmp_path / "a.csv").exists()
+
+
+@pytest.mark.parametrize("rate", [1e12, 1e308, np.inf, np.nan, -1.0, 0.0])
+def test_rates_that_fill_a_disk_or_are_none_are_refused(two_phases: rt.Solution, tmp_path: Path, rate: float) -> None:
+    with pytest.raises(rt.InputError, match="rate"):
+        two_phases.to_csv(tmp_path / "a.csv", rate=rate)
     assert not (tmp_path / "a.csv").exists()
 
 

@@ -23,6 +23,13 @@ def test_a_number_gives_equal_intervals() -> None:
     assert rt.Mesh(4).count == 4
 
 
+@pytest.mark.parametrize("count", [0, -1, 100_001, 10**400])
+def test_a_mesh_has_one_to_a_hundred_thousand_intervals(count: int) -> None:
+    for make in (rt.Mesh, rt.Mesh.chebyshev):
+        with pytest.raises(rt.InputError, match="must be a whole number from 1 to 100000"):
+            make(count)
+
+
 def test_knots_may_be_given() -> None:
     mesh = rt.Mesh([0, 0.1, 1], [rt.schemes.Trapezoidal(), rt.HermiteSimpson()])
     assert mesh.count == 2

@@ -139,7 +139,7 @@ def test_it_prints_what_it_found(swing):
     ("options", "message"),
     [
         ({"periods": 2}, "periods = 2, but the plan does not end as it starts"),
-        ({"periods": 0}, "periods = 0; give a whole number"),
+        ({"periods": 0}, "periods must be a whole number from 1"),
         ({"step": 0.0}, "step = 0.0; give a positive time"),
         ({"offset": [1.0, 2.0]}, "offset has 2 values; give one, or 4"),
         ({"ground": rt.terrain.Flat()}, "ground = Flat.*; give rt.witness.SoftGround"),
