@@ -1,4 +1,4 @@
-"""The cache of compiled libraries: a folder that only its owner can read or write.
+"""The cache of compiled libraries: a folder that only its owner can read, write or replace.
 
 Loaded libraries run with the user's rights. A folder or file that another user could have written is therefore refused.
 A library is loaded only if its digest is that of the file that was stored: a truncated one would end the process.
@@ -21,6 +21,7 @@ from typing import IO
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.native.engines.ownership import ADVICE, make_folder, require_own, require_safe_parents
 
 
 @dataclass(frozen=True)
@@ -35,21 +36,21 @@ class Cache(OneLine):
     Raises
     ------
     InputError
-        The folder is a link, belongs to another user, or others may write to it.
+        The folder is a link, belongs to another user, or others may write to it or to a folder above it.
     """
 
     folder: Path
 
     def __post_init__(self) -> None:
         try:
-            self.folder.parent.mkdir(parents=True, exist_ok=True)
-            self.folder.mkdir(mode=0o700, exist_ok=True)
+            make_folder(self.folder)
             found = self.folder.lstat()
         except OSError as error:
-            raise InputError(f"The cache of compiled functions cannot be made: {error}. {_ADVICE}") from error
+            raise InputError(f"The cache of compiled functions cannot be made: {error}. {ADVICE}") from error
         if not stat.S_ISDIR(found.st_mode):
-            raise InputError(f"{self.folder} should be the cache of compiled functions but is a link. {_ADVICE}")
-        _require_own(self.folder, found)
+            raise InputError(f"{self.folder} should be the cache of compiled functions but is a link. {ADVICE}")
+        require_own(self.folder, found)
+        require_safe_parents(self.folder)
         if stat.S_IMODE(found.st_mode) != 0o700 and self.writable:
             self.folder.chmod(0o700)
 
@@ -67,7 +68,7 @@ class Cache(OneLine):
             return None
         if not stat.S_ISREG(found.st_mode):
             raise InputError(f"{path} is no regular file and is not loaded. Remove it with 'robotraj cache --clear'.")
-        _require_own(path, found)
+        require_own(path, found)
         return path if self._is_whole(path, found) else None
 
     def store(self, key: str, library: Path) -> Path:
@@ -157,7 +158,7 @@ class Cache(OneLine):
 
     def _require_writable(self) -> None:
         if not self.writable:
-            raise InputError(f"The cache {self.folder} is read-only and lacks a library of this plan. {_ADVICE}")
+            raise InputError(f"The cache {self.folder} is read-only and lacks a library of this plan. {ADVICE}")
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.so"
@@ -170,20 +171,6 @@ _WHOLE: set[tuple[Path, int, int]] = set()
 """Libraries whose digest this process has compared: path, time of the last change, size."""
 ABANDONED = 24 * 3600.0
 """Age [s] at which a folder of a compilation on another machine counts as left behind."""
-_ADVICE = "Point XDG_CACHE_HOME, or Compiled(cache=...), at a folder of your own."
-
-
-def _require_own(path: Path, found: os.stat_result) -> None:
-    """Refuse a file that another user owns or may write."""
-    if found.st_uid != os.getuid():
-        raise InputError(
-            f"{path} belongs to user {found.st_uid}, not to you ({os.getuid()}); its code is not loaded. {_ADVICE}"
-        )
-    if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-        raise InputError(
-            f"Others may write to {path} (mode {stat.S_IMODE(found.st_mode):o}); its code is not loaded. "
-            f"Remove it, or {_ADVICE[0].lower()}{_ADVICE[1:]}"
-        )
 
 
 def _digest(path: Path) -> str:

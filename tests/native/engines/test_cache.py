@@ -68,6 +68,36 @@ def test_a_folder_of_another_user_is_refused(engine: rt.engines.Compiled, monkey
         engine.prepare(WANTED)
 
 
+@pytest.mark.parametrize("mode", [0o777, 0o757, 0o775])
+def test_a_folder_above_that_others_may_write_is_refused(tmp_path: Path, mode: int) -> None:
+    above = tmp_path / "above"
+    Cache(above / "robotraj" / "engines")
+    assert {stat.S_IMODE(each.stat().st_mode) for each in (above, above / "robotraj")} == {0o700}
+    if os.getuid() == 0:
+        os.chown(above, -1, 12345)
+    else:  # the user's own group may be the user alone
+        mode |= 0o002
+    above.chmod(mode)
+    with pytest.raises(rt.InputError, match=r"Others may write to .*above \(mode .*chmod go-w"):
+        Cache(above / "robotraj" / "engines")
+    # The sticky bit keeps every name to its owner.
+    above.chmod(mode | 0o1000)
+    Cache(above / "robotraj" / "engines")
+
+
+def test_a_folder_above_that_belongs_to_another_user_is_refused(tmp_path: Path) -> None:
+    if os.getuid() != 0:
+        pytest.skip("the administrator alone can give folders away")
+    Cache(tmp_path / "above" / "engines")
+    os.chown(tmp_path / "above", 12345, 12345)
+    with pytest.raises(rt.InputError, match="above, above the cache of compiled functions, belongs to user 12345"):
+        Cache(tmp_path / "above" / "engines")
+    # A link to it does not hide it.
+    (tmp_path / "link").symlink_to(tmp_path / "above")
+    with pytest.raises(rt.InputError, match="belongs to user 12345"):
+        Cache(tmp_path / "link" / "engines")
+
+
 def test_a_link_is_no_cache(engine: rt.engines.Compiled, tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     Path(str(engine.cache)).symlink_to(tmp_path / "elsewhere")
