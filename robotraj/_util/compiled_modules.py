@@ -40,7 +40,8 @@ def check_versions(graphs: ModuleType) -> None:
         if version != built[name]:
             raise BuildMismatch(
                 f"robotraj's compiled module was built against {name} {built[name]}, but {name} {version} is "
-                f"installed. Go back with 'pip install {_WHEELS.get(name, name)}=={built[name]}'."
+                f"installed. Go back with 'pip install {_WHEELS.get(name, name)}=={built[name]}', or install a "
+                "robotraj for that version in an environment of its own."
             )
 
 
@@ -81,8 +82,15 @@ def not_loaded(module: str, error: Exception) -> BuildMismatch:
             f"Python imports robotraj from its sources in {folder}, where {module} is not compiled. "
             "Run Python in another folder, or run 'pip install -e .' in this one."
         )
-    remedy = f"'pip install -e .' in {folder}" if from_sources else "'pip install --force-reinstall .' in its sources"
+    known = wheel_version("robotraj")
+    wheel = "robotraj" if known is None else f"robotraj=={known}"
+    remedy = (
+        f"Build it again: 'pip install -e .' in {folder}."
+        if from_sources
+        else f"Install its wheel again, which brings the libraries it was built for: 'pip install --force-reinstall "
+        f"{wheel}'. Where no wheel fits this machine, pip builds one, which needs a C++ compiler."
+    )
     return BuildMismatch(
         f"robotraj's compiled module {module} could not be loaded beside pinocchio {pinocchio.__version__} and "
-        f"casadi {casadi.CasadiMeta.version()} ({error}). Build it again: {remedy}."
+        f"casadi {casadi.CasadiMeta.version()} ({error}). {remedy}"
     )
