@@ -11,6 +11,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.paths import output_path
+from robotraj._util.system.interrupts import heeded
 from robotraj._util.system.whole_files import whole_file
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
@@ -35,6 +36,7 @@ SAME_DURATION = 1e-9
 """Largest relative difference of the durations of a plan and of its report."""
 
 
+@heeded
 def replay(
     solution: Solution | Sequence[Solution],
     path: str | os.PathLike[str],

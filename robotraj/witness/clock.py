@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 
+from robotraj._util.system.interrupts import stop_if_noted
+
 
 class OutOfTime(Exception):
     """The time limit was reached."""
@@ -28,6 +30,7 @@ class ProcessorClock:
         return time.process_time() - self._begin
 
     def __call__(self) -> None:
-        """Raise ``OutOfTime`` once the limit is reached."""
+        """Raise ``OutOfTime`` once the limit is reached, and ``KeyboardInterrupt`` after Ctrl-C."""
+        stop_if_noted()
         if self._limit is not None and self.seconds > self._limit:
             raise OutOfTime

@@ -10,6 +10,7 @@ import numpy as np
 
 from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError, require_solution
+from robotraj._util.system.interrupts import heeded
 from robotraj.solution.reserves.shares import shares_of
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks import energy as energies
@@ -68,6 +69,7 @@ class ValidationOptions(TypedDict, total=False):
     time_limit: float | None
 
 
+@heeded
 def validate(
     solution: SolutionLike,
     *,

@@ -149,7 +149,7 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["plan", "block", "--to", "1", "--duration", "3:1"], "lower bound lies above"),
         (["plan", "block", "--to", "50"], "outside its position limit"),
         (["plan", "block", "--to", "1", "--no-limits", "--effort", "2"], "give it without --velocity and --effort"),
-        (["plan", "block", "--to", "1", "--intervals", "0"], "at least 1 interval"),
+        (["plan", "block", "--to", "1", "--intervals", "0"], "a whole number from 1"),
         (["plan", "double_pendulum", "--to", "1,1"], "Joints 'joint1', 'joint2' cannot be planned"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import judge
 from guard import Guard
+from interrupts import faults
 from random_problems import random_case
 from saved_files import good_files, hostile_file
 from urdfs import hostile_urdf
@@ -23,8 +24,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hours", type=float, default=1.0)
     parser.add_argument("--first", type=int, default=FIRST, help="first seed")
+    parser.add_argument("--interrupts", type=int, default=0, help="press Ctrl-C this often, and nothing else")
     parser.add_argument("--seeds", type=int, default=10**9, help="largest number of seeds")
     given = parser.parse_args()
+    if given.interrupts:
+        with tempfile.TemporaryDirectory() as folder:
+            found = faults(Path(folder), given.interrupts, given.first)
+        print(*found, f"{given.interrupts} interrupts, {len(found)} failures", sep="\n")
+        return
     end, seed, wrong, unsolved = time.monotonic() + 3600.0 * given.hours, given.first, 0, 0
     with tempfile.TemporaryDirectory() as folder, Guard() as guard:
         good = good_files(Path(folder))

@@ -7,6 +7,7 @@ import pickle
 import signal
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj._util.system.interrupts import heeded
 from robotraj.planning.proving.best_motion import BestMotion
 from robotraj.solution.errors import PlanInterrupted
 from robotraj.solvers.status import Status
@@ -79,6 +81,35 @@ def test_a_press_that_code_swallows_ends_the_plan_all_the_same(monkeypatch: pyte
     assert pickle.loads(pickle.dumps(stopped.value)).solution.objective == found.objective
     kept = rt.plan(phase, check=False)
     assert kept.status is Status.INTERRUPTED and kept.objective == found.objective
+
+
+def test_an_error_after_a_press_is_the_press() -> None:
+    class Failing(rt.InteriorPoint):
+        def solve(self, *_: object, **__: object) -> object:  # type: ignore[override]
+            with suppress(KeyboardInterrupt):
+                press()
+            raise RuntimeError("a callback failed")
+
+    phase = rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=0.5, v=0), rt.Effort())
+    with pytest.raises(KeyboardInterrupt):
+        rt.plan(phase, rt.Mesh(5), solver=Failing())
+    with pytest.raises(KeyboardInterrupt):
+        rt.sweep([phase, phase], mesh=rt.Mesh(5), solver=Failing())
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_press_that_python_drops_ends_what_heeds_it() -> None:
+    class Gone:
+        pass
+
+    def dropping() -> None:
+        gone = Gone()
+        reference = weakref.ref(gone, press)  # Python ignores what its callback raises
+        del gone
+        assert reference() is None
+
+    with pytest.raises(KeyboardInterrupt):
+        heeded(dropping)()
 
 
 def test_a_handler_of_the_users_own_stays() -> None:

@@ -11,7 +11,11 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import NoReturn
+from functools import wraps
+from typing import NoReturn, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 _presses = 0
 _before: ContextVar[int | None] = ContextVar("before", default=None)
@@ -28,8 +32,8 @@ def note() -> None:
 def noted() -> Iterator[Callable[[], bool]]:
     """Inside the block, yield a function that returns whether Ctrl-C was pressed since its begin.
 
-    Python's own handler raises ``KeyboardInterrupt``; it is replaced by one that notes it too. A handler of the user's
-    own is kept.
+    Python's own handler raises ``KeyboardInterrupt``; it is replaced by one that notes it too, and an error after the
+    press becomes ``KeyboardInterrupt``. A handler of the user's own is kept.
     """
     start = _presses
     token = _before.set(start)
@@ -39,14 +43,33 @@ def noted() -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, _note_and_raise)
     try:
         yield lambda: _presses > start
+    except Exception as error:
+        # Libraries turn what their callbacks raise into errors of their own.
+        if own and _presses > start:
+            raise KeyboardInterrupt from error
+        raise
     finally:
         if own:
             signal.signal(signal.SIGINT, signal.default_int_handler)
         _before.reset(token)
 
 
+def heeded(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function end with ``KeyboardInterrupt`` after a press that Python drops, as in a weakref's callback."""
+
+    @wraps(function)
+    def heeding(*arguments: P.args, **options: P.kwargs) -> R:
+        with noted() as pressed:
+            result = function(*arguments, **options)
+            if pressed():
+                raise KeyboardInterrupt
+        return result
+
+    return heeding
+
+
 def stop_if_noted() -> None:
-    """Raise ``KeyboardInterrupt`` where Ctrl-C was pressed since the running plan began."""
+    """Raise ``KeyboardInterrupt`` where Ctrl-C was pressed since the running plan, or function that heeds it, began."""
     start = _before.get()
     if start is not None and _presses > start:
         raise KeyboardInterrupt

@@ -168,14 +168,15 @@ def multistart(
     Returns
     -------
     Multistart
-        It prints as a table of optima and failures. After Ctrl-C it has the optima found so far, and ``left`` is the
-        number of starts that were not run.
+        It prints as a table of optima and failures.
 
     Raises
     ------
     InputError
         ``starts`` or ``patience`` is below 1. A spread, seed or tolerance is negative or no number. The problem cannot
         be posed, or ``rt.plan`` does not have an option.
+    Interrupted
+        Ctrl-C was pressed; ``result`` is the Multistart of the starts so far, and its ``left`` counts the others.
     """
     problem = Problem([problem]) if isinstance(problem, Phase) else problem
     if not isinstance(problem, Problem):
@@ -196,14 +197,26 @@ def multistart(
     first = given or default_guess(problem)
     varied = (other_guess(problem, i, (seed, i), spread, given) for i in range(1, starts))
     guesses = [first, *varied]
-    left = 0
     try:
         limits = CaseLimits(options.get("time_limit"), options.get("memory_limit"))
         search, enough = _Search(problem, first, options), _patience_reached(patience, objective_tolerance)
         found = dict(enumerate(run(_plan, search, guesses, executor, enough, limits)))
     except Interrupted as stopped:
-        found, left = dict(stopped.found), starts - len(stopped.found)
+        found = dict(stopped.found)
+        result = _result(problem, found, starts - len(found), objective_tolerance, trajectory_tolerance)
+        raise Interrupted(found, starts, stopped.running, result) from stopped
     _require_posed(found)
+    return _result(problem, found, 0, objective_tolerance, trajectory_tolerance)
+
+
+def _result(
+    problem: Problem,
+    found: Mapping[int, Solution | Failure],
+    left: int,
+    objective_tolerance: float,
+    trajectory_tolerance: float,
+) -> Multistart:
+    """Group the solutions of the starts into local optima."""
     solutions = {i: s for i, s in found.items() if isinstance(s, Solution)}
     solved = sorted((s.objective, i) for i, s in solutions.items() if s.success)
     groups: list[list[int]] = []

@@ -51,17 +51,26 @@ class Interrupted(KeyboardInterrupt):
         Solutions and failures by the number of their problem.
     running, left : tuple of int
         Numbers of the problems that were being planned, and of those that had not begun.
+    result : robotraj.planning.Multistart or None
+        What ``rt.multistart`` makes of the solutions so far.
     """
 
-    def __init__(self, found: Mapping[int, Solution | Failure], count: int, running: Sequence[int] = ()) -> None:
+    def __init__(
+        self,
+        found: Mapping[int, Solution | Failure],
+        count: int,
+        running: Sequence[int] = (),
+        result: object = None,
+    ) -> None:
         super().__init__(f"Interrupted with {len(found)} of {count} done; they are in this error's `found`.")
         self.found = found
         self.count = count
         self.running = tuple(running)
+        self.result = result
         self.left = tuple(i for i in range(count) if i not in found and i not in self.running)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.found, self.count, self.running)
+        return type(self), (self.found, self.count, self.running, self.result)
 
 
 def run(

@@ -219,9 +219,12 @@ def test_ctrl_c_keeps_the_optima_that_were_found() -> None:
     solved.clear()
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        found = search(two_ways(), solver=PressesCtrlC(), starts=30)
+        with pytest.raises(rt.planning.Interrupted) as stopped:
+            search(two_ways(), solver=PressesCtrlC(), starts=30)
     finally:
         signal.signal(signal.SIGINT, before)
+    found = stopped.value.result
+    assert found.starts == len(stopped.value.found)
     assert 1 <= found.starts < 30
     assert found.left == 30 - found.starts
     assert found.best.success
