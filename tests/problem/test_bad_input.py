@@ -532,7 +532,7 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         rt.InputError,
         ["'continuity'", "rt.Continuity"],
     ),
-    "mesh of no interval": (lambda: rt.Mesh(0), rt.InputError, ["at least 1 interval", "0"]),
+    "mesh of no interval": (lambda: rt.Mesh(0), rt.InputError, ["a whole number from 1", "0"]),
     "mesh of half an interval": (lambda: rt.Mesh(2.5), rt.InputError, ["whole number", "2.5"]),
     "knots that do not ascend": (lambda: rt.Mesh([0, 0.6, 0.5, 1]), rt.InputError, ["ascend", "0.6, 0.5"]),
     "knots that do not reach the end": (lambda: rt.Mesh([0, 0.5]), rt.InputError, ["from 0 to 1", "0.5"]),
