@@ -1,4 +1,7 @@
-"""Paths on which the links of a robot do not overlap, by its exact shapes, as guesses of phases."""
+"""Motions on which the links of a robot do not overlap, by its exact shapes, as guesses of phases.
+
+A known motion is followed where it is free. Where it is not, a path from a random search leads around the overlap.
+"""
 
 from __future__ import annotations
 
@@ -11,138 +14,130 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
-from robotraj.guess.least_time import LineLimits
-from robotraj.guess.paths.timed_path import timed_path
+from robotraj.guess.paths.free_path import TRIES, Free, free_path
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
-Free = Callable[[Array], NDArray[np.bool_]]
-"""From configurations (m, nq) to whether each is free."""
+Motion = Callable[[Array], Array]
+"""From fractions of a phase (m,) to configurations (m, nq)."""
 
-STRIDE = 0.6
-"""Longest motion of one step of a tree [rad, m]."""
-STEP = 0.04
-"""Distance of the configurations on it that are compared [rad, m]."""
-TRIES = 400
-"""Largest number of random configurations."""
-SHORTCUTS = 60
-"""Number of shortcuts that are tried."""
-AROUND = 0.7
-"""Standard deviation of random configurations around the straight line, of which half are [rad, m]."""
+SAMPLES = 101
+"""Number of configurations of a motion, at equal steps of time."""
+BESIDE = 4
+"""Number of free configurations before and after an overlap from which a path leads around it."""
+ROUNDED = 7
+"""Largest half-width of the average that rounds corners, in samples; halved until the motion is free."""
 
 
 @dataclass(frozen=True, eq=False)
-class AlongCorners(InitialGuess):
-    """Motions from rest to rest along straight lines in joint space, as fast as the limits permit.
+class AroundItself(InitialGuess):
+    """Motions through configurations at equal steps of time.
 
     Parameters
     ----------
-    corners : tuple of ndarray (m, nq) or None
+    routes : tuple of Route or None
         For each phase; None where ``line`` is the guess.
     line : InitialGuess
     """
 
-    corners: tuple[Array | None, ...]
+    routes: tuple[Route | None, ...]
     line: InitialGuess
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Return the motion of a phase."""
-        corners, limits = self.corners[index], LineLimits.of(phase)
-        path = None if corners is None or limits is None else timed_path(limits, corners)
-        if path is None:
+        route = self.routes[index]
+        if route is None:
             return self.line.of(phase, index)
-        duration = float(np.clip(path.duration, *phase.duration_bounds))
-
-        def motion(s: Array) -> tuple[Array, Array, Array]:
-            q, rate, second = path.motion(s)
-            return q, rate / duration, second / duration**2
-
-        return joint_motion(phase, duration, motion, default_parameters(phase))
+        duration = float(np.clip(route.duration, *phase.duration_bounds))
+        return joint_motion(phase, duration, lambda s: route.motion(s, duration), default_parameters(phase))
 
 
-def free_path(free: Free, first: Array, last: Array, lower: Array, upper: Array, seed: int = 0) -> Array | None:
-    """Return the corners (m, nq) of a free path between two configurations, shortened; None if none was found.
+@dataclass(frozen=True, eq=False)
+class Route:
+    """Configurations (n, nq) at equal steps of time, and the duration [s]."""
 
-    Trees of straight motions grow from both ends until they meet. Source: Kuffner and LaValle, RRT-Connect, ICRA 2000.
+    samples: Array
+    duration: float
+
+    def __call__(self, fractions: Array) -> Array:
+        """Return the configurations (m, nq) at fractions of the duration (m,)."""
+        return _between(self.samples, fractions)
+
+    def motion(self, fractions: Array, duration: float) -> tuple[Array, Array, Array]:
+        """Return positions, velocities and accelerations (m, nv) of a motion that takes a duration [s]."""
+        step = duration / (len(self.samples) - 1)
+        v = np.gradient(self.samples, step, axis=0)
+        v[[0, -1]] = 0.0
+        return self(fractions), _between(v, fractions), _between(np.gradient(v, step, axis=0), fractions)
+
+
+def route_around(
+    motion: Motion, duration: float, free: Free, bounds: tuple[Array, Array], seed: int, whole: bool = False
+) -> Route | None:
+    """Return a free motion that leaves a known one where that is not free; None if none was found.
 
     Parameters
     ----------
+    motion : callable
+        From fractions (m,) to configurations (m, nq).
+    duration : float
+        Of the known motion [s].
     free : callable
         Compares configurations.
-    first, last : ndarray (nq,)
-        Free configurations.
-    lower, upper : ndarray (nq,)
+    bounds : (ndarray (nq,), ndarray (nq,))
         Bounds of the positions; infinite ones of joints without limits.
     seed : int
+    whole : bool
+        Whether all of the motion is replaced, not only what is near an overlap.
     """
-    rng = np.random.default_rng(seed)
-    low = np.maximum(lower, np.minimum(first, last) - np.pi)
-    high = np.minimum(upper, np.maximum(first, last) + np.pi)
-    trees = _Tree(first), _Tree(last)
-    for number in range(TRIES):
-        grown, other = trees if number % 2 == 0 else trees[::-1]
-        if number % 4 < 2:
-            aim = rng.uniform(low, high)
-        else:
-            aim = first + rng.random() * (last - first) + AROUND * rng.normal(size=len(first))
-        reached = grown.extend(np.clip(aim, low, high), free)
-        if reached is None:
-            continue
-        goal = grown.points[reached]
-        while (met := other.extend(goal, free)) is not None:
-            if np.array_equal(other.points[met], goal):
-                ways = grown.way(reached), other.way(met)
-                one, two = ways if grown is trees[0] else ways[::-1]
-                return _shortened(np.array([*one[::-1], *two[1:]]), free, rng)
-    return None
+    known = motion(np.linspace(0.0, 1.0, SAMPLES))
+    open_ = free(known)
+    if not (open_[0] and open_[-1]):
+        return None
+    first, last = (0, SAMPLES - 1) if whole else _window(open_)
+    path = free_path(free, known[first : last + 1], *bounds, TRIES if whole else TRIES // 4, seed)
+    if path is None:
+        return None
+    step = duration / (SAMPLES - 1)
+    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    before = float(np.linalg.norm(np.diff(known[first : last + 1], axis=0), axis=1).sum())
+    # The way around takes the time of the way through, or longer at its mean speed.
+    spent = (last - first) * step * max(1.0, float(lengths.sum()) / max(before, 1e-9))
+    steps = np.full(first, step), spent * lengths / max(float(lengths.sum()), 1e-9), np.full(SAMPLES - 1 - last, step)
+    every, clock = np.concatenate([known[:first], path, known[last + 1 :]]), np.append(0.0, np.cumsum(np.hstack(steps)))
+    even = np.linspace(0.0, clock[-1], SAMPLES)
+    samples = np.column_stack([np.interp(even, clock, column) for column in every.T])
+    return Route(_rounded(samples, free), float(clock[-1]))
 
 
-class _Tree:
-    def __init__(self, root: Array) -> None:
-        self.points: list[Array] = [root]
-        self.parents: list[int] = [-1]
-
-    def extend(self, aim: Array, free: Free) -> int | None:
-        """Add the configuration one stride towards an aim; return its number, None where the motion is not free."""
-        near = int(np.argmin(np.linalg.norm(np.array(self.points) - aim, axis=1)))
-        way = aim - self.points[near]
-        length = float(np.linalg.norm(way))
-        if length == 0.0:
-            return near
-        point = aim if length <= STRIDE else self.points[near] + STRIDE / length * way
-        if not _is_free(free, self.points[near], point):
-            return None
-        self.points.append(point)
-        self.parents.append(near)
-        return len(self.points) - 1
-
-    def way(self, number: int) -> list[Array]:
-        """Return the configurations from one to the root."""
-        found = []
-        while number >= 0:
-            found.append(self.points[number])
-            number = self.parents[number]
-        return found
+def _window(open_: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the samples before and after all that is not free, with up to ``BESIDE`` free ones on both sides."""
+    shut = np.flatnonzero(~open_)
+    if not shut.size:
+        return 0, len(open_) - 1
+    # Between two overlaps a motion may be in a pocket from which no path leads.
+    return max(int(shut[0]) - BESIDE, 0), min(int(shut[-1]) + BESIDE, len(open_) - 1)
 
 
-def _is_free(free: Free, first: Array, last: Array) -> bool:
-    count = int(np.ceil(np.linalg.norm(last - first) / STEP)) + 1
-    return bool(free(first + np.linspace(0.0, 1.0, count)[:, None] * (last - first)).all())
+def _rounded(samples: Array, free: Free) -> Array:
+    """Return averages over neighbours, as far as they are free."""
+    width = ROUNDED
+    while width:
+        padded = np.concatenate(
+            [np.repeat(samples[:1], width, axis=0), samples, np.repeat(samples[-1:], width, axis=0)]
+        )
+        sums = np.cumsum(np.concatenate([np.zeros((1, samples.shape[1])), padded]), axis=0)
+        averages = (sums[2 * width + 1 :] - sums[: -2 * width - 1]) / (2 * width + 1)
+        averages[[0, -1]] = samples[[0, -1]]
+        if free(averages).all():
+            return np.asarray(averages)
+        width //= 2
+    return samples
 
 
-def _shortened(corners: Array, free: Free, rng: np.random.Generator) -> Array:
-    """Replace parts of a path by straight motions, where these are free."""
-    for _ in range(SHORTCUTS):
-        lengths = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-        ends = np.concatenate([[0.0], np.cumsum(lengths)])
-        at = np.sort(rng.uniform(0.0, ends[-1], 2))
-        (i, j), points = np.searchsorted(ends, at, side="right") - 1, []
-        for k, place in zip((i, j), at, strict=True):
-            k = min(int(k), len(lengths) - 1)
-            points.append(corners[k] + (place - ends[k]) / max(lengths[k], 1e-12) * (corners[k + 1] - corners[k]))
-        if i != j and _is_free(free, points[0], points[1]):
-            corners = np.array([*corners[: i + 1], *points, *corners[j + 1 :]])
-    return corners
+def _between(values: Array, fractions: Array) -> Array:
+    even = np.linspace(0.0, 1.0, len(values))
+    return np.column_stack([np.interp(fractions, even, column) for column in values.T])

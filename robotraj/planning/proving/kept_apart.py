@@ -1,14 +1,14 @@
 """Plans that keep the robot's links from overlapping: rows are added only where a plan comes too near.
 
-A plan is made as if links could overlap, and its motion is compared with the exact shapes. Pairs that overlap get rows
-along this motion, and the plan is made again from it, until no pair overlaps.
+A plan is made as if links could overlap, and its motion is compared with the exact shapes. Where they overlap, a random
+search finds a motion around it. Solves on the coarse mesh start there. Where a solution overlaps again, it gets rows at
+the last free configurations on the way from the free motion to it. The plan is then made from the free solution.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -16,58 +16,54 @@ from numpy.typing import NDArray
 
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
-from robotraj.guess.paths.around_itself import AlongCorners, free_path
-from robotraj.planning.diagnosis.self_collision import body_of
+from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
+from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
+from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.collision.along_motion import deepest_overlap, near_pairs, overlapping
+from robotraj.robot.collision.along_motion import freed, pairs_within
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solution.violation import Violation
-from robotraj.solvers.interior_point import InteriorPoint
+from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces, Path
+    from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
 
 Array = NDArray[np.float64]
 
-ROUNDS, LINEAR = 10, 4
-"""Largest number of plans with rows, and of those before a path without overlaps is the guess."""
-PATIENCE = 150
-"""Largest number of iterations of a solve along an overlapping motion."""
-MARGIN = 2e-3
-"""Least height of points above the other surface in the first round [m]."""
-MORE = 1e-3
-"""Growth of this height, beyond the depth of the overlap that is left, from round to round [m]."""
-MOST = 0.02
-"""Largest height [m]."""
-RESERVE = 1.2
-"""Factor on the joint speeds at the points of an interval, for those between them."""
+SHALLOW = 0.01
+"""Depth of an overlap up to which rows along the motion push it out [m]."""
+SEEDS = 4
+"""Number of motions from which solves with rows start: the motion that overlaps, where this is shallow; the same with a
+way around the overlaps; and others between its ends."""
+CUTS = 6
+"""Largest number of solves on the coarse mesh along one such motion."""
+PUSHES = 2
+"""The same along a motion that overlaps, which share the iterations of the plan without rows."""
+ROUNDS = 3
+"""Largest number of plans after them, with further rows where links overlap between the points."""
+MARGIN = 1e-3
+"""Least height of points above the other surface, and its growth with each plan [m]."""
+CLEAR = 1.5e-3
+"""Distance of links at the configurations where rows are fixed [m]."""
+REACH = 0.03
+"""Distance of links up to which a motion that overlaps has rows; those of a free motion reach everywhere [m]."""
+LEAST_ITERATIONS = 60
+"""Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
 STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
-LEAST = 1e-6
-"""Least depth of an overlap [m]; where edges cross, no point lies inside."""
-
-
-class Overlap(NamedTuple):
-    """A pair of shapes that overlaps in a phase: its deepest overlap [m], and the time [s]."""
-
-    phase: int
-    pair: int
-    depth: float
-    time: float
 
 
 class PlanAttempt(NamedTuple):
     """A plan with rows on surfaces: its guess and settings, and whether it ends with the first solve that fails."""
 
-    guess: InitialGuess | Solution
+    guess: Solution
     settings: Settings
     surfaces: Sequence[NearSurfaces | None]
     is_brief: bool
@@ -76,52 +72,41 @@ class PlanAttempt(NamedTuple):
 class KeptApart:
     """The overlaps of the links of a robot, from plan to plan.
 
-    Rows along an overlapping motion are tried first: they push the shallow side out. Where they have no solution, the
-    guess is a path without overlaps, if arms have one between fixed ends.
-
     Parameters
     ----------
     problem : Problem
+    settings : Settings
+    progress : callable, optional
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        self._bodies = [body_of(phase) for phase in problem.phases]
-        self._margins: list[dict[int, float]] = [{} for _ in problem.phases]
-        self._overlaps: list[Overlap] = []
+    def __init__(self, problem: Problem, settings: Settings, progress: Progress | None = None) -> None:
+        self._problem, self._settings, self._progress = problem, settings, progress
+        self._overlaps = OwnOverlaps(problem)
+        self._free: list[Motion | None] = [None for _ in problem.phases]
+        self._rows: list[list[NearPair]] = [[] for _ in problem.phases]
+        self._open: list[dict[int, float]] = [{} for _ in problem.phases]
+        self._seed = 0
+        self._cuts: list[Solution] = []
         self._rounds = 0
+        self._patience = 0
         self._failed = False
-        self._around = False
 
-    def next_attempt(self, found: Solution, settings: Settings) -> PlanAttempt | None:
+    def next_attempt(self, found: Solution) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try."""
-        if not found.success or self._rounds == ROUNDS:
+        if not found.success or found.status in STOPPED:
             return None
         if not self._failed:
-            self._overlaps = self._found(found)
-        movable = [each for each in self._overlaps if self._problem.phases[each.phase].path is None]
-        if not movable or (self._failed and self._around):
+            self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
+        if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None
-        self._rounds += 1
-        for each in movable:
-            margins = self._margins[each.phase]
-            raised = margins[each.pair] + each.depth + MORE if each.pair in margins and not self._failed else MARGIN
-            margins[each.pair] = min(raised, MOST)
-        if self._failed or self._rounds > LINEAR:
-            self._failed, self._around = False, True
-            return self._attempt_around(found, settings)
-        surfaces = [self._surfaces(part.phase, phase, _by_fractions(part)) for phase, part in enumerate(found.phases)]
-        solver = settings.solver
-        # A failure here has another guess, and needs no second opinion.
-        if isinstance(solver, InteriorPoint):
-            solver = replace(solver, fallback=None)
-        near = replace(
-            settings,
-            mesh=tuple(part.mesh for part in found.phases),
-            restarts=Restarts(0),
-            solver=solver.at_most(PATIENCE),
-        )
-        return PlanAttempt(found, near, surfaces, True)
+        self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
+        if not self._failed and 0 < self._rounds < ROUNDS:
+            return self._further(found)
+        while not self._is_stopped and (routes := self._next_routes(found)) is not None:
+            attempt = self._along(routes, found)
+            if attempt is not None:
+                return attempt
+        return None
 
     def kept(self, before: Solution, found: Solution) -> Solution:
         """Return a plan with rows, or else the one before it, with the effort of both."""
@@ -131,78 +116,149 @@ class KeptApart:
             return replace(with_effort_of(found, before), status=found.status)
         return with_effort_of(found, before) if self._failed else with_effort_of(before, found)
 
-    def _attempt_around(self, found: Solution, settings: Settings) -> PlanAttempt | None:
-        """Return a plan from a path without overlaps; None where there is none."""
-        corners: list[Array | None] = []
-        for phase, margins in enumerate(self._margins):
-            corners.append(self._path(phase) if margins else None)
-            if margins and corners[-1] is None:
-                return None
-        guess = AlongCorners(tuple(corners), FromSolution(found))
-        surfaces = []
-        for phase, part in enumerate(found.phases):
-            states, nq = guess.of(part.phase, phase).states, part.phase.robot.nq if part.phase.robot else 0
-            surfaces.append(self._surfaces(part.phase, phase, partial(_positions, states, nq)))
-        return PlanAttempt(guess, replace(settings, restarts=Restarts(0)), surfaces, False)
-
-    def _path(self, phase: int) -> Array | None:
-        """Return the corners of a path of a phase without overlaps, between its fixed ends."""
-        posed, body = self._problem.phases[phase], self._bodies[phase]
-        limits, robot = LineLimits.of(posed), posed.robot
-        ends = [np.asarray(bounds.lower) for bounds in posed.joint_ends.values()]
-        if body is None or robot is None or limits is None or not all(map(np.array_equal, ends, _upper(posed))):
-            return None
-        first, last = (end[: robot.nq] for end in ends)
-        own = posed.limits if isinstance(posed.limits, Limits) else None
-        free = np.full(robot.nq, np.inf)
-        lower, upper = (-free, free) if own is None else (own.position_lower, own.position_upper)
-        return free_path(lambda q: ~overlapping(robot, body, q), first, last, lower, upper)
-
     def judged(self, found: Solution) -> Solution:
         """Return a solution whose proof does not hold where links overlap.
 
         It counts as solved if no row can move the links: on a given path, or where legs overlap in their gait.
         """
-        if not self._overlaps or found.proof is None:
+        for each in self._cuts:
+            found = with_effort_of(each, found)
+        if not any(self._open) or found.proof is None:
             return found
-        shortfall = max(found.proof.shortfall, *(each.depth for each in self._overlaps))
-        movable = any(self._is_movable(each) for each in self._overlaps)
+        overlaps = self._overlaps.deepest(found)
+        movable = any(self._is_movable(each) for each in overlaps)
         status = Status.NOT_PROVED if movable and found.status is Status.SOLVED else found.status
-        broken = tuple(self._violation(each) for each in self._overlaps)
+        if self._is_stopped:
+            status = self._cuts[-1].status
         return replace(
             found,
             status=status,
-            proof=replace(found.proof, shortfall=shortfall),
-            interval_violations=(*found.interval_violations, *broken),
+            proof=replace(found.proof, shortfall=max([found.proof.shortfall, *(each.depth for each in overlaps)])),
+            interval_violations=(*found.interval_violations, *map(self._overlaps.violation, overlaps)),
         )
+
+    @property
+    def _is_stopped(self) -> bool:
+        return bool(self._cuts) and self._cuts[-1].status in STOPPED
+
+    def _along(self, routes: tuple[Route | None, ...], found: Solution) -> PlanAttempt | None:
+        """Return the plan from a solution without overlaps on the coarse mesh, from free motions; None without one."""
+        guess = AroundItself(routes, FromSolution(found)) if any(routes) else found
+        self._free = list(routes)
+        self._rows = [[] for _ in routes]
+        cuts = CUTS if any(routes) else PUSHES
+        coarse = replace(
+            self._settings,
+            restarts=Restarts(0),
+            solver=self._settings.solver.at_most(self._patience if any(routes) else self._patience // PUSHES),
+            interval_limits=replace(self._settings.interval_limits, rounds=0),
+        )
+        motions: list[Motion] = [route or motion_of(part) for route, part in zip(routes, found.phases, strict=True)]
+        self._add_rows(self._open, motions)
+        starts: list[InitialGuess | Solution] = [guess]
+        for _ in range(cuts):
+            # Where the last solution is no good start, the free motion may be one.
+            for start in reversed(starts):
+                solution = solve(self._problem, start, coarse, self._progress, surfaces=self._surfaces)
+                self._cuts.append(solution)
+                if solution.success or self._is_stopped:
+                    break
+            if not solution.success:
+                return None
+            motions = [motion_of(part) for part in solution.phases]
+            hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
+            self._add_rows(hit if any(hit) else self._open, motions)
+            if not any(hit):
+                break
+            starts = [guess, solution]
+        self._rounds = 1
+        return PlanAttempt(solution, replace(self._settings, restarts=Restarts(0)), self._surfaces, False)
+
+    def _further(self, found: Solution) -> PlanAttempt:
+        """Return the plan with further rows along a plan that overlaps, on its meshes."""
+        self._rounds += 1
+        self._add_rows(self._open, [motion_of(part) for part in found.phases])
+        near = replace(
+            self._settings,
+            mesh=tuple(part.mesh for part in found.phases),
+            restarts=Restarts(0),
+            solver=self._settings.solver.at_most(self._patience),
+        )
+        return PlanAttempt(found, near, self._surfaces, True)
+
+    def _next_routes(self, found: Solution) -> tuple[Route | None, ...] | None:
+        """Return the next free motions of the phases with overlaps; None where none is left.
+
+        Where all overlaps are shallow, the first ones are no routes but the motions themselves.
+        """
+        while self._seed < SEEDS:
+            self._seed += 1
+            if self._seed == 1:
+                if self._is_shallow(found):
+                    return (None,) * len(found.phases)
+                continue
+            routes = tuple(
+                self._route(number, part, self._seed) if self._open[number] else None
+                for number, part in enumerate(found.phases)
+            )
+            if all(route or not pairs for route, pairs in zip(routes, self._open, strict=True)):
+                return routes
+        return None
+
+    def _is_shallow(self, found: Solution) -> bool:
+        """Whether rows along the motion push all overlaps out: they are shallow, or nothing else is known to help."""
+        for phase, body, part, pairs in zip(
+            self._problem.phases, self._overlaps.bodies, found.phases, self._open, strict=True
+        ):
+            if body is None or phase.robot is None or LineLimits.of(phase) is None:
+                continue
+            for pair, time in pairs.items():
+                if body.depth(phase.robot, in_time(part)(np.array([time]))[0], pair) > SHALLOW:
+                    return False
+        return True
+
+    def _route(self, number: int, part: PhaseSolution, seed: int) -> Route | None:
+        phase, body = self._problem.phases[number], self._overlaps.bodies[number]
+        robot = phase.robot
+        if body is None or robot is None or phase.path is not None or LineLimits.of(phase) is None:
+            return None
+        motion = motion_of(part)
+        own = phase.limits if isinstance(phase.limits, Limits) else None
+        anywhere = np.full(robot.nq, np.inf)
+        bounds = (-anywhere, anywhere) if own is None else (own.position_lower, own.position_upper)
+
+        def free(q: Array) -> NDArray[np.bool_]:
+            return np.asarray(~pairs_within(robot, body, q).any(axis=1))
+
+        return route_around(motion, part.duration, free, bounds, seed, whole=seed > 2)
+
+    def _add_rows(self, pairs: Sequence[Collection[int]], motions: Sequence[Motion]) -> None:
+        """Add rows of pairs along motions, moved to free configurations where they overlap."""
+        from robotraj.transcription.clearance.surface_rows import NearPair
+
+        for number, motion in enumerate(motions):
+            phase, body = self._problem.phases[number], self._overlaps.bodies[number]
+            if body is None or phase.path is not None:
+                continue
+            for pair in pairs[number]:
+                along = _Freed(phase, body, pair, motion, self._free[number])
+                reach = np.inf if motion is self._free[number] else REACH
+                margin = MARGIN * (1 + sum(row.pair == pair for row in self._rows[number]))
+                ends = self._least_at_ends(phase, body, pair)
+                self._rows[number].append(NearPair(pair, along.configurations, margin, ends, reach))
+
+    @property
+    def _surfaces(self) -> list[NearSurfaces | None]:
+        from robotraj.transcription.clearance.surface_rows import NearSurfaces
+
+        return [
+            NearSurfaces(phase.robot, body, tuple(rows)) if phase.robot and body and rows else None
+            for phase, body, rows in zip(self._problem.phases, self._overlaps.bodies, self._rows, strict=True)
+        ]
 
     def _is_movable(self, each: Overlap) -> bool:
         phase = self._problem.phases[each.phase]
         return phase.path is None and phase.robot is not None and phase.robot.root == "fixed"
-
-    def _found(self, found: Solution) -> list[Overlap]:
-        overlaps = []
-        for phase, (part, body) in enumerate(zip(found.phases, self._bodies, strict=True)):
-            robot = part.phase.robot
-            if body is None or robot is None:
-                continue
-            motion = _motion(part)
-            x, v = part.joint_states, slice(robot.nq, robot.nq + robot.nv)
-            speeds = RESERVE * np.array([np.abs(values[:, v]).max(axis=0) for values in x.values])
-            for each in near_pairs(robot, body, motion, x.breaks, speeds):
-                if each.overlaps:
-                    depth, time = deepest_overlap(robot, body, motion, each)
-                    overlaps.append(Overlap(phase, each.pair, max(depth, LEAST), time))
-        return overlaps
-
-    def _surfaces(self, posed: Phase, phase: int, motion: Path) -> NearSurfaces | None:
-        from robotraj.transcription.clearance.surface_rows import NearSurfaces
-
-        body, robot, margins = self._bodies[phase], posed.robot, dict(self._margins[phase])
-        if body is None or robot is None or not margins:
-            return None
-        ends = {pair: self._least_at_ends(posed, body, pair) for pair in margins}
-        return NearSurfaces(robot, body, motion, margins, ends)
 
     def _least_at_ends(self, phase: Phase, body: OwnBody, pair: int) -> tuple[float, float]:
         """Return half the distance of a pair at each end that is fixed [m], infinite at others."""
@@ -214,27 +270,18 @@ class KeptApart:
             least.append(0.5 * body.distance(phase.robot, q, pair) if fixed else np.inf)
         return least[0], least[1]
 
-    def _violation(self, each: Overlap) -> Violation:
-        body, phase = self._bodies[each.phase], self._problem.phases[each.phase]
-        assert body is not None
-        return Violation(phase.name, "clearance", body.label(each.pair), each.time, each.depth, "m", 0.0, "under", 1.0)
 
+class _Freed(NamedTuple):
+    """A motion whose overlapping configurations are moved towards those of a free one until a pair is free."""
 
-def _upper(phase: Phase) -> list[Array]:
-    return [np.asarray(bounds.upper) for bounds in phase.joint_ends.values()]
+    phase: Phase
+    body: OwnBody
+    pair: int
+    known: Motion
+    free: Motion | None
 
-
-def _positions(states: Path, nq: int, fractions: Array) -> Array:
-    return np.asarray(states(fractions)[:, :nq])
-
-
-def _motion(part: PhaseSolution) -> Path:
-    x, robot = part.joint_states, part.phase.robot
-    assert robot is not None
-    return lambda times: np.asarray(x(times)[:, : robot.nq])
-
-
-def _by_fractions(part: PhaseSolution) -> Path:
-    first, last = float(part.joint_states.breaks[0]), float(part.joint_states.breaks[-1])
-    motion = _motion(part)
-    return lambda fractions: motion(first + fractions * (last - first))
+    def configurations(self, fractions: Array) -> Array:
+        q = self.known(fractions)
+        if self.free is None or self.free is self.known or self.phase.robot is None:
+            return q
+        return freed(self.phase.robot, self.body, self.pair, q, self.free(fractions), CLEAR)

@@ -66,9 +66,9 @@ def prove(
         be solved, it is the solution on the coarser one.
     """
     found = _Refining(problem, settings, progress).plan(guess)
-    apart = KeptApart(problem)
+    apart = KeptApart(problem, settings, progress)
     try:
-        while (attempt := apart.next_attempt(found, settings)) is not None:
+        while (attempt := apart.next_attempt(found)) is not None:
             again = _Refining(problem, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
             found = apart.kept(found, again.plan(attempt.guess))
     except KeyboardInterrupt:

@@ -31,6 +31,8 @@ CLOSE = 5e-3
 """Margin up to which coal compares shapes [m]."""
 MOST_PARTS = 8
 """Largest number of parts into which a piece is divided."""
+HALVINGS = 10
+"""Number of bisections between a configuration that overlaps and a free one."""
 DEPTHS = 9
 """Number of times of an overlap at which its depth is computed."""
 
@@ -60,6 +62,7 @@ def near_pairs(
     knots: Array,
     speeds: Array,
     clock: Callable[[], None] = lambda: None,
+    every: bool = True,
 ) -> list[Near]:
     """Return the pairs that overlap along a motion, and those that stay near.
 
@@ -74,6 +77,8 @@ def near_pairs(
         Bounds on the joint speeds in each interval.
     clock : callable
         Called once a round; it raises an error where no time is left.
+    every : bool
+        Whether all times of an overlap are found, not only some.
     """
     if not len(body.pairs):
         return []
@@ -86,6 +91,7 @@ def near_pairs(
     at, half = 0.5 * (edges[:-1] + edges[1:])[piece], 0.5 * np.diff(edges)[piece]
     hits: dict[int, list[float]] = {}
     deepest: dict[int, tuple[float, list[float]]] = {}
+    first = True
     while at.size:
         clock()
         finest = half <= 0.5 * RESOLUTION
@@ -102,6 +108,12 @@ def near_pairs(
         for k in np.flatnonzero(open_ & finest).tolist():
             hits.setdefault(int(pair[k]), []).append(float(at[k]))
         open_ &= ~finest
+        if first and not every:
+            hit = _parts(robot, body, motion, pair[open_], at[open_], np.zeros(int(open_.sum()))) > 0
+            for own, time in zip(pair[open_][hit].tolist(), at[open_][hit].tolist(), strict=True):
+                hits.setdefault(own, []).append(time)
+            open_ &= ~np.isin(pair, list(hits))
+        first = False
         parts = np.minimum(parts, np.ceil(half / (0.5 * RESOLUTION)).astype(int))[open_]
         piece, pair, half, at = (np.repeat(each[open_], parts) for each in (piece, pair, half, at))
         which, parts = np.arange(len(at)) - np.repeat(np.cumsum(parts) - parts, parts), np.repeat(parts, parts)
@@ -113,12 +125,39 @@ def near_pairs(
     return found + [Near(own, np.sort(t), False) for own, (_, t) in deepest.items() if own not in hits]
 
 
-def overlapping(robot: Robot, body: OwnBody, q: Array) -> npt.NDArray[np.bool_]:
-    """Whether any pair overlaps in each configuration (m, nq), (m,)."""
+def pairs_within(robot: Robot, body: OwnBody, q: Array, margin: float = 0.0) -> npt.NDArray[np.bool_]:
+    """Whether each pair is within a margin [m] in each configuration (m, nq), (m, pairs); with margin 0, overlaps.
+
+    Of meshes, the surfaces are compared up to a margin of ``CLOSE``, and the convex hulls beyond it.
+    """
     count, pairs = len(q), len(body.pairs)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)
-    hit = _parts(robot, body, lambda times: q[times.astype(int)], pair, at.astype(float), np.zeros(len(at)))
-    return np.asarray(hit.reshape(count, pairs).any(axis=1))
+    return _within(robot, body, q, pair, at, margin).reshape(count, pairs)
+
+
+def freed(robot: Robot, body: OwnBody, pair: int, q: Array, free: Array, margin: float) -> Array:
+    """Return configurations (m, nq), moved towards others until a pair is a margin [m] apart.
+
+    Each moves on the straight line to its own one of ``free`` (m, nq); all the way where the pair is near there too.
+    """
+    near = np.flatnonzero(_within(robot, body, q, np.full(len(q), pair), np.arange(len(q)), margin))
+    low, high = np.zeros(len(near)), np.ones(len(near))
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        tried = q[near] + share[:, None] * (free[near] - q[near])
+        inside = _within(robot, body, tried, np.full(len(near), pair), np.arange(len(near)), margin)
+        low, high = np.where(inside, share, low), np.where(inside, high, share)
+    moved = q.copy()
+    moved[near] += high[:, None] * (free[near] - q[near])
+    return moved
+
+
+def _within(robot: Robot, body: OwnBody, q: Array, pair: Indices, at: Indices, margin: float) -> npt.NDArray[np.bool_]:
+    """Whether pairs (n,) are within a margin in configurations ``at`` (n,) of (m, nq)."""
+    if not len(pair):
+        return np.zeros(0, dtype=bool)
+    found = _parts(robot, body, lambda times: q[times.astype(int)], pair, at.astype(float), np.full(len(at), margin))
+    return np.asarray(found > 0)
 
 
 def deepest_overlap(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> tuple[float, float]:

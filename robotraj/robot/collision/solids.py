@@ -214,6 +214,22 @@ def hull_distance(first: Placed, second: Placed) -> float:
     return float(coal.distance(*pair, coal.DistanceRequest(), coal.DistanceResult()))
 
 
+def hull_points(first: Placed, second: Placed) -> tuple[float, Array, Array]:
+    """Return the distance of the convex hulls of two shapes [m], and the nearest points (3,) of both in the world."""
+    return _nearest(first.solid.hull, first.place, second.solid.hull, second.place)
+
+
+def surface_points(first: Placed, second: Placed) -> tuple[float, Array, Array]:
+    """Return the distance of two shapes [m], and the nearest points (3,) of both in the world."""
+    return _nearest(first.solid.geometry, first.place, second.solid.geometry, second.place)
+
+
+def _nearest(*pair: coal.CollisionGeometry | coal.Transform3s) -> tuple[float, Array, Array]:
+    found = coal.DistanceResult()
+    apart = coal.distance(*pair, coal.DistanceRequest(), found)
+    return float(apart), np.array(found.getNearestPoint1()), np.array(found.getNearestPoint2())
+
+
 def distance(first: Placed, second: Placed) -> float:
     """Return the distance of two surfaces [m], negative between solids that overlap unless both are meshes."""
     pair = first.solid.geometry, first.place, second.solid.geometry, second.place

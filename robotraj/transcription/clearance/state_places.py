@@ -1,4 +1,4 @@
-"""Places of a phase at which distances are imposed: its knots, and the collocation points inside its intervals."""
+"""Places of a phase at which distances are imposed: knots and collocation points, or given fractions of the phase."""
 
 from __future__ import annotations
 
@@ -72,3 +72,34 @@ def state_places(layout: PhaseLayout) -> StatePlaces:
         starts,
         np.append(starts[1:], len(columns) - 1),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class StateBetween:
+    """The state at a fraction of a phase: weights (k,) of states of its interval, columns (k, nx)."""
+
+    columns: Indices
+    weights: Array
+
+
+def states_between(layout: PhaseLayout, fractions: Array) -> list[StateBetween]:
+    """Return the polynomials through the states of an interval at fractions (m,), linear ones in shooting."""
+    starts = layout.fractions
+    within = np.clip(np.searchsorted(starts, fractions, side="right") - 1, 0, len(starts) - 2)
+    taus = (fractions - starts[within]) / np.diff(starts)[within]
+    known: dict[int, tuple[Array, Indices]] = {}
+    for run in layout.runs:
+        shot = isinstance(run.scheme, OneStep)
+        nodes = np.zeros(0) if shot else run.scheme.nodes
+        inner = np.flatnonzero((nodes > 0.0) & (nodes < 1.0))
+        sites = np.concatenate([[0.0], nodes[inner], [1.0]])
+        for i, interval in enumerate(run.which.tolist()):
+            states = [layout.knots[interval], *run.states[i, inner], layout.knots[interval + 1]]
+            known[interval] = sites, np.array(states)
+    found = []
+    for interval, tau in zip(within.tolist(), taus.tolist(), strict=True):
+        sites, columns = known[interval]
+        others = [np.delete(sites, k) for k in range(len(sites))]
+        weights = [np.prod((tau - other) / (site - other)) for site, other in zip(sites, others, strict=True)]
+        found.append(StateBetween(columns, np.array(weights)))
+    return found

@@ -7,23 +7,24 @@ are fixed along the known motion, so the rows are as smooth as the robot's kinem
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.collision.placements import placements
-from robotraj.robot.collision.solids import Placed, hull_distance
+from robotraj.robot.collision.solids import Placed, hull_points, surface_points
 from robotraj.robot.robot import Robot
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.clearance.clearance_rows import with_distances
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of_links
-from robotraj.transcription.clearance.state_places import StatePlaces, state_places
-from robotraj.transcription.layout import PhaseLayout
+from robotraj.transcription.clearance.state_places import StateBetween, states_between
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 
@@ -34,35 +35,67 @@ Path = Callable[[Array], Array]
 
 NEAR = 0.03
 """Height above the other surface up to which a point has a row [m]."""
+APART = 1e-3
+"""Distance of convex hulls from which the plane between them is the row [m]."""
+TOUCHING = 1e-5
+"""Distance of shapes up to which their nearest points have no direction [m]."""
 POINTS = 4
 """Largest number of points of one surface at one place."""
 SPREAD = 0.02
 """Least distance between two of these points [m]."""
 ENDS = 0.1
 """Fraction of a phase in which the margin grows from its value at a fixed end."""
+FRACTIONS: Array = np.linspace(0.5 / 60, 1.0 - 0.5 / 60, 60)
+"""Fractions of a phase at which rows are imposed on every mesh; between them, motions are compared with the shapes."""
+
+
+@dataclass(frozen=True, eq=False)
+class NearPair:
+    """Rows of a pair of shapes.
+
+    Attributes
+    ----------
+    pair : int
+        In ``OwnBody.pairs``.
+    motion : callable
+        The motion along which the rows are fixed.
+    margin : float
+        Least height [m].
+    ends : (float, float)
+        Least heights at the start and at the end, where these are fixed and nearer [m].
+    reach : float
+        Distance of the convex hulls up to which places have rows [m].
+    """
+
+    pair: int
+    motion: Path
+    margin: float
+    ends: tuple[float, float]
+    reach: float
+    known: dict[int, list[_SurfacePoints]] = field(default_factory=dict, repr=False)
+    """Points of all places that were computed before, by the shape that carries the first ones."""
+
+    @cached_property
+    def configurations(self) -> Array:
+        """The motion at the places of the rows, (60, nq)."""
+        return self.motion(FRACTIONS)
 
 
 @dataclass(frozen=True, eq=False)
 class NearSurfaces:
-    """Pairs of shapes that came near each other in a phase, and the motion along which their rows are fixed.
+    """Pairs of shapes that rows keep apart in a phase.
 
     Attributes
     ----------
     robot : Robot
     body : OwnBody
-    motion : callable
-        The known motion.
-    margins : mapping of int to float
-        Least height of each pair [m].
-    ends : mapping of int to (float, float)
-        Least heights at the start and at the end, where these are fixed and nearer [m].
+    pairs : tuple of NearPair
+        A pair may have rows along several motions.
     """
 
     robot: Robot
     body: OwnBody
-    motion: Path
-    margins: Mapping[int, float]
-    ends: Mapping[int, tuple[float, float]]
+    pairs: tuple[NearPair, ...]
 
 
 class _SurfacePoints(NamedTuple):
@@ -73,92 +106,113 @@ class _SurfacePoints(NamedTuple):
     normals: Array
 
 
+NONE = _SurfacePoints(*np.zeros((3, 0, 3)))
+
+
 def with_surface_rows(nlp: Nlp, every: Sequence[NearSurfaces | None]) -> Nlp:
-    """Append the rows of each phase to an NLP; rows on fixed states are omitted."""
+    """Append the rows of each phase to an NLP."""
     table, blocks = ScalarTable.after(nlp.rows), list[Block]()
     for phase, near in enumerate(every):
         if near is not None:
-            layout = nlp.layouts[phase]
-            places = state_places(layout)
-            for pair in near.margins:
-                blocks += _blocks(nlp, near, phase, layout, places, pair, table)
+            places = states_between(nlp.layouts[phase], FRACTIONS)
+            for each in near.pairs:
+                blocks += _blocks(nlp, near, phase, places, each, table)
     return with_distances(nlp, blocks, table) if blocks else nlp
 
 
 def _blocks(
-    nlp: Nlp,
-    near: NearSurfaces,
-    phase: int,
-    layout: PhaseLayout,
-    places: StatePlaces,
-    pair: int,
-    table: ScalarTable,
+    nlp: Nlp, near: NearSurfaces, phase: int, places: list[StateBetween], each: NearPair, table: ScalarTable
 ) -> list[Block]:
     """Return the blocks of a pair: one for the points of each of both surfaces."""
-    first, second = near.body.pairs[pair].tolist()
-    numbers = table.numbers([Entry(phase, "clearance", near.body.label(pair), "m")])
+    first, second = near.body.pairs[each.pair].tolist()
+    numbers = table.numbers([Entry(phase, "clearance", near.body.label(each.pair), "m")])
     found = []
     for inner, outer in ((first, second), (second, first)):
         function = function_of_links(near.robot, int(near.body.joint[inner]), int(near.body.joint[outer]))
-        free = _free_places(nlp, places, function)
-        rows = [(place, _points(near, function, inner, outer, place, places)) for place in free.tolist()]
-        rows = [(place, points) for place, points in rows if len(points.first)]
-        if not rows:
+        chosen = _known_points(near, each, function, inner, outer)
+        counts = [len(points.first) for points in chosen]
+        if not any(counts):
             continue
-        at = np.repeat([place for place, _ in rows], [len(points.first) for _, points in rows])
+        at = np.repeat(np.arange(len(places)), counts)
         constants = np.concatenate(
-            [np.column_stack([p.first, p.second, p.normals, np.zeros(len(p.first))]) for _, p in rows]
+            [np.column_stack([p.first, p.second, p.normals, np.zeros(len(p.first))]) for p in chosen]
         )
-        fractions = places.fractions[at]
-        rank = table.add_above(np.repeat(numbers, len(at)), fractions, _lower(near, pair, fractions))
-        found.append(_block(nlp, function, places.columns[at][:, function.positions], constants, rank))
+        rank = table.add_above(np.repeat(numbers, len(at)), FRACTIONS[at], _lower(each, FRACTIONS[at]))
+        found.append(_block(nlp, function, [places[k] for k in at.tolist()], constants, rank))
     return found
 
 
-def _free_places(nlp: Nlp, places: StatePlaces, function: DistanceFunction) -> Indices:
-    """Return the places at which some position of the function is free."""
-    columns = places.columns[:, function.positions]
-    return np.flatnonzero(np.any(nlp.variables.lower[columns] < nlp.variables.upper[columns], axis=1))
-
-
-def _block(nlp: Nlp, function: DistanceFunction, columns: Indices, constants: Array, rank: Indices) -> Block:
-    gather, scatter = Triplets(), Triplets()
-    gather.add(np.arange(columns.size), columns.ravel(), 1.0)
+def _block(nlp: Nlp, function: DistanceFunction, places: list[StateBetween], constants: Array, rank: Indices) -> Block:
+    gather, scatter, count = Triplets(), Triplets(), len(function.positions)
+    for k, place in enumerate(places):
+        for columns, weight in zip(place.columns, place.weights.tolist(), strict=True):
+            gather.add(k * count + np.arange(count), columns[function.positions], weight)
     scatter.add(rank, np.arange(len(rank)), 1.0)
     return Block(
         function.stage,
-        gather.matrix((columns.size, len(nlp.variables))),
+        gather.matrix((len(places) * count, len(nlp.variables))),
         np.ascontiguousarray(constants.T),
         scatter.matrix((int(rank.max()) + 1, len(rank))),
         np.zeros(len(rank)),
     )
 
 
-def _lower(near: NearSurfaces, pair: int, fractions: Array) -> Array:
+def _lower(each: NearPair, fractions: Array) -> Array:
     """Return the least heights (n,) [m]: the margin, or less near an end that is nearer."""
-    margin, (start, end) = near.margins[pair], near.ends[pair]
     away = np.clip(np.column_stack([fractions, 1.0 - fractions]) / ENDS, 0.0, 1.0)
-    grown = np.minimum([start, end], margin)
-    return np.asarray((grown + (margin - grown) * away).min(axis=1))
+    grown = np.minimum(each.ends, each.margin)
+    return np.asarray((grown + (each.margin - grown) * away).min(axis=1))
+
+
+def _known_points(
+    near: NearSurfaces, each: NearPair, function: DistanceFunction, inner: int, outer: int
+) -> list[_SurfacePoints]:
+    """Return the points of each place; they are computed once."""
+    if inner not in each.known:
+        each.known[inner] = [_points(near, function, inner, outer, q, each.reach) for q in each.configurations]
+    return each.known[inner]
 
 
 def _points(
-    near: NearSurfaces, function: DistanceFunction, inner: int, outer: int, place: int, places: StatePlaces
+    near: NearSurfaces, function: DistanceFunction, inner: int, outer: int, known: Array, reach: float
 ) -> _SurfacePoints:
-    """Return the lowest points of a surface above another one, at least ``SPREAD`` apart, at a place."""
+    """Return points of a surface and of another one that are near each other in a configuration."""
     body = near.body
     q = near.robot.neutral.copy()
-    q[function.positions] = near.motion(places.fractions[place : place + 1])[0, function.positions]
+    q[function.positions] = known[function.positions]
     rotations, origins = (each[0] for each in placements(near.robot, q[None]))
     moves, stays = (body.placed(shape, rotations, origins) for shape in (inner, outer))
-    if hull_distance(moves, stays) > NEAR:
-        return _SurfacePoints(*np.zeros((3, 0, 3)))
+    # The nearest points are those of one side.
+    nearest, is_first = hull_points(moves, stays), inner < outer
+    if nearest[0] > APART:
+        # One plane separates the hulls.
+        return _between(body, inner, outer, moves, stays, nearest) if is_first and nearest[0] <= reach else NONE
+    nearest = surface_points(moves, stays) if is_first else (0.0, *nearest[1:])
+    first = _between(body, inner, outer, moves, stays, nearest) if nearest[0] > TOUCHING else NONE
+    lowest = _lowest(body, inner, outer, moves, stays)
+    return _SurfacePoints(*map(np.concatenate, zip(first, lowest, strict=True)))
+
+
+def _between(
+    body: OwnBody, inner: int, outer: int, moves: Placed, stays: Placed, nearest: tuple[float, Array, Array]
+) -> _SurfacePoints:
+    """Return the nearest points of two shapes that are apart."""
+    apart, *points = nearest
+    own, other = (
+        _in_joint(body, shape, (point - each.position) @ each.rotation)[None]
+        for shape, each, point in zip((inner, outer), (moves, stays), points, strict=True)
+    )
+    return _SurfacePoints(own, other, (points[0] - points[1])[None] / apart)
+
+
+def _lowest(body: OwnBody, inner: int, outer: int, moves: Placed, stays: Placed) -> _SurfacePoints:
+    """Return the lowest points of a surface above another one, at least ``SPREAD`` apart."""
     own = moves.solid.spots
     there = moves.seen_from(stays, own)
     lower, upper = stays.solid.box
     close = np.flatnonzero(np.all((there > lower - NEAR) & (there < upper + NEAR), axis=1))
     if not close.size or not len(stays.solid.spots):
-        return _SurfacePoints(*np.zeros((3, 0, 3)))
+        return NONE
     heights = stays.solid.heights(there[close], NEAR)
     close, heights = close[heights < NEAR], heights[heights < NEAR]
     chosen: list[int] = []
@@ -167,7 +221,7 @@ def _points(
         apart = np.linalg.norm(own[close] - own[chosen[-1]], axis=1) > SPREAD
         close, heights = close[apart], heights[apart]
     if not chosen:
-        return _SurfacePoints(*np.zeros((3, 0, 3)))
+        return NONE
     kept, feet, normals = _feet(stays, there[chosen])
     return _SurfacePoints(
         _in_joint(body, inner, own[chosen][kept]), _in_joint(body, outer, feet), normals @ stays.rotation.T

@@ -9,7 +9,6 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.guess.paths.around_itself import free_path
 from robotraj.robot.collision.own_body import own_body
 from robotraj.solvers.status import Status
 
@@ -100,23 +99,11 @@ def test_self_collision_false_plans_through_the_robot(tmp_path: Path) -> None:
     assert solution.proof.holds and rt.validate(solution).left_out
 
 
-def test_a_free_path_goes_around_a_disc() -> None:
-    """Every configuration of the path is free, and it is at most a third longer than the tangents to the disc."""
-    first, last = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
-
-    def free(q: np.ndarray) -> np.ndarray:
-        return np.linalg.norm(q, axis=1) > 0.5
-
-    corners = free_path(free, first, last, np.full(2, -2.0), np.full(2, 2.0))
-    assert corners is not None and np.array_equal(corners[0], first) and np.array_equal(corners[-1], last)
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
-        assert free(a + np.linspace(0, 1, 30)[:, None] * (b - a)).mean() > 0.9
-    shortest = 2 * np.sqrt(0.75) + 0.5 * (np.pi - 2 * np.arccos(0.5))
-    assert np.linalg.norm(np.diff(corners, axis=0), axis=1).sum() < 4 / 3 * shortest
-
-
-def test_a_wall_leaves_no_path() -> None:
-    found = free_path(
-        lambda q: np.abs(q[:, 0]) > 0.1, np.array([-1.0, 0]), np.array([1.0, 0]), np.full(2, -2.0), np.full(2, 2.0)
-    )
-    assert found is None
+@pytest.mark.slow
+def test_an_arm_that_would_fold_through_itself_goes_around_itself() -> None:
+    """From the straight arm, least effort folds the elbow through the shoulder, eight pairs of links deep."""
+    ends = rt.State(q=0, v=0), rt.State(q=(1, -1, 1, 0, 0, 0), v=0)
+    phase = rt.Phase(rt.load("ur5"), 2.0, *ends, rt.Effort())
+    through, around = rt.plan(phase.with_(self_collision=False)), rt.plan(phase)
+    assert overlapping_times(through) > 100 and not overlapping_times(around)
+    assert around.proof.holds and around.objective > through.objective

@@ -1,0 +1,99 @@
+"""The overlaps of a robot's links along a solution, by the exact shapes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.guess.paths.around_itself import Motion
+from robotraj.planning.diagnosis.self_collision import body_of
+from robotraj.problem.problem import Problem
+from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_within
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+from robotraj.solution.violation import Violation
+
+Array = NDArray[np.float64]
+
+SAMPLES = 121
+"""Number of configurations at which a solution on the coarse mesh is compared."""
+RESERVE = 1.2
+"""Factor on the joint speeds at the points of an interval, for those between them."""
+LEAST = 1e-6
+"""Least depth of an overlap [m]; where edges cross, no point lies inside."""
+
+
+class Overlap(NamedTuple):
+    """A pair of shapes that overlaps in a phase: its deepest overlap [m], and the time [s]."""
+
+    phase: int
+    pair: int
+    depth: float
+    time: float
+
+
+class OwnOverlaps:
+    """Compares solutions of a problem with the exact shapes.
+
+    Attributes
+    ----------
+    bodies : list of OwnBody or None
+        Shapes that must not overlap in each phase.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self.bodies = [body_of(phase) for phase in problem.phases]
+
+    def of(self, number: int, part: PhaseSolution) -> dict[int, float]:
+        """Return the pairs that overlap, each with a time [s]."""
+        near = self._near(number, part, every=False)
+        return {each.pair: float(each.times[len(each.times) // 2]) for each in near if each.overlaps}
+
+    def sampled(self, number: int, motion: Motion) -> set[int]:
+        """Return the pairs that overlap at equal steps of a motion."""
+        robot, body = self._problem.phases[number].robot, self.bodies[number]
+        if robot is None or body is None:
+            return set()
+        near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)))
+        return set(np.flatnonzero(near.any(axis=0)).tolist())
+
+    def deepest(self, found: Solution) -> list[Overlap]:
+        """Return the deepest overlap of each pair."""
+        overlaps = []
+        for number, (part, body) in enumerate(zip(found.phases, self.bodies, strict=True)):
+            for each in self._near(number, part, every=True):
+                if each.overlaps and body is not None and part.phase.robot is not None:
+                    depth, time = deepest_overlap(part.phase.robot, body, in_time(part), each)
+                    overlaps.append(Overlap(number, each.pair, max(depth, LEAST), time))
+        return overlaps
+
+    def violation(self, each: Overlap) -> Violation:
+        """Return an overlap as a violated row."""
+        body, phase = self.bodies[each.phase], self._problem.phases[each.phase]
+        assert body is not None
+        return Violation(phase.name, "clearance", body.label(each.pair), each.time, each.depth, "m", 0.0, "under", 1.0)
+
+    def _near(self, number: int, part: PhaseSolution, every: bool) -> list[Near]:
+        body, robot = self.bodies[number], part.phase.robot
+        if body is None or robot is None:
+            return []
+        x, v = part.joint_states, slice(robot.nq, robot.nq + robot.nv)
+        speeds = RESERVE * np.array([np.abs(values[:, v]).max(axis=0) for values in x.values])
+        return near_pairs(robot, body, in_time(part), x.breaks, speeds, every=every)
+
+
+def in_time(part: PhaseSolution) -> Motion:
+    """Return the configurations (m, nq) of a solution over times (m,) [s]."""
+    x, robot = part.joint_states, part.phase.robot
+    assert robot is not None
+    return lambda times: np.asarray(x(times)[:, : robot.nq])
+
+
+def motion_of(part: PhaseSolution) -> Motion:
+    """Return the configurations (m, nq) of a solution over fractions (m,) of its phase."""
+    first, last = float(part.joint_states.breaks[0]), float(part.joint_states.breaks[-1])
+    motion = in_time(part)
+    return lambda fractions: motion(first + fractions * (last - first))
