@@ -15,7 +15,7 @@ import numpy.typing as npt
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.robot.collision.lever_arms import levers
+from robotraj.robot.collision.lever_arms import levers, levers_across
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.collision.placements import joint_tree, placements
 from robotraj.robot.collision.solids import Placed, Solid, depth, distance, one_inside, touch
@@ -190,8 +190,25 @@ def _by_construction(robot: Robot, body: OwnBody) -> set[frozenset[str]]:
 def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
     joints = [[number] * joint.nv for number, joint in enumerate(robot.model.joints) if number]
     moved = joint_tree(robot).is_moved_by()[:, np.concatenate([np.zeros(0, dtype=int), *joints]).astype(int)]
-    reach = levers(robot, body.joint, body.farthest)
+    reach, across = levers(robot, body.joint, body.farthest), levers_across(robot, body.joint, body.farthest)
+    tree = joint_tree(robot)
+    for shape, solid in enumerate(body.solids):
+        points = solid.outer_points @ body.rotation[shape].T + body.position[shape]
+        for j in np.flatnonzero(tree.turns).tolist():
+            column = robot.model.joints[j].idx_v
+            # The axis of a shape's own joint, and of those that it carries, is fixed in its frame.
+            if j == body.joint[shape]:
+                reach[shape, column] = _from_axis(points, tree.axes[j])
+            elif tree.parents[j] == body.joint[shape]:
+                axis = tree.rotations[j] @ tree.axes[j]
+                across[shape, column] = _from_axis(points - tree.translations[j], axis)
     a, b = pairs.T
     first, second = moved[body.joint[a]], moved[body.joint[b]]
     # Joints that move both shapes alike do not change their distance.
-    return np.where(first & ~second, reach[a], 0.0) + np.where(second & ~first, reach[b], 0.0)
+    one, other = np.minimum(reach[a], across[b]), np.minimum(reach[b], across[a])
+    return np.where(first & ~second, one, 0.0) + np.where(second & ~first, other, 0.0)
+
+
+def _from_axis(points: Array, axis: Array) -> float:
+    """Return the largest distance of points (n, 3) from an axis through the origin [m]."""
+    return float(np.linalg.norm(np.cross(points, axis), axis=1).max(initial=0.0))
