@@ -18,7 +18,7 @@ from robotraj._util.values import dataclass
 from robotraj.robot.collision.lever_arms import levers, levers_across
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.collision.placements import joint_tree, placements
-from robotraj.robot.collision.solids import Placed, Solid, depth, distance, one_inside, touch
+from robotraj.robot.collision.solids import UNBOUNDED, Placed, Solid, depth, distance, one_inside, touch
 from robotraj.robot.collision.unguarded import unguarded_links
 from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
@@ -210,5 +210,7 @@ def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
 
 
 def _from_axis(points: Array, axis: Array) -> float:
-    """Return the largest distance of points (n, 3) from an axis through the origin [m]."""
+    """Return the largest distance of points (n, 3) from an axis through the origin [m]; infinite if unbounded."""
+    if not np.all(np.abs(points) < UNBOUNDED):
+        return np.inf
     return float(np.linalg.norm(np.cross(points, axis), axis=1).max(initial=0.0))
