@@ -33,6 +33,10 @@ class BuildMismatch(RobotrajError, ImportError):
     """The compiled module is missing or was built against other versions than those installed."""
 
 
+class OutOfMemory(RobotrajError, MemoryError):
+    """The operating system gave no more memory."""
+
+
 class ValidationFailed(RobotrajError):
     """A plan failed its forward-simulation proof; ``report`` holds the figures.
 

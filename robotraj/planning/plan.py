@@ -16,6 +16,7 @@ from robotraj._util.system.interrupts import noted
 from robotraj._util.time_left import LimitReached, limited
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
+from robotraj.planning.diagnosis.memory import shortage_named
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.live.terminal_line import watching
 from robotraj.planning.many.candidates import has_candidates, with_candidates
@@ -153,6 +154,8 @@ def plan(
         it has no solution, and is raised without ``check`` as well.
     InputError
         An option has another type, or the problem cannot be posed.
+    OutOfMemory
+        The operating system gave no more memory; it is a ``MemoryError`` too.
 
     Notes
     -----
@@ -244,7 +247,7 @@ def plan(
             from robotraj.planning.diagnosis.oscillation import warn_of_oscillation
 
             warn_of_oscillation(problem)
-    with noted() as pressed, watching(settings.solver, progress) as terminal, ExitStack() as stack:
+    with noted() as pressed, shortage_named(), watching(settings.solver, progress) as terminal, ExitStack() as stack:
         live = None
         if watch is not False:
             from robotraj.planning.live.live_plan import live_plan

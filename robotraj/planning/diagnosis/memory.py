@@ -1,11 +1,13 @@
-"""Memory of a plan: the resident memory of the process, and a lower bound for a problem on a mesh."""
+"""Memory of a plan: that of the process, a lower bound for a problem on a mesh, and the error where none is left."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from resource import RUSAGE_SELF, getrusage
 
+from robotraj._util.errors import OutOfMemory
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.shooting import SingleShooting
@@ -25,6 +27,29 @@ def resident() -> float:
     except FileNotFoundError:
         return getrusage(RUSAGE_SELF).ru_maxrss / MB
     return pages * os.sysconf("SC_PAGE_SIZE") / MB
+
+
+def is_shortage(error: BaseException | None) -> bool:
+    """Whether an error, or one that it was raised from, is that no memory was left."""
+    while error is not None:
+        if isinstance(error, MemoryError) or "bad_alloc" in str(error):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+@contextmanager
+def shortage_named() -> Iterator[None]:
+    """Inside the block, errors of any library for want of memory become one ``OutOfMemory``."""
+    try:
+        yield
+    except Exception as error:
+        if not is_shortage(error):
+            raise
+        raise OutOfMemory(
+            f"No memory was left; the process holds {resident():.0f} MB. Give fewer intervals, a looser tolerance or "
+            "memory_limit=, or raise the limit of the system."
+        ) from error
 
 
 def least_memory(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:

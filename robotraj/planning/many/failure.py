@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.planning.diagnosis.memory import is_shortage
 from robotraj.planning.many.processes import WorkerDied
 from robotraj.solvers.status import Status
 
@@ -54,17 +55,8 @@ def failure_of(number: int, error: BaseException) -> Failure:
     if isinstance(error, WorkerDied) and error.code is not None and -error.code in TIMERS:
         return Failure(number, Status.TIME_LIMIT, "the operating system's timer ended it, since it passed its limit")
     text = str(error).strip().rstrip(".")
-    if _is_of_memory(error):
+    if is_shortage(error):
         return Failure(number, Status.MEMORY_LIMIT, f"no memory was left within its limit: {text or 'MemoryError'}")
     if isinstance(error, WorkerDied):
         return Failure(number, Status.DIED, text)
     return Failure(number, Status.ERROR, f"{type(error).__name__}: {text}")
-
-
-def _is_of_memory(error: BaseException | None) -> bool:
-    """Whether an error, or one that it was raised from, is that no memory was left."""
-    while error is not None:
-        if isinstance(error, MemoryError) or "bad_alloc" in str(error):
-            return True
-        error = error.__cause__ or error.__context__
-    return False
