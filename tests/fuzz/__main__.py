@@ -1,4 +1,8 @@
-"""Fuzz for hours: `python tests/fuzz --hours 1`, or `--seeds 1000`. It prints the seeds that fail, for the tests."""
+"""Fuzz for hours: `python tests/fuzz --hours 1`, or `--seeds 1000`. It prints the seeds that fail, for the tests.
+
+`--proofs` draws problems with known answers and prints the share of proved plans that are wrong; `--interrupts 100`
+presses Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +15,10 @@ from pathlib import Path
 import judge
 from guard import Guard
 from interrupts import faults
+from proofs import Tally
 from random_problems import random_case
 from saved_files import good_files, hostile_file
+from texts import hostile_mesh, hostile_problem, hostile_srdf
 from urdfs import hostile_urdf
 
 FIRST = 100_000
@@ -25,8 +31,16 @@ def main() -> None:
     parser.add_argument("--hours", type=float, default=1.0)
     parser.add_argument("--first", type=int, default=FIRST, help="first seed")
     parser.add_argument("--interrupts", type=int, default=0, help="press Ctrl-C this often, and nothing else")
+    parser.add_argument("--proofs", action="store_true", help="draw problems whose answer is known, and nothing else")
     parser.add_argument("--seeds", type=int, default=10**9, help="largest number of seeds")
     given = parser.parse_args()
+    if given.proofs:
+        tally, seed, end = Tally(), given.first, time.monotonic() + 3600.0 * given.hours
+        while time.monotonic() < end and seed < given.first + given.seeds:
+            tally.attempt(seed)
+            seed += 1
+        print(tally)
+        raise SystemExit(bool(tally.wrong))
     if given.interrupts:
         with tempfile.TemporaryDirectory() as folder:
             found = faults(Path(folder), given.interrupts, given.first)
@@ -39,6 +53,9 @@ def main() -> None:
             for kind, suffix, data in (
                 ("saved", "npz", hostile_file(seed, good)),
                 ("urdf", "urdf", hostile_urdf(seed)),
+                ("problem", "toml", hostile_problem(seed)),
+                ("srdf", "srdf", hostile_srdf(seed)),
+                ("mesh", *hostile_mesh(seed)),
             ):
                 path = Path(folder) / f"hostile.{suffix}"
                 path.write_bytes(data)

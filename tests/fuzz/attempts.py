@@ -60,6 +60,34 @@ def load_urdf(path: str) -> None:
         str(rt.Phase(robot, 1.0, objective=rt.Effort()))
 
 
+def load_problem(path: str) -> None:
+    """Read a problem file and print its problem."""
+    import robotraj as rt
+
+    str(rt.load_problem(path))
+
+
+def load_srdf(path: str) -> None:
+    """Read the pairs of an SRDF."""
+    from robotraj.robot.collision.link_pairs import read_srdf
+
+    read_srdf(path)
+
+
+def load_mesh(path: str) -> None:
+    """Read a mesh."""
+    from pathlib import Path
+
+    from robotraj.robot.meshes.reading import read_mesh_file
+
+    read_mesh_file(Path(path))
+
+
+KNOWN = {"saved": load_saved, "urdf": load_urdf, "problem": load_problem, "srdf": load_srdf, "mesh": load_mesh}
+OWN_PROCESS = ("mesh",)
+"""What a process of its own reads: it is started, and its arrays are kept in the cache."""
+
+
 def main() -> None:
     """Make one attempt for each line of the standard input."""
     answers = os.fdopen(os.dup(1), "w")
@@ -68,12 +96,10 @@ def main() -> None:
     warnings.simplefilter("ignore")
     import robotraj as rt
 
-    known = {"saved": load_saved, "urdf": load_urdf}
-    known_paths = {"saved": rt.load_solution, "urdf": rt.load}
-    for name in known:
+    for name, load in KNOWN.items():
         # Modules that are imported later write nothing, but are read from other folders.
         with contextlib.suppress(rt.InputError):
-            known_paths[name](os.path.join(os.sep, "nowhere", name + ".urdf"))
+            load(os.path.join(os.sep, "nowhere", name + ".urdf"))
     sys.addaudithook(watch)
     print("ready", file=answers, flush=True)
     for line in sys.stdin:
@@ -81,7 +107,7 @@ def main() -> None:
         seen.clear()
         answer, text = "loaded", ""
         try:
-            known[kind](path)
+            KNOWN[kind](path)
         except rt.InputError as error:
             answer, text = "refused", str(error)
             if not text.strip() or len(text) > 20_000:
@@ -91,7 +117,7 @@ def main() -> None:
 
             where = traceback.extract_tb(error.__traceback__)[-1]
             answer, text = "raw", f"{type(error).__name__}: {str(error)[:300]} ({where.filename}:{where.lineno})"
-        if seen:
+        if seen and kind not in OWN_PROCESS:
             answer, text = "wrote", "; ".join(seen[:5])
         print(json.dumps([answer, text]), file=answers, flush=True)
 

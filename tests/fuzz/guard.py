@@ -12,6 +12,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+CACHE = (("robotraj",), ("robotraj", "meshes"))
+"""Folders in which the arrays of meshes are kept."""
 START = 120.0
 """Longest time that a child takes to start [s]."""
 
@@ -59,7 +61,8 @@ class Guard:
             self._end()
             return Verdict("crash", f"the process ended with code {code}", seconds)
         answer, text = json.loads(line)
-        left = sorted(str(path.relative_to(self._home.name)) for path in Path(self._home.name).rglob("*"))
+        every = (path.relative_to(self._home.name) for path in Path(self._home.name).rglob("*"))
+        left = sorted(str(path) for path in every if path.parts[:2] not in CACHE)
         if left:
             return Verdict("wrote", ", ".join(left), seconds)
         return Verdict(answer, text, seconds)

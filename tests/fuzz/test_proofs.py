@@ -1,0 +1,61 @@
+"""Plans whose proof holds are right by judges of other descent; the judges notice what is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from proofs import BETTER, KINDS, WORSE, Tally, optimum
+
+import robotraj as rt
+
+
+def planned(kind: str, seed: int) -> tuple[rt.Solution, str]:
+    phase, judge = KINDS[kind][0](np.random.default_rng([7, seed]))
+    solution = rt.plan(phase, check=False, progress=False)
+    assert solution.proof.holds
+    return solution, judge(solution)
+
+
+@pytest.mark.parametrize("kind", ["least effort", "least time", "corridor", "quadratic", "other solver"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_proved_plan_has_the_known_optimum(kind: str, seed: int) -> None:
+    assert not planned(kind, seed)[1]
+
+
+def test_a_proved_plan_has_the_torques_of_mujoco() -> None:
+    pytest.importorskip("mujoco")
+    assert not planned("inverse dynamics", 0)[1]
+
+
+@pytest.mark.parametrize("factor", [1.0 - 2.0 * BETTER, 1.0 + 2.0 * WORSE, np.nan])
+def test_a_judge_notices_another_optimum(factor: float) -> None:
+    solution, _ = planned("least effort", 0)
+    known = solution.objective
+    assert not optimum(known)(solution)
+    assert optimum(known)(replace(solution, objective=factor * known))
+
+
+def test_judges_of_motions_notice_lies() -> None:
+    pytest.importorskip("mujoco")
+    phase, judge = KINDS["inverse dynamics"][0](np.random.default_rng([7, 0]))
+    solution = rt.plan(phase.with_(duration=3.5), mesh=rt.Mesh(40), check=False, progress=False)
+    assert not judge(solution)
+
+    class Heavier:
+        duration = solution.duration
+
+        def at(self, t: np.ndarray) -> object:
+            sample = solution.at(t)
+            return replace(sample, tau=1.1 * sample.tau)
+
+    assert "torques differ" in judge(Heavier())
+
+
+def test_a_tally_counts_what_was_drawn() -> None:
+    tally = Tally()
+    for seed in range(4):
+        tally.attempt(seed)
+    assert 1 <= sum(tally.proved.values()) <= sum(tally.drawn.values()) <= 4
+    assert str(tally).endswith("proved plans are wrong (0 %)") and not tally.wrong
