@@ -16,7 +16,8 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.system.interrupts import heeded
-from robotraj.planning.proving.best_motion import BestMotion
+from robotraj.planning.loop import run as loop
+from robotraj.planning.loop.state import End, Found, State
 from robotraj.solution.errors import PlanInterrupted
 from robotraj.solvers.status import Status
 
@@ -64,14 +65,16 @@ def press(*_: object, **__: object) -> None:
 
 
 def test_a_press_that_code_swallows_ends_the_plan_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    conclude = BestMotion.conclude
+    respond = loop.respond
 
-    def swallowing(self: BestMotion, last: rt.Solution) -> rt.Solution:
+    def swallowing(state: State, found: Found) -> State | End:
+        answer = respond(state, found)
         with suppress(KeyboardInterrupt):
-            press()
-        return conclude(self, last)
+            if isinstance(answer, End):
+                press()
+        return answer
 
-    monkeypatch.setattr(BestMotion, "conclude", swallowing)
+    monkeypatch.setattr(loop, "respond", swallowing)
     arm = rt.load("two_link_arm")
     phase = rt.Phase(arm, 5.0, rt.State(q=0, v=0), rt.State(q=[0.5, 0.5], v=0), rt.Effort())
     with pytest.raises(PlanInterrupted) as stopped:

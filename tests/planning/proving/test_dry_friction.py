@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving import best_motion
+from robotraj.planning.loop import state
 from robotraj.transcription.interval_limits import full_friction
 
 GRAVITY = 9.81
@@ -99,7 +99,7 @@ def test_a_joint_that_rests_is_not_limited_by_its_friction(tmp_path) -> None:  #
 def test_the_witness_notices_a_start_that_the_smooth_friction_alone_allows(
     tmp_path, monkeypatch: pytest.MonkeyPatch
 ) -> None:  # type: ignore[no-untyped-def]
-    for module in (full_friction, best_motion):
+    for module in (full_friction, state):
         monkeypatch.setattr(module, "has_full_friction", lambda phase: False)
     axis, (start, end) = LIFTS[0]
     ends = rt.State(q=[start], v=0), rt.State(q=[end], v=0)

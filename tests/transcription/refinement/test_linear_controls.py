@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.optimize import fsolve
 
 import robotraj as rt
-from robotraj.planning.proving import solves
+from robotraj.planning.loop import run as loop
 from robotraj.planning.refining import adapt
 from robotraj.transcription.refinement.linear_controls import ENDLESS, LINES, on_lines
 
@@ -56,12 +56,12 @@ def test_a_chain_hangs_as_a_catenary(options):
     assert options or solution.phases[0].mesh.given == (LINES,)
 
 
-@pytest.mark.parametrize(("module", "options"), [(solves, {}), (adapt, {"tolerance": 1e-4})])
+@pytest.mark.parametrize(("module", "options"), [(loop, {}), (adapt, {"tolerance": 1e-4})])
 def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypatch, module, options):
     real, meshes = module.solve, []
 
-    def endless_at_first(*given):
-        found = real(*given)
+    def endless_at_first(*given, **named):
+        found = real(*given, **named)
         meshes.append(found.phases[0].mesh.given)
         return (
             found if len(meshes) > 1 else replace(found, status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
@@ -75,10 +75,10 @@ def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypa
 
 def test_lines_that_end_without_a_solution_start_again_from_the_guess(monkeypatch):
     """The second mesh is exploited, and its solution may lead away on lines too, depending on round-off."""
-    real, starts = solves.solve, []
+    real, starts = loop.solve, []
 
-    def endless_on_lines(problem, guess, *others):
-        found = real(problem, guess, *others)
+    def endless_on_lines(problem, guess, *others, **named):
+        found = real(problem, guess, *others, **named)
         if found.phases[0].mesh.given != (LINES,):
             return found
         starts.append(guess)
@@ -86,7 +86,7 @@ def test_lines_that_end_without_a_solution_start_again_from_the_guess(monkeypatc
             return found
         return replace(found, status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
 
-    monkeypatch.setattr(solves, "solve", endless_on_lines)
+    monkeypatch.setattr(loop, "solve", endless_on_lines)
     solution = rt.plan(hanging_chain(), progress=False)
     assert starts[0] is not None and starts[1] is None
     assert solution.success and solution.objective == pytest.approx(catenary(), rel=2e-4)

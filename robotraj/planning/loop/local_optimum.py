@@ -8,17 +8,13 @@ are all it costs. A mesh that is no finer has no better optimum nearby: what it 
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from robotraj.guess.from_solution import FromSolution
 from robotraj.planning.checked_solution import checked_solution
 from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.proof import Goals
-from robotraj.solution.records import Round
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Outcome, Progress, Solver
+from robotraj.solvers.base import Progress, Solver
 from robotraj.solvers.status import Status
-from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.refinement.objective_quadrature import smoothing_cost
 from robotraj.transcription.reuse import started_at
 
@@ -28,30 +24,14 @@ MOST = 2
 """Largest number of iterations relative to those of the first solve."""
 
 
-class Gain(NamedTuple):
-    """The outcome of the further solve, its NLP, and the share of the objective that it gains."""
-
-    nlp: Nlp
-    outcome: Outcome
-    share: float
-
-    @property
-    def solution(self) -> Solution:
-        """The solution on the coarse mesh."""
-        return checked_solution(self.nlp, self.outcome, {})
-
-    @property
-    def round(self) -> Round:
-        """The solve in the history of the plan."""
-        intervals = sum(layout.mesh.count for layout in self.nlp.layouts)
-        seconds = sum(value for part, value in self.outcome.times.items() if ":" not in part)
-        found = self.outcome.status, self.nlp.objective(self.outcome.w), self.outcome.iterations
-        return Round(intervals, *found, seconds, lacked=f"back on the first mesh the plan gains {self.share:.1e}")
+def can_be_solved_again(first: Solution) -> bool:
+    """Whether a solution has its program."""
+    return first.multipliers is not None and first.multipliers.origin is not None
 
 
 def gain_from(
     plan: Solution, first: Solution, goals: Goals, solver: Solver, progress: Progress | None = None
-) -> Gain | None:
+) -> tuple[Solution, float]:
     """Solve from a plan on the mesh of its first solution.
 
     The gain is the lesser one of two: that over the plan's objective, and that over the sum that the plan has at the
@@ -61,7 +41,7 @@ def gain_from(
     Parameters
     ----------
     plan, first : Solution
-        The plan, and the first solution of the same problem.
+        The plan, and the first solution of the same problem with its program.
     goals : Goals
     solver : Solver
         Solver of the plan.
@@ -69,20 +49,21 @@ def gain_from(
 
     Returns
     -------
-    Gain or None
-        None where the first solution has no program.
+    solution : Solution
+    share : float
+        Share of the objective that it gains.
     """
     known = first.multipliers
-    if known is None or known.origin is None:
-        return None
+    assert known is not None and known.origin is not None
     nlp = started_at(known.origin.nlp, FromSolution(plan))
     nearby = solver.from_nearby(altered=True).at_most(1 + MOST * first.iterations)
     careful = nearby.accurate_to(TOLERANCE * goals.objective)
     outcome = careful.resolve(nlp, known, progress)
+    found = checked_solution(nlp, outcome, {})
     if outcome.status is not Status.SOLVED:
-        return Gain(nlp, outcome, 0.0)
+        return found, 0.0
     # The program's objective includes the cost of smoothing, and that of the plan does not.
     smoothing = sum(smoothing_cost(p.phase, p.trajectory, p.mesh.schemes, nlp.smoothing) for p in plan.phases)
     before = min(plan.objective + smoothing, nlp.objective(nlp.guess))
     gain = max(0.0, before - nlp.objective(outcome.w))
-    return Gain(nlp, outcome, gain / size_for(gain, goals.objective, plan.phases, plan.objective))
+    return found, gain / size_for(gain, goals.objective, plan.phases, plan.objective)

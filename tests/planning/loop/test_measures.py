@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.measures import measured
+from robotraj.planning.loop.measures import measured
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving import best_motion
-from robotraj.planning.proving.local_optimum import gain_from
+from robotraj.planning.loop import run as loop
+from robotraj.planning.loop.local_optimum import gain_from
+from robotraj.planning.loop.state import Found, State, Task
 from robotraj.solvers.status import Status
 
 Pair = tuple[rt.Solution, rt.Solution]
@@ -32,15 +33,21 @@ def optimum() -> float:
 def first_and_last(monkeypatch: pytest.MonkeyPatch, solver: rt.solvers.Solver | None) -> Pair:
     """Return the first solution of a plan, and the last one before it is solved once more."""
     found: list[Pair] = []
-    monkeypatch.setattr(best_motion.BestMotion, "_settle", lambda motion: found.append((motion.first, motion.solution)))
+
+    def kept(state: State, progress: object) -> Found:
+        assert state.first is not None and state.best is not None
+        found.append((state.first.solution, state.best.solution))
+        return Found(state.best.solution)
+
+    monkeypatch.setattr(loop, "_again", kept)
     rt.plan(reach(), solver=solver)
     return found[0]
 
 
 def test_a_further_solve_gains_nothing_from_an_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
     first, last = first_and_last(monkeypatch, None)
-    gain = gain_from(last, first, rt.solution.Goals(), rt.InteriorPoint(tolerance=1e-6))
-    assert gain is not None and gain.outcome.status is Status.SOLVED and gain.share == 0.0
+    found, share = gain_from(last, first, rt.solution.Goals(), rt.InteriorPoint(tolerance=1e-6))
+    assert found.status is Status.SOLVED and share == 0.0
 
 
 def test_a_further_solve_gains_what_solves_that_stopped_early_have_missed(
@@ -49,8 +56,7 @@ def test_a_further_solve_gains_what_solves_that_stopped_early_have_missed(
     first, last = first_and_last(monkeypatch, EARLY)
     missed = last.objective / optimum - 1.0
     assert last.proof is not None and last.proof.unsettled < 1e-6 and missed > 4e-3
-    gain = gain_from(last, first, rt.solution.Goals(), EARLY)
-    assert gain is not None and gain.share == pytest.approx(missed, abs=1e-3)
+    assert gain_from(last, first, rt.solution.Goals(), EARLY)[1] == pytest.approx(missed, abs=1e-3)
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-2, 1e-1, 1.0])
@@ -67,13 +73,14 @@ def test_the_proof_claims_this_local_optimum_alone() -> None:
 
 
 def test_a_plan_whose_gain_is_not_found_on_its_own_mesh_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = best_motion.BestMotion.solve
+    plain = loop.solved
 
-    def solve(motion: best_motion.BestMotion, *given: Any, **named: Any) -> rt.Solution:
-        found = plain(motion, *given, **named)
-        return replace(found, status=Status.ITERATION_LIMIT) if "start" in named else found
+    def solved(state: State, *given: Any) -> Found:
+        found = plain(state, *given)
+        lost = replace(found.solution, status=Status.ITERATION_LIMIT)
+        return Found(lost) if state.task is Task.BETTER else found
 
-    monkeypatch.setattr(best_motion.BestMotion, "solve", solve)
+    monkeypatch.setattr(loop, "solved", solved)
     solution = rt.plan(reach(), solver=EARLY)
     assert solution.proof is not None and solution.proof.motion_holds and not solution.proof.holds
     assert solution.proof.unsettled > 1e-3 and np.isfinite(solution.proof.unsettled)

@@ -1,0 +1,1 @@
+"""The loop of a proved plan: solve, measure, respond."""

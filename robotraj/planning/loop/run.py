@@ -1,0 +1,225 @@
+"""The loop of a proved plan: solve what the state holds, measure it, respond, until the plan ends.
+
+A time limit or Ctrl-C ends the loop here and nowhere else. The best motion so far is then the plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robotraj._util.time_left import LimitReached
+from robotraj.planning.loop.local_optimum import gain_from
+from robotraj.planning.loop.measures import Measured, measured
+from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
+from robotraj.planning.loop.state import End, Found, State, Task, begin
+from robotraj.planning.plan_limits import PlanLimits
+from robotraj.planning.proving.soft_friction import averaging_times, softened
+from robotraj.planning.solve import solve
+from robotraj.planning.warm_start import PATIENCE
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.problem import Problem
+from robotraj.solution.records import Lack, answered, started_from, with_effort_of
+from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.solution import Solution
+from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.interior_point import InteriorPoint
+from robotraj.solvers.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+
+Surfaces = Sequence["NearSurfaces | None"]
+"""For each phase, links of the robot that rows keep apart."""
+
+PATIENCE_STICKING = 300
+"""``PATIENCE`` where joints stick and slide."""
+CHANGE_FLAT = 1e-4
+"""Relative change of the objective within eight iterations below which a solve ends where objectives are flat.
+
+Reversals with dry friction, and times at which powers change their sign, move from point to point. They gain 1e-4 in a
+hundred iterations, and the next mesh moves them again.
+"""
+CHANGE_OF_POWERS = 3e-3
+"""The same where joints stick and slide and the objective has kinks: hundreds of iterations gain a percent.
+
+Most of that gain is power between the points, which the sum that is minimised does not see."""
+CHANGE_SOFTER = 1e-3
+"""The same with softer friction: the next solve, on other intervals, moves reversals again."""
+BARRIER_OF_POWERS = 1e-4
+"""First barrier parameter there on a later mesh. A larger one raises the objective by a fifth, and takes a hundred
+iterations to lower it again."""
+BEYOND = 1.0
+"""Excess over a limit, relative to its bound, above which no lower limit helps: the motion needs a finer mesh."""
+
+
+def run(
+    problem: Problem,
+    guess: InitialGuess | Solution | None,
+    settings: Settings,
+    progress: Progress | None = None,
+    surfaces: Surfaces = (),
+    is_brief: bool = False,
+) -> Solution:
+    """Plan on finer and finer meshes until ``settings.goals`` hold.
+
+    Parameters
+    ----------
+    problem : Problem
+    guess : InitialGuess, Solution or None
+    settings : Settings
+        With goals and a refinement.
+    progress : callable, optional
+    surfaces : sequence of NearSurfaces or None
+    is_brief : bool
+        Whether the plan ends with the first solve that fails.
+
+    Returns
+    -------
+    Solution
+        With ``proof``. Its status is ``Status.NOT_PROVED`` if it is no motion within its limits. If a finer mesh cannot
+        be solved, it is the solution on the coarser one.
+    """
+    state: State | End = begin(problem, guess, settings, is_brief)
+    spent: Solution | None = None
+    while isinstance(state, State):
+        try:
+            found = solved(state, progress, surfaces)
+        except KeyboardInterrupt as stop:
+            if state.task is Task.SOFTER and isinstance(stop, LimitReached):
+                state = _at_last(state, progress)
+                continue
+            if spent is None or (state.best is None and state.failed is None):
+                raise
+            return _with_effort(_interrupted(state), spent)
+        spent = found.solution if spent is None else with_effort_of(spent, found.solution)
+        if found.solution.status is Status.INTERRUPTED:
+            if state.task is Task.SOFTER:
+                state = _at_last(state, progress)
+                continue
+            return _with_effort(_interrupted(replace(state, failed=found.solution)), spent)
+        state = respond(state, found)
+        lacked = ", ".join(map(str, found.lacks)) if found.solution.success else found.solution.status.value
+        response = state.why if isinstance(state, State) else ": ".join(filter(None, ("end", state.why)))
+        spent = replace(spent, rounds=answered(spent.rounds, lacked, response))
+    assert spent is not None
+    return _with_effort(state.solution, spent)
+
+
+def _at_last(state: State, progress: Progress | None) -> State:
+    """Return the state with the robot's own friction, which is solved whatever the clock reads."""
+    if isinstance(progress, PlanLimits):
+        progress.begin()
+    return own_friction(state)
+
+
+def _interrupted(state: State) -> Solution:
+    return replace(End(state, "").solution, status=Status.INTERRUPTED)
+
+
+def _with_effort(solution: Solution, spent: Solution) -> Solution:
+    """Return a solution with the effort of the whole plan."""
+    return replace(solution, times=spent.times, iterations=spent.iterations, rounds=spent.rounds)
+
+
+def solved(state: State, progress: Progress | None = None, surfaces: Surfaces = ()) -> Found:
+    """Solve what a state holds, and measure the solution."""
+    if state.task is Task.SOFTER:
+        return _softer(state, progress, surfaces)
+    if state.task is Task.AGAIN:
+        return _again(state, progress)
+    settings, best = replace(state.settings, mesh=state.meshes, solver=_solver(state)), state.best
+    if best is not None and best.measures.only_unsettled:
+        patience = PATIENCE_STICKING if state.traits.patient else PATIENCE
+        settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
+    if best is None and not state.approximates and not state.afresh:
+        # Other guesses were tried on the first mesh.
+        settings = replace(settings, restarts=Restarts(0))
+    if state.approximates and not state.traits.full_friction:
+        # The first mesh only finds a guess for the next one.
+        plain = replace(settings, interval_limits=replace(settings.interval_limits, rounds=0))
+        solution = solve(state.problem, state.begin, plain, progress, surfaces=surfaces)
+        return _measured(state, solution, False)
+    known: list[tuple[Solution, Measured, bool]] = []
+
+    def is_settled(solution: Solution) -> bool:
+        """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
+        measures = _measures(state, solution)
+        proof = measures.proof
+        settled = proof.error <= proof.goals.error and measures.growth <= 1.0 and proof.excess <= BEYOND
+        known[:] = [(solution, measures, settled)]
+        return settled
+
+    hold = None if is_limited(state) else is_settled
+    solution = solve(state.problem, state.begin, settings, progress, hold, True, surfaces)
+    if known and known[0][0].phases is solution.phases and solution.success:
+        measures = known[0][1].with_violations(solution)
+        return Found(solution, measures, known[0][2], measures.proof.lacks)
+    return _measured(state, solution, known[0][2] if known else True)
+
+
+def _measures(state: State, solution: Solution) -> Measured:
+    """Measure a solution; without a coarser mesh, its objective still has to gain what the neighbour's had."""
+    before = None if state.best is None else state.best.measures
+    if before is not None and state.task is not Task.MESH:
+        before = before.before
+    expected = np.inf if state.neighbour is None else state.neighbour.unsettled
+    assert state.settings.goals is not None
+    return measured(solution, before, state.settings.goals, state.traits.sticking, expected)
+
+
+def _measured(state: State, solution: Solution, limited: bool) -> Found:
+    if not solution.success:
+        return Found(solution)
+    measures = _measures(state, solution)
+    return Found(solution, measures, limited, measures.proof.lacks)
+
+
+def _softer(state: State, progress: Progress | None, surfaces: Surfaces) -> Found:
+    """Solve with softer friction, as the guess of a solve with less soft friction."""
+    own, factor = state.settings, state.softening[0]
+    assert own.goals is not None
+    limits = replace(own.interval_limits, rounds=0)
+    solver = own.solver.at_most(PATIENCE).until_settled(CHANGE_SOFTER)
+    settings = replace(own, mesh=state.meshes, restarts=Restarts(0), interval_limits=limits, solver=solver)
+    last = state.guess if isinstance(state.guess, Solution) else None
+    soft = softened(state.problem, factor, averaging_times(state.problem, state.meshes, last))
+    found = solve(soft, state.guess, settings, progress, surfaces=surfaces)
+    found = replace(found, rounds=started_from(found.rounds, f"softer friction, {factor:g}"))
+    measures = measured(found, None, own.goals, bending=True) if is_guess(found) else None
+    return Found(found, measures)
+
+
+def _again(state: State, progress: Progress | None) -> Found:
+    """Solve once more from a plan that holds, on the first mesh; what that gains, the plan has missed."""
+    assert state.best is not None and state.first is not None and state.settings.goals is not None
+    unseen = progress.unseen if isinstance(progress, PlanLimits) else None
+    goals = state.settings.goals
+    found, gained = gain_from(state.best.solution, state.first.solution, goals, _cold(state), unseen)
+    lacks = (Lack("objective gained on the first mesh", gained, goals.objective),) if gained > goals.objective else ()
+    return Found(found, lacks=lacks, gained=gained)
+
+
+def _cold(state: State) -> Solver:
+    """Return the solver of a solve from a guess. Where the objective is flat, iterations move kinks between points."""
+    traits = state.traits
+    if not (traits.sticking or traits.kinked):
+        return state.settings.solver
+    return state.settings.solver.until_settled(CHANGE_OF_POWERS if traits.sticking_powers else CHANGE_FLAT)
+
+
+def _solver(state: State) -> Solver:
+    """Return the solver of the next solve."""
+    cold, traits = _cold(state), state.traits
+    # The solution with soft friction is that of another problem.
+    if state.best is None and (state.neighbour is None or traits.sticking):
+        return cold
+    # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,
+    # as the signs of powers do.
+    warm = cold.from_nearby(altered=traits.kinked or any(phase.rows.rates for phase in state.problem.phases))
+    if traits.sticking_powers and isinstance(warm, InteriorPoint):
+        return replace(warm, initial_barrier=BARRIER_OF_POWERS)
+    return warm

@@ -1,0 +1,251 @@
+"""What a plan knows and solves next, and what a solve found: the values that ``respond`` maps to the next state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum
+
+from robotraj._util.values import dataclass
+from robotraj.planning.loop.measures import Measured, proof_on
+from robotraj.planning.proving.soft_friction import SOFTENING
+from robotraj.planning.sizes.shares import shares_of
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.problem import Problem
+from robotraj.solution.proof import Proof
+from robotraj.solution.records import Lack, MeshStep
+from robotraj.solution.settings import Settings
+from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
+from robotraj.transcription.interval_limits.full_friction import has_full_friction
+from robotraj.transcription.refinement.equidistribution import Equidistribute
+from robotraj.transcription.schemes.mesh import Mesh
+
+Meshes = tuple[Mesh, ...]
+"""The mesh of every phase."""
+
+SECOND = 1.5
+"""Growth of the number of intervals from a first mesh that could not be solved to the second one."""
+
+
+class Task(Enum):
+    """What a solve is for."""
+
+    SOFTER = "with softer friction"
+    MESH = "on the next mesh"
+    LIMITS = "with limits between the points"
+    SWITCHES = "with knots at the switches"
+    SMOOTHER = "with smoother controls"
+    AGAIN = "from the plan, on the first mesh"
+    BETTER = "from what the first mesh gained"
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What the terms of a problem are like.
+
+    Attributes
+    ----------
+    sticking : bool
+        Whether joints stick and slide to save effort.
+    kinked : bool
+        Whether the objective has kinks that matter.
+    full_friction : bool
+        Whether limits of torques between the points are those against full dry friction. Least times depend on them, so
+        that they are imposed on every mesh.
+    """
+
+    sticking: bool = False
+    kinked: bool = False
+    full_friction: bool = False
+
+    @classmethod
+    def of(cls, problem: Problem) -> Traits:
+        """Return those of a problem."""
+        shares = shares_of(problem)
+        return cls(shares.sticking, shares.kinked, any(map(has_full_friction, problem.phases)))
+
+    @property
+    def patient(self) -> bool:
+        """Whether many iterations and meshes pay where only the objective of a proved motion has not settled."""
+        return self.sticking and not self.kinked
+
+    @property
+    def sticking_powers(self) -> bool:
+        """Whether joints stick and slide and the objective has kinks, as powers have where they change their sign."""
+        return self.sticking and self.kinked
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A solution with its proof and its measures, and whether limits were imposed between its points."""
+
+    solution: Solution
+    measures: Measured
+    limited: bool
+
+    @property
+    def meshes(self) -> Meshes:
+        """Mesh of every phase."""
+        return tuple(part.mesh for part in self.solution.phases)
+
+    @property
+    def proof(self) -> Proof:
+        """Proof of the solution."""
+        assert self.solution.proof is not None
+        return self.solution.proof
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is a motion within its limits."""
+        return self.proof.motion_holds
+
+    def with_unsettled(self, share: float) -> Motion:
+        """Return the motion with another share of the objective that is left to gain."""
+        return replace(self, solution=replace(self.solution, proof=replace(self.proof, unsettled=share)))
+
+    @property
+    def step(self) -> MeshStep:
+        """The record of its mesh."""
+        found, parts = self.solution, self.solution.phases
+        points, intervals = sum(len(part.points) for part in parts), sum(part.mesh.count for part in parts)
+        return MeshStep(intervals, points, self.proof.error, found.objective, found.iterations, found.seconds)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What one solve found.
+
+    Attributes
+    ----------
+    solution : Solution
+    measures : Measured or None
+        None where the solve failed.
+    limited : bool
+        Whether limits were imposed between the points.
+    lacks : tuple of Lack
+        The measures that are beyond their goals.
+    gained : float
+        Share of the objective that a solve from the plan gained on the first mesh.
+    """
+
+    solution: Solution
+    measures: Measured | None = None
+    limited: bool = False
+    lacks: tuple[Lack, ...] = ()
+    gained: float = 0.0
+
+    @property
+    def motion(self) -> Motion | None:
+        """The solution with its proof; None where the solve failed."""
+        if self.measures is None:
+            return None
+        return Motion(replace(self.solution, proof=self.measures.proof), self.measures, self.limited)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What a plan knows, and what it solves next.
+
+    Attributes
+    ----------
+    problem, settings
+        The problem, and settings with goals and a refinement.
+    traits : Traits
+    guess : InitialGuess, Solution or None
+        Guess of the plan, until there is a solution.
+    meshes : tuple of Mesh
+        Meshes of the next solve.
+    second : float
+        Growth from the first mesh to the second.
+    task : Task
+    softening : tuple of float
+        Factors of softer friction that are still to be solved, the next one first.
+    start : Solution or None
+        Where the next solve starts, if not from the best motion or the guess.
+    gained : float
+        Share of the objective that ``start`` gained over the best motion.
+    number : int
+        Number of meshes before the next one.
+    best, first : Motion or None
+        The best solution so far, and the first one, whose program is solved again from the plan.
+    failed : Solution or None
+        The last solve that failed, until there is a solution.
+    steps : tuple of MeshStep
+    afresh : bool
+        Whether the plan began again from the guess, on a finer mesh.
+    stagnant : int
+        Meshes in a row on which an error stagnated.
+    neighbour : Proof or None
+        Proof of a similar problem on the first mesh, whose solution is the guess.
+    is_brief : bool
+        Whether the plan ends with the first solve that fails.
+    why : str
+        The response that led to this state.
+    """
+
+    problem: Problem
+    settings: Settings
+    traits: Traits
+    guess: InitialGuess | Solution | None
+    meshes: Meshes
+    second: float = SECOND
+    task: Task = Task.MESH
+    softening: tuple[float, ...] = ()
+    start: Solution | None = None
+    gained: float = 0.0
+    number: int = 0
+    best: Motion | None = None
+    first: Motion | None = None
+    failed: Solution | None = None
+    steps: tuple[MeshStep, ...] = ()
+    afresh: bool = False
+    stagnant: int = 0
+    neighbour: Proof | None = None
+    is_brief: bool = False
+    why: str = ""
+
+    @property
+    def coarsest(self) -> Meshes:
+        """Meshes of the settings."""
+        mesh = self.settings.mesh
+        return (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+
+    @property
+    def approximates(self) -> bool:
+        """Whether the next mesh only approximates the motion, from which a finer one finds the optimum."""
+        return self.task is Task.MESH and self.number == 0 and self.neighbour is None
+
+    @property
+    def begin(self) -> InitialGuess | Solution | None:
+        """Where the next solve starts."""
+        return self.start or (self.guess if self.best is None else self.best.solution)
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """The end of a plan, and why."""
+
+    state: State
+    why: str
+
+    @property
+    def solution(self) -> Solution:
+        """The best motion or else the last solve. A motion beyond its limits has ``Status.NOT_PROVED``."""
+        best = self.state.best
+        if best is None:
+            assert self.state.failed is not None
+            return replace(self.state.failed, refinement=self.state.steps)
+        status = best.solution.status
+        if status is Status.SOLVED and not best.holds:
+            status = Status.NOT_PROVED
+        return replace(best.solution, status=status, refinement=self.state.steps)
+
+
+def begin(problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, is_brief: bool = False) -> State:
+    """Return the first state of a plan."""
+    traits, refinement = Traits.of(problem), settings.refinement
+    second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
+    state = State(problem, settings, traits, guess, (), second, is_brief=is_brief)
+    if traits.sticking and not isinstance(guess, Solution):
+        return replace(state, meshes=state.coarsest, task=Task.SOFTER, softening=SOFTENING)
+    return replace(state, meshes=state.coarsest, neighbour=proof_on(guess, state.coarsest))

@@ -1,0 +1,134 @@
+"""Solves of the loop: where each starts, when it ends, and when limits are imposed between the points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning import solve as one_solve
+from robotraj.planning.loop import run as loop
+from robotraj.planning.loop.respond import ENOUGH_OF_POWERS, NEARLY, is_guess
+from robotraj.planning.loop.run import CHANGE_SOFTER
+from robotraj.planning.loop.state import Task, begin
+from robotraj.planning.proving.soft_friction import softened
+from robotraj.solution.proof import Goals, Proof
+from robotraj.solvers.interior_point import NEARBY_BARRIER
+from robotraj.solvers.status import Status
+
+
+def _damped() -> rt.Phase:
+    """Move an arm with much damping in least time under limits of the rates of its torques."""
+    arm = replace(rt.load("two_link_arm"), damping=np.full(2, 5.0), friction=np.full(2, 0.5))
+    limit = rt.constraints.JointTorqueRate(rt.between(-30, 30))
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1.0, 0.5], v=0)
+    limits = arm.limits.with_(effort=20.0)
+    return rt.Phase(arm, (0.05, 10.0), *ends, rt.Duration(), constraints=[limit], limits=limits)
+
+
+def test_solves_with_lower_limits_on_the_same_mesh_start_from_a_small_barrier(monkeypatch):
+    """Limits of rates alternate from mesh to mesh, but not where limits are lowered on the same mesh."""
+    barriers: list[tuple[tuple[rt.Mesh, ...], float]] = []
+    plain = one_solve._solve
+
+    def recorded(nlp, guess, multipliers, solver, *rest):
+        barriers.append((tuple(layout.mesh for layout in nlp.layouts), solver.initial_barrier))
+        return plain(nlp, guess, multipliers, solver, *rest)
+
+    monkeypatch.setattr(one_solve, "_solve", recorded)
+    assert rt.plan(_damped()).proof.motion_holds
+    again = [
+        barrier for (before, _), (mesh, barrier) in zip(barriers[:-1], barriers[1:], strict=True) if mesh == before
+    ]
+    assert again
+    assert max(again) <= NEARBY_BARRIER
+
+
+@pytest.mark.parametrize(("excess", "imposed"), [(0.5, True), (2.0, False)])
+def test_limits_between_the_points_wait_for_a_finer_mesh_where_they_are_exceeded_by_more_than_themselves(
+    monkeypatch, excess, imposed
+):
+    phase = _damped()
+    mesh = rt.plan(phase, mesh=rt.Mesh(4), check=False)
+    settings = replace(mesh.settings, goals=Goals())
+    measures = SimpleNamespace(proof=Proof(0.0, excess, 0.0, 0.0, Goals()), growth=1.0)
+    answers = []
+
+    def solve(problem, start, settings, progress, hold, lower, surfaces):
+        answers.append(hold(mesh))
+        return replace(mesh, status=Status.STALLED)
+
+    monkeypatch.setattr(loop, "measured", lambda *given: measures)
+    monkeypatch.setattr(loop, "solve", solve)
+    second = replace(begin(rt.Problem([phase]), None, settings), number=1)
+    without = replace(second.traits, full_friction=False)
+    loop.solved(replace(second, traits=without))
+    assert answers == [imposed]
+
+
+def reach() -> rt.Problem:
+    robot = rt.load("z1", locked={"jointGripper": 0.0})
+    ends = rt.State(q=[0, 1.0, -1.0, 0.2, 0, 0], v=0), rt.State(q=[1.2, 1.8, -1.6, -0.6, 0.8, 0.9], v=0)
+    return rt.Problem([rt.Phase(robot, 1.5, *ends, rt.Effort())])
+
+
+def test_solves_end_with_their_rows_met_where_the_objective_hardly_falls() -> None:
+    solver, mesh, counts = rt.InteriorPoint(tolerance=1e-6, fallback=None), rt.Mesh(24, rt.schemes.RadauIIA(3)), []
+    for duration in (1.2, 1.5, 2.0):
+        soft = softened(rt.Problem([reach().phases[0].with_(duration=duration)]), 4.0, [0.1 * duration / 24])
+        whole = rt.plan(soft, mesh, solver=solver, check=False)
+        early = rt.plan(soft, mesh, solver=solver.until_settled(CHANGE_SOFTER), check=False)
+        assert early.status is Status.SOLVED
+        assert 8 <= early.iterations <= whole.iterations
+        assert abs(early.objective - whole.objective) < 20 * CHANGE_SOFTER * whole.objective
+        counts.append((early.iterations, whole.iterations))
+    # A single solve may end at the same iteration, as its last ones may gain much.
+    assert np.sum(counts, axis=0)[0] < np.sum(counts, axis=0)[1]
+
+
+def test_an_iterate_at_the_limit_of_iterations_is_a_guess_where_its_rows_nearly_hold() -> None:
+    block = rt.Phase(rt.load("block"), 3.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+    solved = rt.plan(block, mesh=rt.Mesh(4))
+    assert is_guess(solved)
+    ended = replace(solved, status=Status.ITERATION_LIMIT)
+    assert is_guess(ended)
+    failed = rt.plan(block.with_(duration=1e-3), mesh=rt.Mesh(4), check=False)
+    assert not is_guess(failed)
+    far = failed.violations(1)[0]
+    assert far.relative > NEARLY
+    assert not is_guess(replace(ended, violation_list=(far,)))
+    assert is_guess(replace(ended, violation_list=(replace(far, amount=0.5 * NEARLY * far.size),)))
+
+
+def test_a_plan_by_early_ended_guesses_is_proved() -> None:
+    solution = rt.plan(reach(), check=False, progress=False)
+    assert solution.success
+    assert solution.proof is not None
+    assert solution.proof.holds
+
+
+def test_works_with_dry_friction_are_limited_between_the_points_from_the_second_mesh(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A proved motion ends on the third mesh with the robot's own friction."""
+    robot = replace(rt.load("two_link_arm"), friction=np.full(2, 0.5))
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.8, -0.5], v=0)
+    limited: list[bool] = []
+    real = loop.solved
+
+    def recorded(state, *given):  # type: ignore[no-untyped-def]
+        found = real(state, *given)
+        if state.task is Task.MESH:
+            limited.append(found.limited)
+        return found
+
+    monkeypatch.setattr(loop, "solved", recorded)
+    limits = robot.limits.with_(effort=20.0, velocity=6.0)
+    solution = rt.plan(rt.Phase(robot, 2.0, *ends, rt.objectives.MechanicalWork(), limits=limits))
+    assert limited[:2] == [False, True][: len(limited)]
+    # A better solution from the plan itself is a further step on the same mesh.
+    assert len({step.intervals for step in solution.refinement}) <= ENOUGH_OF_POWERS
+    assert solution.proof is not None and solution.proof.motion_holds
