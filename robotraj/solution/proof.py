@@ -57,9 +57,9 @@ class Proof(OneLine):
     quadrature : float
         Relative difference between the objective's integral along the motion and its sum at the points.
     unsettled : float
-        Relative decrease of the objective to expect on finer meshes, estimated from the last meshes. A further solve
-        from the plan, on a mesh no finer, gains less than the goal. Both are claims on this local optimum: another one
-        may be better.
+        Relative decrease of the objective to expect on finer meshes, estimated from the last meshes. Where the solver
+        stopped early, a further solve from the plan, on a mesh no finer, gains less than the goal. Both are claims on
+        this local optimum: another one may be better.
     goals : Goals
     shortfall : float
         Largest shortfall of a distance of ``CollisionFree`` in the proof [m]; 0 where all distances are proved.

@@ -45,11 +45,15 @@ class CompiledProgram:
 
 @dataclass(frozen=True, eq=False)
 class CompiledOrigin(Origin):
-    """A formulation, the multipliers of its rows, and its compiled program."""
+    """A formulation, the multipliers of its rows, and its compiled program.
+
+    Its ``accuracy`` is the tolerance that the solve met, infinite where it stopped before.
+    """
 
     formulation: Formulation
     lam: NDArray[np.float64]
     compiled: CompiledProgram
+    accuracy: float = np.inf
 
 
 def origin_of(multipliers: Multipliers | None) -> CompiledOrigin | None:

@@ -278,7 +278,8 @@ class InteriorPoint(Solver):
         parts["solve: steps"] = max(0.0, spent - sum(parts.values()))
         y, lam, sizes = found.y, found.lam, (len(nlp.rows), len(nlp.variables))
         w = formulation.columns(y)
-        origin = CompiledOrigin(nlp, w, formulation, lam, compiled)
+        accuracy = self.tolerance if found.status == "solved" else np.inf
+        origin = CompiledOrigin(nlp, w, formulation, lam, compiled, accuracy)
         return Outcome(
             status,
             f"interior point: {found.status}" + (f" ({found.message})" if found.message else ""),

@@ -17,7 +17,7 @@ import pytest
 import robotraj as rt
 from robotraj._util.system.interrupts import heeded
 from robotraj.planning.loop import run as loop
-from robotraj.planning.loop.state import End, Found, State
+from robotraj.planning.loop.state import Found, PlanEnd, PlanState
 from robotraj.solution.errors import PlanInterrupted
 from robotraj.solvers.status import Status
 
@@ -67,10 +67,10 @@ def press(*_: object, **__: object) -> None:
 def test_a_press_that_code_swallows_ends_the_plan_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     respond = loop.respond
 
-    def swallowing(state: State, found: Found) -> State | End:
+    def swallowing(state: PlanState, found: Found) -> PlanState | PlanEnd:
         answer = respond(state, found)
         with suppress(KeyboardInterrupt):
-            if isinstance(answer, End):
+            if isinstance(answer, PlanEnd):
                 press()
         return answer
 

@@ -1,9 +1,10 @@
-"""Whether a plan is a local optimum: one more solve starts from it, on a mesh no finer, and may not gain.
+"""Whether a plan whose solver stopped early is a local optimum: one more solve starts from it and may not gain.
 
-Meshes are compared where both solves converged. A solve that stops early on each of them leaves the same objective, and
-the comparison takes that for an optimum. The solve that is made here has its own tolerance, estimates its multipliers
-anew, and starts from a larger barrier. It takes the compiled program of the plan's first mesh, so that its iterations
-are all it costs. A mesh that is no finer has no better optimum nearby: what it gains, the plan has missed.
+The objectives of two meshes are compared where both solves converged, to a tolerance far below the goal. Solves that
+stop early on each mesh leave the same objective, and the comparison takes that for an optimum. The solve that is made
+here has its own tolerance, estimates its multipliers anew, and starts from a larger barrier. It takes the compiled
+program of the plan's first mesh, so that its iterations are all it costs. A mesh that is no finer has no better optimum
+nearby: what it gains, the plan has missed.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.proof import Goals
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.compiled import origin_of
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.objective_quadrature import smoothing_cost
 from robotraj.transcription.reuse import started_at
@@ -22,6 +24,12 @@ TOLERANCE = 1e-3
 """Tolerance of the solve relative to the goal of the objective."""
 MOST = 2
 """Largest number of iterations relative to those of the first solve."""
+
+
+def is_converged(found: Solution, goals: Goals) -> bool:
+    """Whether the solver met a tolerance that is ``TOLERANCE`` times the goal of the objective."""
+    origin = origin_of(found.multipliers)
+    return origin is not None and origin.accuracy <= TOLERANCE * goals.objective
 
 
 def can_be_solved_again(first: Solution) -> bool:

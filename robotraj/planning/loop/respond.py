@@ -5,7 +5,7 @@ mesh that is needed, from the errors of the intervals and from the change of the
 solved, a first one takes iterations without end, or errors stagnate, controls of systems become lines. Where that does
 not help either, and the solution on the coarse mesh is no motion, the plan begins again from its guess. A motion that
 is proved gets knots where bounded rates jump, smoother controls where they alternate, and is solved once more from
-itself. Nothing is solved here.
+itself where the solver stopped early. Nothing is solved here.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import largest_roughness
-from robotraj.planning.loop.state import SECOND, End, Found, Meshes, Motion, State, Task
+from robotraj.planning.loop.state import SECOND, Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
 from robotraj.solution.solution import Solution
@@ -48,18 +48,18 @@ SMOOTHER = 6.0
 """Factor on the weight of smooth torques where they alternate with the mesh nevertheless."""
 
 
-def respond(state: State, found: Found) -> State | End:
+def respond(state: PlanState, found: Found) -> PlanState | PlanEnd:
     """Return the state that follows from what a solve found, or the end of the plan."""
     return _RESPONSES[state.task](state, found)
 
 
-def is_enough(state: State) -> bool:
+def is_enough(state: PlanState) -> bool:
     """Whether the next mesh is the last one for a motion whose objective alone has not settled."""
     most = ENOUGH_OF_POWERS if state.traits.sticking_powers else ENOUGH
     return state.number >= most - 1 and not state.traits.patient
 
 
-def is_limited(state: State) -> bool:
+def is_limited(state: PlanState) -> bool:
     """Whether limits are imposed between the points of the next mesh, however far from settled its solution is."""
     if state.task is not Task.MESH or state.traits.full_friction:
         return True
@@ -74,12 +74,12 @@ def is_guess(softer: Solution) -> bool:
     return all(violation.relative <= NEARLY for violation in softer.violations(1))
 
 
-def own_friction(state: State) -> State:
+def own_friction(state: PlanState) -> PlanState:
     """Return the state whose robots have their own friction, on the meshes of the last softer one."""
     return replace(state, task=Task.MESH, softening=(), why="the robot's own friction")
 
 
-def _after_softer(state: State, found: Found) -> State:
+def _after_softer(state: PlanState, found: Found) -> PlanState:
     soft, refinement = found.solution, state.settings.refinement
     if found.measures is not None and refinement is not None:
         # Torques bend more sharply with less soft friction.
@@ -89,7 +89,7 @@ def _after_softer(state: State, found: Found) -> State:
     return replace(state, softening=left, why="less soft friction") if left else own_friction(state)
 
 
-def _after_mesh(state: State, found: Found) -> State | End:
+def _after_mesh(state: PlanState, found: Found) -> PlanState | PlanEnd:
     motion = found.motion
     if motion is None:
         state = replace(state, failed=found.solution)
@@ -97,17 +97,17 @@ def _after_mesh(state: State, found: Found) -> State | End:
     else:
         steps = (*state.steps, motion.step)
         following = _finer(replace(state, best=motion, first=state.first or motion, steps=steps))
-    if isinstance(following, End):
+    if isinstance(following, PlanEnd):
         return _concluded(following)
     if following.number == MOST_MESHES - 1:
-        return _concluded(End(following, f"{MOST_MESHES} meshes"))
+        return _concluded(PlanEnd(following, f"{MOST_MESHES} meshes"))
     return replace(following, number=following.number + 1)
 
 
-def _after_failure(state: State, failed: Solution) -> State | End:
+def _after_failure(state: PlanState, failed: Solution) -> PlanState | PlanEnd:
     """Return a state with the meshes to try after some that could not be solved; the end where none would help."""
     if state.is_brief:
-        return End(state, failed.status.value)
+        return PlanEnd(state, failed.status.value)
     lines, first = on_lines(state.problem, state.coarsest), state.approximates
     # Free controls may exploit the program of a coarse mesh.
     endless = failed.iterations >= ENDLESS and lines != state.coarsest
@@ -122,22 +122,22 @@ def _after_failure(state: State, failed: Solution) -> State | End:
         why = f"begin again from the guess on {_counted(meshes)}"
         return replace(state, best=None, first=None, afresh=True, meshes=meshes, why=why)
     if not first or failed.status in LIMITS_OF_THE_USER or are_clear(failed.conflicts):
-        return End(state, failed.status.value)
+        return PlanEnd(state, failed.status.value)
     meshes = tuple(evenly_finer(mesh, max(state.second, SECOND)) for mesh in state.meshes)
     return replace(state, meshes=meshes, why=_counted(meshes))
 
 
-def _finer(state: State) -> State | End:
+def _finer(state: PlanState) -> PlanState | PlanEnd:
     """Return a state with the meshes that the measures of the best motion need; the end where they need no others."""
     best, refinement, first = state.best, state.settings.refinement, state.approximates
     assert best is not None and refinement is not None
     proof, measures = best.proof, best.measures
     if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET:
-        return End(state, "a moving obstacle is met on the path, which no finer mesh changes")
+        return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.holds and not first:
-        return End(state, "")
+        return PlanEnd(state, "")
     if is_enough(state) and best.holds:
-        return End(state, "enough meshes")
+        return PlanEnd(state, "enough meshes")
     phase = measures.stagnant
     stagnant = 0 if phase is None else state.stagnant + 1
     least, missed = state.second if first else 1.0, DOUBLED if stagnant else 1.0
@@ -147,11 +147,11 @@ def _finer(state: State) -> State | End:
         lines = on_lines(state.problem, finer)
         finer = tuple(lines[k] if k == phase or phase is None else each for k, each in enumerate(finer))
     if stagnant > 1 or finer == best.meshes:
-        return End(state, "errors stagnate")
+        return PlanEnd(state, "errors stagnate")
     return replace(state, meshes=finer, stagnant=stagnant, why=_counted(finer))
 
 
-def _concluded(end: End) -> State | End:
+def _concluded(end: PlanEnd) -> PlanState | PlanEnd:
     """Return the solve that a plan still needs where its meshes end; without one, the end."""
     best = end.state.best
     if best is None:
@@ -163,15 +163,15 @@ def _concluded(end: End) -> State | End:
     return end
 
 
-def _after_limits(state: State, found: Found) -> End:
+def _after_limits(state: PlanState, found: Found) -> PlanEnd:
     """Keep a solution with limits between its points in place of the one without."""
     motion = found.motion
     if motion is not None:
         state = replace(state, best=motion, steps=(*state.steps[:-1], motion.step))
-    return End(state, "")
+    return PlanEnd(state, "")
 
 
-def _polished(state: State, task: Task, why: str = "") -> State | End:
+def _polished(state: PlanState, task: Task, why: str = "") -> PlanState | PlanEnd:
     """Return the state of the first of the last solves, from a task on, that a proved motion needs; else the end."""
     best = state.best
     assert best is not None
@@ -188,12 +188,12 @@ def _polished(state: State, task: Task, why: str = "") -> State | End:
     else:
         first, meshes = state.first, best.meshes
         repeatable = first is not None and can_be_solved_again(first.solution)
-        if not repeatable or best.measures.before is None or not best.proof.holds:
-            return End(state, why)
+        if not (repeatable and best.stopped_early and best.proof.holds) or best.measures.before is None:
+            return PlanEnd(state, why)
     return replace(state, task=task, meshes=meshes, why=task.value)
 
 
-def _after_switches(state: State, found: Found) -> State | End:
+def _after_switches(state: PlanState, found: Found) -> PlanState | PlanEnd:
     best, motion = state.best, found.motion
     assert best is not None
     if motion is not None and motion.solution.objective < best.solution.objective:
@@ -201,7 +201,7 @@ def _after_switches(state: State, found: Found) -> State | End:
     return _polished(state, Task.SMOOTHER)
 
 
-def _after_smoother(state: State, found: Found) -> State | End:
+def _after_smoother(state: PlanState, found: Found) -> PlanState | PlanEnd:
     best, motion = state.best, found.motion
     assert best is not None
     before, goals = best.solution.objective, best.proof.goals
@@ -211,7 +211,7 @@ def _after_smoother(state: State, found: Found) -> State | End:
     return _polished(state, Task.AGAIN)
 
 
-def _replaced(state: State, best: Motion, motion: Motion) -> State:
+def _replaced(state: PlanState, best: MeasuredMotion, motion: MeasuredMotion) -> PlanState:
     """Take a proved motion on other meshes for the best one, unless more may be left to gain than before."""
     before, known, goal = best.solution.objective, best.measures.proof.unsettled, best.proof.goals.objective
     # What is left to gain is no more than before, apart from what the motion lost.
@@ -222,31 +222,31 @@ def _replaced(state: State, best: Motion, motion: Motion) -> State:
     return replace(state, best=motion.with_unsettled(left), steps=(*state.steps, motion.step))
 
 
-def _after_again(state: State, found: Found) -> State | End:
+def _after_again(state: PlanState, found: Found) -> PlanState | PlanEnd:
     """Solve a gain of the first mesh on the meshes of the plan, too: a coarse mesh may only gain between its points."""
     if not found.lacks:
-        return End(state, "")
+        return PlanEnd(state, "")
     return replace(state, task=Task.BETTER, start=found.solution, gained=found.gained, why=Task.BETTER.value)
 
 
-def _after_better(state: State, found: Found) -> End:
+def _after_better(state: PlanState, found: Found) -> PlanEnd:
     """Take the better motion, if it is one. Where it is not found, the objective has not settled."""
     best, motion, coarse = state.best, found.motion, state.start
     assert best is not None and coarse is not None
     size = objective_size(best.solution.phases, best.solution.objective)
     if motion is None:
-        return End(replace(state, best=best.with_unsettled(state.gained)), "")
+        return PlanEnd(replace(state, best=best.with_unsettled(state.gained)), "")
     if best.solution.objective - motion.solution.objective > best.proof.goals.objective * size and motion.holds:
         left = max(best.proof.unsettled, (motion.solution.objective - coarse.objective) / size)
         state = replace(state, best=motion.with_unsettled(left), steps=(*state.steps, motion.step))
-    return End(state, "")
+    return PlanEnd(state, "")
 
 
 def _counted(meshes: Meshes) -> str:
     return f"{sum(mesh.count for mesh in meshes)} intervals"
 
 
-_RESPONSES: Mapping[Task, Callable[[State, Found], State | End]] = {
+_RESPONSES: Mapping[Task, Callable[[PlanState, Found], PlanState | PlanEnd]] = {
     Task.SOFTER: _after_softer,
     Task.MESH: _after_mesh,
     Task.LIMITS: _after_limits,

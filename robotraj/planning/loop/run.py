@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.time_left import LimitReached
-from robotraj.planning.loop.local_optimum import gain_from
+from robotraj.planning.loop.local_optimum import gain_from, is_converged
 from robotraj.planning.loop.measures import Measured, measured
 from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
-from robotraj.planning.loop.state import End, Found, State, Task, begin
+from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.soft_friction import averaging_times, softened
 from robotraj.planning.solve import solve
@@ -83,9 +83,9 @@ def run(
         With ``proof``. Its status is ``Status.NOT_PROVED`` if it is no motion within its limits. If a finer mesh cannot
         be solved, it is the solution on the coarser one.
     """
-    state: State | End = begin(problem, guess, settings, is_brief)
+    state: PlanState | PlanEnd = begin(problem, guess, settings, is_brief)
     spent: Solution | None = None
-    while isinstance(state, State):
+    while isinstance(state, PlanState):
         try:
             found = solved(state, progress, surfaces)
         except KeyboardInterrupt as stop:
@@ -103,21 +103,21 @@ def run(
             return _with_effort(_interrupted(replace(state, failed=found.solution)), spent)
         state = respond(state, found)
         lacked = ", ".join(map(str, found.lacks)) if found.solution.success else found.solution.status.value
-        response = state.why if isinstance(state, State) else ": ".join(filter(None, ("end", state.why)))
+        response = state.why if isinstance(state, PlanState) else ": ".join(filter(None, ("end", state.why)))
         spent = replace(spent, rounds=answered(spent.rounds, lacked, response))
     assert spent is not None
     return _with_effort(state.solution, spent)
 
 
-def _at_last(state: State, progress: Progress | None) -> State:
+def _at_last(state: PlanState, progress: Progress | None) -> PlanState:
     """Return the state with the robot's own friction, which is solved whatever the clock reads."""
     if isinstance(progress, PlanLimits):
         progress.begin()
     return own_friction(state)
 
 
-def _interrupted(state: State) -> Solution:
-    return replace(End(state, "").solution, status=Status.INTERRUPTED)
+def _interrupted(state: PlanState) -> Solution:
+    return replace(PlanEnd(state, "").solution, status=Status.INTERRUPTED)
 
 
 def _with_effort(solution: Solution, spent: Solution) -> Solution:
@@ -125,7 +125,7 @@ def _with_effort(solution: Solution, spent: Solution) -> Solution:
     return replace(solution, times=spent.times, iterations=spent.iterations, rounds=spent.rounds)
 
 
-def solved(state: State, progress: Progress | None = None, surfaces: Surfaces = ()) -> Found:
+def solved(state: PlanState, progress: Progress | None = None, surfaces: Surfaces = ()) -> Found:
     """Solve what a state holds, and measure the solution."""
     if state.task is Task.SOFTER:
         return _softer(state, progress, surfaces)
@@ -155,13 +155,13 @@ def solved(state: State, progress: Progress | None = None, surfaces: Surfaces = 
 
     hold = None if is_limited(state) else is_settled
     solution = solve(state.problem, state.begin, settings, progress, hold, True, surfaces)
+    limited = known[0][2] if known else True
     if known and known[0][0].phases is solution.phases and solution.success:
-        measures = known[0][1].with_violations(solution)
-        return Found(solution, measures, known[0][2], measures.proof.lacks)
-    return _measured(state, solution, known[0][2] if known else True)
+        return _found(solution, known[0][1].with_violations(solution), limited)
+    return _measured(state, solution, limited)
 
 
-def _measures(state: State, solution: Solution) -> Measured:
+def _measures(state: PlanState, solution: Solution) -> Measured:
     """Measure a solution; without a coarser mesh, its objective still has to gain what the neighbour's had."""
     before = None if state.best is None else state.best.measures
     if before is not None and state.task is not Task.MESH:
@@ -171,14 +171,19 @@ def _measures(state: State, solution: Solution) -> Measured:
     return measured(solution, before, state.settings.goals, state.traits.sticking, expected)
 
 
-def _measured(state: State, solution: Solution, limited: bool) -> Found:
+def _measured(state: PlanState, solution: Solution, limited: bool) -> Found:
     if not solution.success:
         return Found(solution)
-    measures = _measures(state, solution)
-    return Found(solution, measures, limited, measures.proof.lacks)
+    return _found(solution, _measures(state, solution), limited)
 
 
-def _softer(state: State, progress: Progress | None, surfaces: Surfaces) -> Found:
+def _found(solution: Solution, measures: Measured, limited: bool) -> Found:
+    """Return a measured solution."""
+    proof = measures.proof
+    return Found(solution, measures, limited, proof.lacks, not is_converged(solution, proof.goals))
+
+
+def _softer(state: PlanState, progress: Progress | None, surfaces: Surfaces) -> Found:
     """Solve with softer friction, as the guess of a solve with less soft friction."""
     own, factor = state.settings, state.softening[0]
     assert own.goals is not None
@@ -193,7 +198,7 @@ def _softer(state: State, progress: Progress | None, surfaces: Surfaces) -> Foun
     return Found(found, measures)
 
 
-def _again(state: State, progress: Progress | None) -> Found:
+def _again(state: PlanState, progress: Progress | None) -> Found:
     """Solve once more from a plan that holds, on the first mesh; what that gains, the plan has missed."""
     assert state.best is not None and state.first is not None and state.settings.goals is not None
     unseen = progress.unseen if isinstance(progress, PlanLimits) else None
@@ -203,7 +208,7 @@ def _again(state: State, progress: Progress | None) -> Found:
     return Found(found, lacks=lacks, gained=gained)
 
 
-def _cold(state: State) -> Solver:
+def _cold(state: PlanState) -> Solver:
     """Return the solver of a solve from a guess. Where the objective is flat, iterations move kinks between points."""
     traits = state.traits
     if not (traits.sticking or traits.kinked):
@@ -211,7 +216,7 @@ def _cold(state: State) -> Solver:
     return state.settings.solver.until_settled(CHANGE_OF_POWERS if traits.sticking_powers else CHANGE_FLAT)
 
 
-def _solver(state: State) -> Solver:
+def _solver(state: PlanState) -> Solver:
     """Return the solver of the next solve."""
     cold, traits = _cold(state), state.traits
     # The solution with soft friction is that of another problem.

@@ -76,12 +76,23 @@ class Traits:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """A solution with its proof and its measures, and whether limits were imposed between its points."""
+class MeasuredMotion:
+    """A solution with its proof and its measures.
+
+    Attributes
+    ----------
+    solution : Solution
+    measures : Measured
+    limited : bool
+        Whether limits were imposed between its points.
+    stopped_early : bool
+        Whether the solver stopped before its tolerance, or that is too large.
+    """
 
     solution: Solution
     measures: Measured
     limited: bool
+    stopped_early: bool
 
     @property
     def meshes(self) -> Meshes:
@@ -99,7 +110,7 @@ class Motion:
         """Whether it is a motion within its limits."""
         return self.proof.motion_holds
 
-    def with_unsettled(self, share: float) -> Motion:
+    def with_unsettled(self, share: float) -> MeasuredMotion:
         """Return the motion with another share of the objective that is left to gain."""
         return replace(self, solution=replace(self.solution, proof=replace(self.proof, unsettled=share)))
 
@@ -124,6 +135,8 @@ class Found:
         Whether limits were imposed between the points.
     lacks : tuple of Lack
         The measures that are beyond their goals.
+    stopped_early : bool
+        Whether the solver stopped before its tolerance, or that is too large.
     gained : float
         Share of the objective that a solve from the plan gained on the first mesh.
     """
@@ -132,18 +145,21 @@ class Found:
     measures: Measured | None = None
     limited: bool = False
     lacks: tuple[Lack, ...] = ()
+    stopped_early: bool = False
     gained: float = 0.0
 
     @property
-    def motion(self) -> Motion | None:
+    def motion(self) -> MeasuredMotion | None:
         """The solution with its proof; None where the solve failed."""
         if self.measures is None:
             return None
-        return Motion(replace(self.solution, proof=self.measures.proof), self.measures, self.limited)
+        return MeasuredMotion(
+            replace(self.solution, proof=self.measures.proof), self.measures, self.limited, self.stopped_early
+        )
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class PlanState:
     """What a plan knows, and what it solves next.
 
     Attributes
@@ -166,7 +182,7 @@ class State:
         Share of the objective that ``start`` gained over the best motion.
     number : int
         Number of meshes before the next one.
-    best, first : Motion or None
+    best, first : MeasuredMotion or None
         The best solution so far, and the first one, whose program is solved again from the plan.
     failed : Solution or None
         The last solve that failed, until there is a solution.
@@ -194,8 +210,8 @@ class State:
     start: Solution | None = None
     gained: float = 0.0
     number: int = 0
-    best: Motion | None = None
-    first: Motion | None = None
+    best: MeasuredMotion | None = None
+    first: MeasuredMotion | None = None
     failed: Solution | None = None
     steps: tuple[MeshStep, ...] = ()
     afresh: bool = False
@@ -222,10 +238,10 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
-class End:
+class PlanEnd:
     """The end of a plan, and why."""
 
-    state: State
+    state: PlanState
     why: str
 
     @property
@@ -241,11 +257,13 @@ class End:
         return replace(best.solution, status=status, refinement=self.state.steps)
 
 
-def begin(problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, is_brief: bool = False) -> State:
+def begin(
+    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, is_brief: bool = False
+) -> PlanState:
     """Return the first state of a plan."""
     traits, refinement = Traits.of(problem), settings.refinement
     second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
-    state = State(problem, settings, traits, guess, (), second, is_brief=is_brief)
+    state = PlanState(problem, settings, traits, guess, (), second, is_brief=is_brief)
     if traits.sticking and not isinstance(guess, Solution):
         return replace(state, meshes=state.coarsest, task=Task.SOFTER, softening=SOFTENING)
     return replace(state, meshes=state.coarsest, neighbour=proof_on(guess, state.coarsest))

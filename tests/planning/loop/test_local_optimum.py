@@ -11,7 +11,7 @@ import pytest
 import robotraj as rt
 from robotraj.planning.loop import run as loop
 from robotraj.planning.loop.local_optimum import gain_from
-from robotraj.planning.loop.state import Found, State, Task
+from robotraj.planning.loop.state import Found, PlanState, Task
 from robotraj.solvers.status import Status
 
 Pair = tuple[rt.Solution, rt.Solution]
@@ -34,12 +34,13 @@ def first_and_last(monkeypatch: pytest.MonkeyPatch, solver: rt.solvers.Solver | 
     """Return the first solution of a plan, and the last one before it is solved once more."""
     found: list[Pair] = []
 
-    def kept(state: State, progress: object) -> Found:
+    def kept(state: PlanState, progress: object) -> Found:
         assert state.first is not None and state.best is not None
         found.append((state.first.solution, state.best.solution))
         return Found(state.best.solution)
 
     monkeypatch.setattr(loop, "_again", kept)
+    monkeypatch.setattr(loop, "is_converged", lambda *_: False)
     rt.plan(reach(), solver=solver)
     return found[0]
 
@@ -59,6 +60,30 @@ def test_a_further_solve_gains_what_solves_that_stopped_early_have_missed(
     assert gain_from(last, first, rt.solution.Goals(), EARLY)[1] == pytest.approx(missed, abs=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("solver", "objective", "again"),
+    [(None, rt.Effort(), False), (EARLY, rt.Effort(), True), (None, rt.objectives.MechanicalWork(), True)],
+    ids=["converged", "large tolerance", "ended where the objective hardly changes"],
+)
+def test_a_plan_is_solved_once_more_only_where_its_solver_stopped_early(
+    solver: rt.solvers.Solver | None,
+    objective: rt.objectives.Objective,
+    again: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tasks: list[Task] = []
+    plain = loop.solved
+
+    def solved(state: PlanState, *given: Any) -> Found:
+        tasks.append(state.task)
+        return plain(state, *given)
+
+    monkeypatch.setattr(loop, "solved", solved)
+    solution = rt.plan(reach().with_(objective=objective), solver=solver, check=False)
+    assert solution.proof is not None and solution.proof.holds
+    assert (Task.AGAIN in tasks) is again
+
+
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-2, 1e-1, 1.0])
 def test_plans_that_are_proved_are_optimal_whatever_the_tolerance_of_the_solver(
     optimum: float, tolerance: float
@@ -75,7 +100,7 @@ def test_the_proof_claims_this_local_optimum_alone() -> None:
 def test_a_plan_whose_gain_is_not_found_on_its_own_mesh_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = loop.solved
 
-    def solved(state: State, *given: Any) -> Found:
+    def solved(state: PlanState, *given: Any) -> Found:
         found = plain(state, *given)
         lost = replace(found.solution, status=Status.ITERATION_LIMIT)
         return Found(lost) if state.task is Task.BETTER else found

@@ -12,7 +12,7 @@ import pytest
 import robotraj as rt
 from robotraj.planning.loop.measures import Measured
 from robotraj.planning.loop.respond import ENOUGH, ENOUGH_OF_POWERS, MOST_MESHES, is_limited, respond
-from robotraj.planning.loop.state import End, Found, State, Task, Traits, begin
+from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, Traits, begin
 from robotraj.planning.settings import resolve
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import Lack
@@ -45,9 +45,9 @@ class Solved:
 
     @property
     def phases(self) -> tuple[Any, ...]:
-        part = SimpleNamespace(mesh=self.mesh, phase=PROBLEM.phases[0], trajectory=None, exact=True, points=())
         trajectory = SimpleNamespace(z=None, u=None, x=SimpleNamespace(breaks=np.array([0.0, 1.0])))
-        return (SimpleNamespace(**vars(part) | {"trajectory": trajectory}),)
+        phase = PROBLEM.phases[0].with_(objective=None)
+        return (SimpleNamespace(mesh=self.mesh, phase=phase, trajectory=trajectory, exact=True, points=()),)
 
     def violations(self, *_: object) -> tuple[Any, ...]:
         return ()
@@ -59,6 +59,7 @@ def found(
     unsettled: float = 0.0,
     before: Measured | None = None,
     limited: bool = False,
+    early: bool = False,
     **solved: Any,
 ) -> Found:
     """Return a solve with these measures on one phase."""
@@ -69,10 +70,10 @@ def found(
     proof = Proof(error, excess, 0.0, unsettled, GOALS)
     local = (np.full(count, error),)
     measures = Measured(proof, 1.0, (solution.mesh,), local, before, local, (np.zeros(count),), 0.0, 2.0)
-    return Found(solution, measures, limited, proof.lacks)  # type: ignore[arg-type]
+    return Found(solution, measures, limited, proof.lacks, early)  # type: ignore[arg-type]
 
 
-def state(*earlier: Found, **changes: Any) -> State:
+def state(*earlier: Found, **changes: Any) -> PlanState:
     """Return the state after some solves, the last of which is the best."""
     first = begin(PROBLEM, None, resolve(PROBLEM, {}))
     known = {"best": earlier[-1].motion, "first": earlier[0].motion, "number": len(earlier)} if earlier else {}
@@ -84,7 +85,8 @@ def failed(status: Status = Status.STALLED, **solved: Any) -> Found:
 
 
 ROUGH = found(error=1e-2, unsettled=np.inf)
-PROVED = found(unsettled=1e-5, before=ROUGH.measures, mesh=rt.Mesh(90))
+EARLY = found(unsettled=1e-5, before=ROUGH.measures, early=True, mesh=rt.Mesh(90))
+PROVED = replace(EARLY, stopped_early=False)
 GAIN = Lack("objective gained on the first mesh", 5e-3, 1e-3)
 
 MESHES = [
@@ -97,13 +99,14 @@ MESHES = [
     ("a first mesh without end has lines", state(), failed(iterations=ENDLESS), Task.MESH, LINED),
     ("where lines fail, a motion that is none is dropped", state(ROUGH, meshes=(LINED,)), failed(), Task.MESH, 45),
     ("errors that stagnate have lines", state(ROUGH), found(1e-2, before=ROUGH.measures), Task.MESH, LINES),
-    ("a motion that is proved is solved once more", state(ROUGH), PROVED, Task.AGAIN, 90),
-    ("enough meshes end a motion", state(ROUGH, number=ENOUGH - 1), found(unsettled=1e-2), End, "enough"),
+    ("a motion that is proved ends a plan", state(ROUGH), PROVED, PlanEnd, ""),
+    ("it is solved once more where the solver stopped early", state(ROUGH), EARLY, Task.AGAIN, 90),
+    ("enough meshes end a motion", state(ROUGH, number=ENOUGH - 1), found(unsettled=1e-2), PlanEnd, "enough"),
     (
         "powers of joints that stick have fewer",
         state(ROUGH, number=ENOUGH_OF_POWERS - 1, traits=Traits(True, True)),
         found(unsettled=1e-2),
-        End,
+        PlanEnd,
         "enough",
     ),
     (
@@ -114,32 +117,32 @@ MESHES = [
         120,
     ),
     ("no plan has more meshes", state(ROUGH, number=MOST_MESHES - 1), found(1e-2), Task.LIMITS, 30),
-    ("with limits, the last mesh ends", state(ROUGH, number=MOST_MESHES - 1), found(1e-2, limited=True), End, "8"),
-    ("a brief plan ends where a solve fails", state(is_brief=True), failed(), End, "stalled"),
-    ("a limit of the user ends a plan", state(), failed(Status.TIME_LIMIT), End, "time"),
-    ("no plan begins afresh twice", state(meshes=(LINED,), number=2, afresh=True), failed(), End, "stalled"),
+    ("with limits, the last mesh ends", state(ROUGH, number=MOST_MESHES - 1), found(1e-2, limited=True), PlanEnd, "8"),
+    ("a brief plan ends where a solve fails", state(is_brief=True), failed(), PlanEnd, "stalled"),
+    ("a limit of the user ends a plan", state(), failed(Status.TIME_LIMIT), PlanEnd, "time"),
+    ("no plan begins afresh twice", state(meshes=(LINED,), number=2, afresh=True), failed(), PlanEnd, "stalled"),
 ]
 LAST = [
-    ("without a gain a plan ends", state(ROUGH, PROVED, task=Task.AGAIN), Found(Solved()), End, ""),  # type: ignore[arg-type]
+    ("without a gain a plan ends", state(ROUGH, EARLY, task=Task.AGAIN), Found(Solved()), PlanEnd, ""),  # type: ignore[arg-type]
     (
         "a gain is solved on the meshes of the plan",
-        state(ROUGH, PROVED, task=Task.AGAIN, meshes=(rt.Mesh(90),)),
+        state(ROUGH, EARLY, task=Task.AGAIN, meshes=(rt.Mesh(90),)),
         Found(Solved(objective=0.995), lacks=(GAIN,), gained=5e-3),  # type: ignore[arg-type]
         Task.BETTER,
         90,
     ),
-    ("smoother controls come last but one", state(ROUGH, PROVED, task=Task.SMOOTHER), failed(), Task.AGAIN, 90),
+    ("smoother controls come last but one", state(ROUGH, EARLY, task=Task.SMOOTHER), failed(), Task.AGAIN, 90),
 ]
 TABLE = MESHES + LAST
 
 
 @pytest.mark.parametrize(("before", "solve", "kind", "expected"), [r[1:] for r in TABLE], ids=[r[0] for r in TABLE])
-def test_each_lack_has_one_response(before: State, solve: Found, kind: Any, expected: Any) -> None:
+def test_each_lack_has_one_response(before: PlanState, solve: Found, kind: Any, expected: Any) -> None:
     answer = respond(before, solve)
-    if kind is End:
-        assert isinstance(answer, End) and expected in answer.why
+    if kind is PlanEnd:
+        assert isinstance(answer, PlanEnd) and expected in answer.why
         return
-    assert isinstance(answer, State) and answer.task is kind
+    assert isinstance(answer, PlanState) and answer.task is kind
     (mesh,) = answer.meshes
     if isinstance(expected, rt.Mesh):
         assert mesh == expected
@@ -151,47 +154,47 @@ def test_each_lack_has_one_response(before: State, solve: Found, kind: Any, expe
 
 def test_a_plan_that_begins_afresh_has_no_motion_and_starts_from_its_guess() -> None:
     answer = respond(state(ROUGH, meshes=(LINED,)), failed())
-    assert isinstance(answer, State) and answer.afresh
+    assert isinstance(answer, PlanState) and answer.afresh
     assert answer.best is None and answer.first is None and answer.begin is answer.guess
 
 
 def test_the_gain_of_a_motion_that_is_not_found_remains_unsettled() -> None:
     coarse = Solved(objective=0.995)
-    better = state(ROUGH, PROVED, task=Task.BETTER, start=coarse, gained=5e-3)
+    better = state(ROUGH, EARLY, task=Task.BETTER, start=coarse, gained=5e-3)
     lost = respond(better, failed())
-    assert isinstance(lost, End) and lost.solution.proof is not None and lost.solution.proof.unsettled == 5e-3
+    assert isinstance(lost, PlanEnd) and lost.solution.proof is not None and lost.solution.proof.unsettled == 5e-3
     same = respond(better, found(before=ROUGH.measures, objective=0.9999, mesh=rt.Mesh(90)))
-    assert isinstance(same, End) and same.state.best is better.best
+    assert isinstance(same, PlanEnd) and same.state.best is better.best
     gained = respond(better, found(before=ROUGH.measures, objective=0.996, mesh=rt.Mesh(90)))
-    assert isinstance(gained, End) and gained.solution.objective == 0.996
+    assert isinstance(gained, PlanEnd) and gained.solution.objective == 0.996
     assert gained.solution.proof is not None and gained.solution.proof.unsettled == pytest.approx(1e-3)
 
 
 def test_knots_at_switches_and_smoother_controls_replace_a_motion_only_where_they_are_no_worse() -> None:
     for task, rise in ((Task.SWITCHES, 0.0), (Task.SMOOTHER, 2e-3)):
-        before = state(ROUGH, PROVED, task=task)
+        before = state(ROUGH, EARLY, task=task)
         answer = respond(before, found(before=ROUGH.measures, objective=1.0 + rise, mesh=rt.Mesh(91)))
-        assert isinstance(answer, State) and answer.best is before.best
+        assert isinstance(answer, PlanState) and answer.best is before.best
     shorter = respond(
-        state(ROUGH, PROVED, task=Task.SWITCHES), found(before=ROUGH.measures, objective=0.99, mesh=rt.Mesh(91))
+        state(ROUGH, EARLY, task=Task.SWITCHES), found(before=ROUGH.measures, objective=0.99, mesh=rt.Mesh(91))
     )
-    assert isinstance(shorter, State) and shorter.best is not None and shorter.best.solution.objective == 0.99
+    assert isinstance(shorter, PlanEnd) and shorter.solution.objective == 0.99
 
 
 def test_a_motion_beyond_its_limits_ends_as_not_proved() -> None:
     answer = respond(state(ROUGH, number=MOST_MESHES - 1), found(1e-2, limited=True))
-    assert isinstance(answer, End) and answer.solution.status is Status.NOT_PROVED
+    assert isinstance(answer, PlanEnd) and answer.solution.status is Status.NOT_PROVED
 
 
 def test_softer_friction_becomes_less_soft_until_it_is_the_own_one() -> None:
     soft = replace(state(), traits=Traits(sticking=True), task=Task.SOFTER, softening=(4.0, 2.0))
     answer = respond(soft, found())
-    assert isinstance(answer, State) and (answer.task, answer.softening) == (Task.SOFTER, (2.0,))
+    assert isinstance(answer, PlanState) and (answer.task, answer.softening) == (Task.SOFTER, (2.0,))
     assert answer.meshes[0].count > COARSE.count and answer.begin is answer.guess is not None
     last = respond(answer, found(mesh=answer.meshes[0]))
-    assert isinstance(last, State) and (last.task, last.softening, last.number) == (Task.MESH, (), 0)
+    assert isinstance(last, PlanState) and (last.task, last.softening, last.number) == (Task.MESH, (), 0)
     unguessed = respond(soft, failed())
-    assert isinstance(unguessed, State) and unguessed.meshes == soft.meshes and unguessed.guess is None
+    assert isinstance(unguessed, PlanState) and unguessed.meshes == soft.meshes and unguessed.guess is None
 
 
 def test_limits_are_imposed_between_the_points_where_they_decide_or_the_plan_ends() -> None:
