@@ -206,7 +206,8 @@ def _solve_once(
             again, w = _solve(nlp, solution, known, warm, progress, began)
             failed = not again.success and again.status is not Status.INTERRUPTED
             solution = with_effort_of(again, solution) if failed else with_effort_of(solution, again)
-            if failed:
+            if failed or not again.iterations:
+                # A solve that ends where it starts changes nothing: further margins of this size would not either.
                 break
             added += new
             found = _state_violations(solution, interval_limits.tolerance)
