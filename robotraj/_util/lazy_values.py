@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 if TYPE_CHECKING:
     from functools import cached_property
@@ -26,7 +26,7 @@ else:
         def __set_name__(self, owner, name):
             self.name = name
             if getattr(owner, "__getstate__", None) is getattr(object, "__getstate__", None):
-                owner.__getstate__ = _without_cached_values
+                owner.__getstate__ = without_cached_values
 
         def __get__(self, instance, owner=None):
             if instance is None:
@@ -35,13 +35,13 @@ else:
             return known[self.name] if self.name in known else known.setdefault(self.name, self.func(instance))
 
 
-def _without_cached_values(self: object) -> dict[str, object]:
+def without_cached_values(self: object) -> dict[str, Any]:
     """Return the state of an instance for a pickle or a copy: its attributes without values of cached properties."""
     kind = type(self)
     return {name: own for name, own in vars(self).items() if not isinstance(getattr(kind, name, None), cached_property)}
 
 
-__all__ = ["LazySequence", "cached_property"]
+__all__ = ["LazySequence", "cached_property", "without_cached_values"]
 
 T = TypeVar("T", covariant=True)
 

@@ -13,10 +13,14 @@ import pinocchio as pin
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point, RobotPoint
 from robotraj.native.rigid_tree import rigid_tree
+from robotraj.robot.coupling.coupled_model import uncoupled
+from robotraj.robot.per_robot import PerRobot
 from robotraj.symbolic import SymbolicModel
+from robotraj.symbolic.followers import coordinates
 
 if TYPE_CHECKING:
     from robotraj.native._native import RigidTree
+    from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,9 +32,10 @@ class Torques:
     symbols : casadi.SX
         r (nv,), which represents the torques in the outputs of a stage [N m, N].
     model : SymbolicModel
+        Of all joints; those that follow others are independent in it.
     arguments : casadi.SX
-        q, w and a as one column, (nq + 2 nv,): configuration, velocity and acceleration as expressions of the stage's
-        symbols.
+        q, w and a of all joints as one column, (nq + 2 nv,): configuration, velocity and acceleration as expressions of
+        the stage's symbols.
     """
 
     symbols: ca.SX
@@ -84,12 +89,27 @@ def separate_torques(point: Point) -> Torques | None:
     if point.robot.root == "fixed" and set(point.robot.units) == {"m"}:
         point.inverse_dynamics = _sliding(point.robot.model, point.a)
         return None
+    whole = _of_all_joints(point.robot) if point.robot.followers else model
     try:
-        _tree(model)
+        _tree(whole)
     except ValueError:
         return None
-    point.inverse_dynamics = ca.SX.sym("r", point.robot.nv)
-    return Torques(point.inverse_dynamics, model, ca.vertcat(point.q, point.v, point.a))
+    if whole is model:
+        point.inverse_dynamics = ca.SX.sym("r", point.robot.nv)
+        return Torques(point.inverse_dynamics, model, ca.vertcat(point.q, point.v, point.a))
+    places, offsets, rates = coordinates(point.robot.model)
+    shares, positions, symbols = ca.sparsify(ca.DM(rates)), ca.sparsify(ca.DM(places)), ca.SX.sym("r", len(rates))
+    point.inverse_dynamics = ca.mtimes(shares.T, symbols)
+    every = (ca.mtimes(positions, point.q) + offsets, ca.mtimes(shares, point.v), ca.mtimes(shares, point.a))
+    return Torques(symbols, whole, ca.vertcat(*every))
+
+
+_WHOLE: PerRobot[SymbolicModel] = PerRobot()
+
+
+def _of_all_joints(robot: Robot) -> SymbolicModel:
+    """Return the model of a robot whose followers are independent."""
+    return _WHOLE.get(robot, None, lambda: SymbolicModel(uncoupled(robot.model)))
 
 
 def _sliding(model: pin.Model, a: ca.SX) -> ca.SX:

@@ -15,7 +15,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.joint_limits.faults import fault_of, sentences
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits, as_number, ends_for_all, pair_of
-from robotraj.robot.loading.planning_model import names_of
+from robotraj.robot.loading.planning_model import independent_names
 from robotraj.robot.root import ROOTS, root_of
 
 Array = npt.NDArray[np.float64]
@@ -142,7 +142,7 @@ class Limits(OneLine):
         """
         about = root_of(root)
         first, free = len(about.positions), len(about.velocities)
-        found = cls.none((*about.velocities, *names_of(model)[1 + len(about.joints) :]), free)
+        found = cls.none((*about.velocities, *independent_names(model)[len(about.joints) :]), free)
         sides = {name: np.array(getattr(found, name)) for name in BOUNDS}
         sides["position_lower"][free:] = model.lowerPositionLimit[first:]
         sides["position_upper"][free:] = model.upperPositionLimit[first:]

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj.robot.coupling.coupled_model import coupled
 from robotraj.robot.limits import Limits, concatenated
 from robotraj.robot.loading.planning_model import rebuilt
 from robotraj.robot.robot import Robot
@@ -50,7 +51,7 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
     if taken:
         raise InputError(f"{robot.name!r} has a joint or frame {taken[0]!r} already; rename it in the URDF.")
     kinds = (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ())
-    model = rebuilt(robot.model, tuple(zip(JOINTS, kinds, strict=True)))
+    model = coupled(rebuilt(robot.model, tuple(zip(JOINTS, kinds, strict=True))), robot.followers)
     # The base turns about the vertical only, so its moments about the other axes have no effect.
     body = pin.Inertia(float(mass), np.zeros(3), np.diag([inertia, inertia, inertia]))
     model.appendBodyToJoint(len(JOINTS), body, pin.SE3.Identity())

@@ -15,17 +15,19 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import brief, wrapped
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
+from robotraj.robot.coupling.mimics import Mimic, mimics_of
+from robotraj.robot.coupling.pickling import PickledModel
 from robotraj.robot.joint_table import Joints, joint_html, joint_table, number
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
-from robotraj.robot.loading.planning_model import names_of
+from robotraj.robot.loading.planning_model import independent_names
 from robotraj.robot.root import QUATERNION, root_of, units_of
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Robot:
+class Robot(PickledModel):
     """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
 
     ``rt.load`` makes it. Every moving joint has one position and one velocity; the position of a continuous joint is
@@ -174,8 +176,13 @@ class Robot:
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the moving joints, in the order of v; a floating root is one joint, ``root_joint``."""
-        return tuple(names_of(self.model)[1:])
+        """Names of the joints with entries in v, in its order, without followers; a floating root is ``root_joint``."""
+        return tuple(independent_names(self.model))
+
+    @cached_property
+    def followers(self) -> tuple[Mimic, ...]:
+        """Joints without entries in q and v, each at multiplier * leader + offset."""
+        return mimics_of(self.model)
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:

@@ -79,6 +79,8 @@ def units_of(model: pin.Model, root: str = "fixed") -> tuple[str, ...]:
     about = root_of(root)
     result = list(about.units)
     for joint in model.joints.tolist()[1 + len(about.joints) :]:
+        if not joint.nv:
+            continue  # it follows another joint
         data = joint.createData()
         joint.calc(data, np.zeros(joint.nq))
         result.append("rad" if np.any(np.asarray(data.S).reshape(6)[3:]) else "m")

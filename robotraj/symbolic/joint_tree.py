@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj.symbolic.build import load_graphs
+from robotraj.symbolic.followers import axis_of
 
 if TYPE_CHECKING:
     from robotraj.symbolic._graphs import Graphs as Graphs
@@ -46,7 +47,7 @@ _CHAINS = {"JointModelSphericalZYX": (5, 4, 3), "JointModelTranslation": (0, 1, 
 
 
 def graphs_of(model: pin.Model, parametric: bool) -> Graphs:
-    """Build the graphs of a model.
+    """Build the graphs of a model; joints that follow others are independent in them, without armature.
 
     Parameters
     ----------
@@ -59,14 +60,24 @@ def graphs_of(model: pin.Model, parametric: bool) -> Graphs:
     InputError
         A joint is of an unsupported type.
     """
-    tree = Tree(np.array(model.gravity.linear), np.array(model.armature))
+    armature = [
+        model.armature[joint.idx_v : joint.idx_v + joint.nv] if joint.nv else np.zeros(1) for joint in _moving(model)
+    ]
+    tree = Tree(np.array(model.gravity.linear), np.concatenate([*armature, np.zeros(0)]))
     neutral = pin.neutral(model)
     for i in range(1, model.njoints):
         tree.add_joint(model.parents[i], _placement(model.jointPlacements[i]), _body(model.inertias[i]))
-        _add_parts(tree, model.names[i], model.joints[i], pin.SE3.Identity(), neutral)
+        if model.joints[i].nv:
+            _add_parts(tree, model.names[i], model.joints[i], pin.SE3.Identity(), neutral)
+        else:
+            tree.add_part(JointKind.SCREW, _placement(pin.SE3.Identity()), axis_of(model, i))
     for frame in model.frames:
         tree.add_frame(frame.parentJoint, _placement(frame.placement))
     return Graphs(tree, parametric)
+
+
+def _moving(model: pin.Model) -> list[pin.JointModel]:
+    return [model.joints[i] for i in range(1, model.njoints)]
 
 
 def _add_parts(tree: Tree, name: str, joint: pin.JointModel, placement: pin.SE3, neutral: _Numbers) -> None:

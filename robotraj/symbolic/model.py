@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
+from robotraj.symbolic.followers import coordinates, in_coordinates
 from robotraj.symbolic.joint_tree import graphs_of
 
 if TYPE_CHECKING:
@@ -30,8 +31,11 @@ def _compiled_model(text: str, parametric: bool) -> Graphs:
 @lru_cache(maxsize=512)
 def _function(text: str, parametric: bool, algorithm: str, *arguments: int) -> ca.Function:
     """Build one function. It is cached per process: a Function is immutable, and equal models share it."""
-    serialized = getattr(_compiled_model(text, parametric), algorithm)(*arguments)
-    return ca.Function.deserialize(serialized.decode("latin-1"))
+    return _read(_compiled_model(text, parametric), algorithm, *arguments)
+
+
+def _read(graphs: Graphs, algorithm: str, *arguments: int) -> ca.Function:
+    return ca.Function.deserialize(getattr(graphs, algorithm)(*arguments).decode("latin-1"))
 
 
 class SymbolicModel:
@@ -44,7 +48,7 @@ class SymbolicModel:
     Parameters
     ----------
     model : pinocchio.Model
-        Any model without active mimic joints. It is copied; later changes to it have no effect.
+        Any model, mimic joints included. It is copied; later changes to it have no effect.
     parametric : bool
         When true, every function takes two more inputs at the end, for planning together with design.
         ``inertias`` is 10 x njoints, per joint ``model.inertias[i].toDynamicParameters()``: mass [kg], mass
@@ -55,7 +59,7 @@ class SymbolicModel:
     Raises
     ------
     InputError
-        The model is no ``pinocchio.Model``, or has active mimic joints, whose forward dynamics Pinocchio lacks. If a
+        The model is no ``pinocchio.Model``, or a mimic joint follows one with cosine and sine. If a
         joint is of an unsupported type, such as ``JointModelEllipsoid``, the first access to a function raises.
 
     Notes
@@ -78,12 +82,9 @@ class SymbolicModel:
     def __init__(self, model: pin.Model, *, parametric: bool = False) -> None:
         if not isinstance(model, pin.Model):
             raise InputError(f"model is a {type(model).__name__}; give a pinocchio.Model.")
-        mimic = [model.names[joint] for joint in model.mimicking_joints]
-        if mimic:
-            raise InputError(
-                f"The model has active mimic joints ({', '.join(mimic)}), for which Pinocchio has no forward "
-                "dynamics; build the model with mimic=False, or lock them with pinocchio.buildReducedModel."
-            )
+        coordinates(model)
+        self._follows = len(model.mimicking_joints) > 0
+        self._known: dict[tuple[str | int, ...], ca.Function] = {}
         self._model = model.copy()
         self._parametric = bool(parametric)
 
@@ -92,7 +93,15 @@ class SymbolicModel:
         return f"SymbolicModel({self._model.name!r}, nq={self._model.nq}, nv={self._model.nv}{kind})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the model alone; functions are built again on first access."""
+        """Pickle the model alone; functions are built again on first access.
+
+        Raises
+        ------
+        InputError
+            The model has mimic joints, which Pinocchio 4.1 saves but cannot restore.
+        """
+        if self._follows:
+            raise InputError("Pinocchio 4.1 cannot restore mimic joints; pickle the rt.robot.Robot in place of this.")
         return _restore, (self._model, self._parametric)
 
     @property
@@ -132,6 +141,7 @@ class SymbolicModel:
         """``(q, v, tau, fext) -> (a)``: the accelerations under joint torques and external wrenches.
 
         M(q) a = tau - nle(q, v) + sum_i J_i(q)' fext_i, by the articulated-body algorithm (ABA), order nv.
+        Of models with mimic joints, M is factorised.
         """
         return self._function("forward_dynamics")
 
@@ -250,7 +260,20 @@ class SymbolicModel:
     # -- helpers --------------------------------------------------------------------------------------------
 
     def _function(self, algorithm: str, *arguments: int) -> ca.Function:
-        return _function(self.text, self._parametric, algorithm, *arguments)
+        if not self._follows:
+            return _function(self.text, self._parametric, algorithm, *arguments)
+        key: tuple[str | int, ...] = (algorithm, *arguments)
+        if key not in self._known:
+            forward = algorithm == "forward_dynamics"
+            bias = _read(self._graphs, "inverse_dynamics") if forward else None
+            of_all = _read(self._graphs, "mass_matrix" if forward else algorithm, *arguments)
+            self._known[key] = in_coordinates(self._model, algorithm, of_all, bias)
+        return self._known[key]
+
+    @cached_property
+    def _graphs(self) -> Graphs:
+        """The graphs of all joints as independent ones."""
+        return graphs_of(self._model, self._parametric)
 
     def _frame(self, name: str) -> int:
         if not isinstance(name, str) or not self._model.existFrame(name):

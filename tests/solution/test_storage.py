@@ -27,14 +27,18 @@ from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.constraints.joint_limits import JointLimit
 from robotraj.problem.links.base import Link
 from robotraj.problem.objectives.base import Objective, Sum
+from robotraj.robot.coupling.coupled_model import coupled
+from robotraj.robot.coupling.mimics import Mimic
 from robotraj.robot.loading.geometry import NoGeometry
 from robotraj.solution.storage.classes import CLASSES
+from robotraj.solution.storage.models import model_data, model_of
 from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import NotPlainData
 from robotraj.solution.storage.unpacking import Unpacker
 from robotraj.solvers.base import Multipliers, Solver
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.schemes.collocation import Scheme
+from tests.robot.coupling.random_trees import random_tree
 
 
 def there_and_back(value: Any) -> Any:
@@ -589,3 +593,33 @@ def test_a_file_of_too_many_values_is_refused_at_once():
     many = {"$list": [{"$float": "inf"}] * 100_001}
     with pytest.raises(rt.InputError, match="100000 values"):
         Unpacker({}).unpack(many)
+
+
+def test_a_robot_whose_joints_follow_others_comes_back(tmp_path: Path) -> None:
+    robot = rt.load(coupled(*random_tree(5)))
+    again = there_and_back(robot)
+    assert again.followers == robot.followers and again.limits.joints == robot.limits.joints
+    q, v, a = np.random.default_rng(0).normal(size=(3, robot.nv))
+    torques = [pin.rnea(each.model, each.model.createData(), q, v, a) for each in (again, robot)]
+    np.testing.assert_allclose(*torques, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"leader": "nobody"}, "no leader before it"),
+        ({"leader": "follower"}, "no leader before it"),
+        ({"multiplier": 0.0}, "does not follow"),
+        ({"multiplier": float("nan")}, "does not follow"),
+        ({"joint": {"kind": "JointModelFreeFlyer"}}, "several positions"),
+    ],
+)
+def test_followers_of_a_hostile_file_are_refused(change: dict[str, Any], fault: str) -> None:
+    model = pin.Model()
+    for name in ("leader", "follower"):
+        joint = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), name)
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    data = model_data(coupled(model, [Mimic("follower", "leader", -1.0, 0.0)]))
+    data["joints"][1] |= change  # type: ignore[index]
+    with pytest.raises(ValueError, match=fault):
+        model_of(data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import sys
 from importlib import metadata
@@ -88,20 +89,20 @@ def test_something_else_than_a_model(arm) -> None:
         SymbolicModel(arm.data)
 
 
-def test_active_mimic_joint() -> None:
-    urdf = """
-    <robot name="gripper">
-      <link name="palm"/>
-      <link name="left"><inertial><mass value="1"/>
-        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
-      <link name="right"><inertial><mass value="1"/>
-        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
-      <joint name="left finger" type="prismatic"><parent link="palm"/><child link="left"/>
-        <axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint>
-      <joint name="right finger" type="prismatic"><parent link="palm"/><child link="right"/>
-        <axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/>
-        <mimic joint="left finger" multiplier="-1"/></joint>
-    </robot>"""
-    assert SymbolicModel(pin.buildModelFromXML(urdf)).forward_dynamics.size1_out(0) == 2
-    with pytest.raises(InputError, match="active mimic joints .right finger."):
-        SymbolicModel(pin.buildModelFromXML(urdf, mimic=True))
+def test_a_model_with_mimic_joints_is_not_pickled_since_pinocchio_cannot_restore_it() -> None:
+    model = pin.Model()
+    for name in ("left", "right"):
+        joint = model.addJoint(0, pin.JointModelPX(), pin.SE3.Identity(), name)
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    coupled = SymbolicModel(pin.transformJointIntoMimic(model, 1, 2, -1.0, 0.0))
+    with pytest.raises(InputError, match="cannot restore mimic joints; pickle the rt.robot.Robot"):
+        pickle.dumps(coupled)
+
+
+def test_a_joint_that_follows_one_with_cosine_and_sine_is_refused() -> None:
+    model = pin.Model()
+    for name in ("left", "right"):
+        joint = model.addJoint(0, pin.JointModelRUBX(), pin.SE3.Identity(), name)
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    with pytest.raises(InputError, match="'right' follows a joint whose position is a cosine and a sine"):
+        SymbolicModel(pin.transformJointIntoMimic(model, 1, 2, -1.0, 0.0))

@@ -139,7 +139,7 @@ def joint_id(robot: Robot, name: str) -> int:
     """
     if name not in robot.joint_names:
         raise unknown_name("moving joint", name, robot.joint_names)
-    return 1 + robot.joint_names.index(name)
+    return int(robot.model.getJointId(name))
 
 
 def _children(robot: Robot, joint: int) -> list[int]:

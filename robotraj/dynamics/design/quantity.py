@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj.dynamics.variable import Scalar
+from robotraj.robot.loading.planning_model import names_of
 
 if TYPE_CHECKING:
     from robotraj.dynamics.design.bodies import Bodies
@@ -82,8 +83,8 @@ def body_of_name(robot: Robot, name: str, what: str) -> int:
         There is no such name, or it belongs to the world.
     """
     model = robot.model
-    if name in robot.joint_names:
-        return 1 + robot.joint_names.index(name)
+    if name in names_of(model)[1:]:
+        return int(model.getJointId(name))
     if name not in robot.frame_names:
         links = [frame.name for frame in model.frames if frame.parentJoint > 0]
         advice = f"{what} needs a link or a joint."

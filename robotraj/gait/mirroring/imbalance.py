@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.problem.links.periodic import Mirror
+from robotraj.robot.coupling.dynamics import mass_matrix
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
@@ -52,8 +53,7 @@ def imbalance(robot: Robot, repeat: Mirror) -> float:
             _image(each, robot.velocity_names, partners, negated) for each in (pin.rnea(model, data, q, v, a), v, a)
         )
         gap = pin.rnea(model, data, image, moved, pushed) - r
-        mass = np.triu(pin.crba(model, data, image))
-        change = np.linalg.solve(mass + np.triu(mass, 1).T, gap)
+        change = np.linalg.solve(mass_matrix(model, data, image), gap)
         worst = max(worst, float(np.abs(SLOW * change / accelerations).max()))
     return worst
 

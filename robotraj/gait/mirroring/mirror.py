@@ -116,13 +116,13 @@ def mirror_by_geometry(
 
 def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
     """Return the sign of every joint but the root, from the axes where all joints are zero."""
-    model, data = robot.model, robot.model.createData()
+    model, data, joints = robot.model, robot.model.createData(), set(robot.joint_names)
     pin.computeJointJacobians(model, data, pin.neutral(model))
     signs = {}
     for index in range(1, model.njoints):
         name = model.names[index]
-        if name.startswith("root_") and robot.root != "fixed":
-            continue
+        if name not in joints or (name.startswith("root_") and robot.root != "fixed"):
+            continue  # its followers move with their leader
         axis, other = (data.J[:, model.joints[model.getJointId(n)].idx_v] for n in (name, partner[name]))
         turns = np.linalg.norm(axis[3:]) > 0.5
         part, rule = (slice(3, 6), AXIAL) if turns else (slice(0, 3), REFLECTION)
@@ -144,7 +144,7 @@ def _gaps(
     model, names = robot.model, robot.position_names
     rng = np.random.default_rng(0)
     at = {name: i for i, name in enumerate(names)}
-    joints = [(i, model.getJointId(partner[model.names[i]]), model.names[i]) for i in range(1, model.njoints)]
+    joints = [(model.getJointId(name), model.getJointId(partner[name]), name) for name in robot.joint_names]
     frames = [(robot.frame(a), robot.frame(b), a) for a, b in sides.items() if a != b and a not in partner]
     worst = {name: 0.0 for _, _, name in (*joints, *frames)}
     for _ in range(SAMPLES):

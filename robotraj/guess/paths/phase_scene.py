@@ -23,9 +23,9 @@ _KNOWN: WeakKeyDictionary[Phase, PathScene] = WeakKeyDictionary()
 
 
 def scene_of(phase: Phase) -> PathScene | None:
-    """Return the scene of a phase; None without ``rt.CollisionFree`` and for a moving base."""
+    """Return the scene of a phase; None without ``rt.CollisionFree``, for a moving base, and where joints follow."""
     robot = phase.robot
-    if robot is None or robot.root != "fixed" or robot.nq != robot.nv:
+    if robot is None or robot.root != "fixed" or robot.nq != robot.nv or robot.followers:
         return None
     kept = [constraint.pairs(robot) for constraint in phase.constraints if isinstance(constraint, CollisionFree)]
     if not kept:

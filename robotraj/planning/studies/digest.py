@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, cast
 import cloudpickle
 import numpy as np
 
+from robotraj.robot.coupling.coupled_model import uncoupled
 from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def _add(found: _Hash, value: object, seen: dict[int, tuple[int, object]]) -> No
         array = np.asarray(value)
         found.update(f"{array.dtype}{array.shape}".encode() + array.tobytes())
     elif isinstance(value, Robot):
-        _add(found, value.model.saveToString(), seen)
+        _add(found, [uncoupled(value.model).saveToString(), *map(str, value.followers)], seen)
         _add(found, [value.actuated, value.limits, value.root], seen)
     elif isinstance(value, ModuleType):
         _add(found, value.__name__, seen)

@@ -21,9 +21,8 @@ from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.primitives import labels_of
 from robotraj.problem.clearance.carried_obstacles import with_carried_obstacles
 from robotraj.problem.clearance.sphere_tree import sphere_tree
-from robotraj.robot.collision.lever_arms import levers
+from robotraj.robot.collision.lever_arms import levers, relative_levers
 from robotraj.robot.collision.link_pairs import always_touching
-from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.collision.robot_spheres import RobotSpheres, robot_spheres
 from robotraj.robot.robot import Robot
 
@@ -148,8 +147,8 @@ class ClearancePairs(OneLine):
 
     @property
     def _compiles(self) -> bool:
-        """Whether every joint has one position and the base does not move."""
-        return self.robot.root == "fixed" and self.robot.nq == self.robot.nv
+        """Whether every joint has one position of its own and the base does not move."""
+        return self.robot.root == "fixed" and self.robot.nq == self.robot.nv and not self.robot.followers
 
     @cached_property
     def numbers(self) -> Mapping[tuple[int, int, bool], int]:
@@ -183,14 +182,10 @@ class ClearancePairs(OneLine):
     @cached_property
     def speed_factors(self) -> Array:
         """Bounds (n, nv): the distance of a pair changes by at most ``speed_factors @ abs(v)`` a second [m]."""
-        own = levers(self.robot, self.spheres.joint, self.spheres.centre)
+        spheres, (a, b) = self.spheres, (self.first[self.against :], self.second[self.against :])
+        own = levers(self.robot, spheres.joint, spheres.centre)
         factors = own[self.first]
-        a, b = self.first[self.against :], self.second[self.against :]
-        # Joints that move both spheres alike do not change their distance.
-        moved = joint_tree(self.robot).is_moved_by()[self.spheres.joint][:, self._joint_of_rate]
-        factors[self.against :] = np.where(moved[a] & ~moved[b], own[a], 0.0) + np.where(
-            moved[b] & ~moved[a], own[b], 0.0
-        )
+        factors[self.against :] = relative_levers(self.robot, spheres.joint, spheres.centre, a, b)
         return factors
 
     @cached_property
@@ -201,12 +196,6 @@ class ClearancePairs(OneLine):
         other = np.where(obstacle, self.second, len(self.obstacles) + link[np.where(obstacle, 0, self.second)])
         _, numbers = np.unique(np.column_stack([link[self.first], other]), axis=0, return_inverse=True)
         return numbers.ravel()
-
-    @cached_property
-    def _joint_of_rate(self) -> Indices:
-        """Joint of each entry of v."""
-        joints = [np.full(joint.nv, number) for number, joint in enumerate(self.robot.model.joints) if number]
-        return np.concatenate([np.zeros(0, dtype=int), *joints])
 
 
 def clearance_pairs(

@@ -15,7 +15,13 @@ import numpy.typing as npt
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.robot.collision.lever_arms import levers, levers_across
+from robotraj.robot.collision.lever_arms import (
+    across_pairs,
+    joints_of_rates,
+    levers_across,
+    levers_by_rate,
+    per_velocity,
+)
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.collision.placements import joint_tree, placements
 from robotraj.robot.collision.solids import UNBOUNDED, Placed, Solid, depth, distance, one_inside, touch
@@ -188,14 +194,12 @@ def _by_construction(robot: Robot, body: OwnBody) -> set[frozenset[str]]:
 
 
 def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
-    joints = [[number] * joint.nv for number, joint in enumerate(robot.model.joints) if number]
-    moved = joint_tree(robot).is_moved_by()[:, np.concatenate([np.zeros(0, dtype=int), *joints]).astype(int)]
-    reach, across = levers(robot, body.joint, body.farthest), levers_across(robot, body.joint, body.farthest)
-    tree = joint_tree(robot)
+    reach, across = levers_by_rate(robot, body.joint, body.farthest), levers_across(robot, body.joint, body.farthest)
+    tree, rates = joint_tree(robot), joints_of_rates(robot)
     for shape, solid in enumerate(body.solids):
         points = solid.outer_points @ body.rotation[shape].T + body.position[shape]
         for j in np.flatnonzero(tree.turns).tolist():
-            column = robot.model.joints[j].idx_v
+            column = int(np.searchsorted(rates, j))
             # The axis of a shape's own joint, and of those that it carries, is fixed in its frame.
             if j == body.joint[shape]:
                 reach[shape, column] = _from_axis(points, tree.axes[j])
@@ -203,10 +207,9 @@ def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:
                 axis = tree.rotations[j] @ tree.axes[j]
                 across[shape, column] = _from_axis(points - tree.translations[j], axis)
     a, b = pairs.T
-    first, second = moved[body.joint[a]], moved[body.joint[b]]
-    # Joints that move both shapes alike do not change their distance.
     one, other = np.minimum(reach[a], across[b]), np.minimum(reach[b], across[a])
-    return np.where(first & ~second, one, 0.0) + np.where(second & ~first, other, 0.0)
+    # Joints that carry both shapes alike do not change their distance.
+    return per_velocity(robot, across_pairs(robot, body.joint, a, b, one, other))
 
 
 def _from_axis(points: Array, axis: Array) -> float:

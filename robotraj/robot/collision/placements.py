@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.values import dataclass
+from robotraj.robot.coupling.mimics import mimics_of
 from robotraj.robot.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -30,7 +31,11 @@ class JointTree:
     turns : ndarray of bool (njoints,)
         True for joints that turn about their axis, False for those that slide along it.
     first : tuple of int
-        Index of each joint's first position in q.
+        Index of each joint's first position in q; of a follower, that of its leader.
+    scales, offsets : ndarray (njoints,)
+        A follower is at scale * q + offset; other joints have scale 1 and offset 0.
+    leaders : tuple of int
+        The joint that each joint follows; itself if it is independent.
     """
 
     parents: tuple[int, ...]
@@ -39,15 +44,28 @@ class JointTree:
     axes: Array
     turns: npt.NDArray[np.bool_]
     first: tuple[int, ...]
+    scales: Array
+    offsets: Array
+    leaders: tuple[int, ...]
 
-    def is_moved_by(self) -> npt.NDArray[np.bool_]:
-        """Return which joints move each joint: entry (i, j) is whether j is i or carries it."""
+    def is_carried_by(self) -> npt.NDArray[np.bool_]:
+        """Return which joints carry each joint: entry (i, j) is whether j is i or above it."""
         count = len(self.parents)
-        moved = np.eye(count, dtype=bool)
+        carried = np.eye(count, dtype=bool)
         for i in range(1, count):
-            moved[i] |= moved[self.parents[i]]
-        moved[:, 0] = False
-        return moved
+            carried[i] |= carried[self.parents[i]]
+        carried[:, 0] = False
+        return carried
+
+    def moving_both(self, joint: int, other: int) -> npt.NDArray[np.int_]:
+        """Return the joints that carry two joints alike.
+
+        There are none if one of them leads a joint that carries only one of the two.
+        """
+        carried = self.is_carried_by()
+        both, one = np.flatnonzero(carried[joint] & carried[other]), np.flatnonzero(carried[joint] ^ carried[other])
+        leaders = np.array(self.leaders)
+        return both[:0] if np.isin(leaders[one], leaders[both]).any() else both
 
 
 _TREES: WeakKeyDictionary[Robot, JointTree] = WeakKeyDictionary()
@@ -78,14 +96,14 @@ def placements(robot: Robot, q: Array) -> tuple[Array, Array]:
         parent, at = rotations[:, tree.parents[i]], tree.first[i]
         rotation = parent @ tree.rotations[i]
         origin = origins[:, tree.parents[i]] + parent @ tree.translations[i]
-        axis = tree.axes[i]
+        axis, place = tree.axes[i], tree.scales[i] * q[:, at] + tree.offsets[i]
         if not axis.any():
             origin = origin + (rotation @ q[:, at : at + 3, None])[:, :, 0]
             rotation = rotation @ _of_quaternions(q[:, at + 3 : at + 7])
         elif tree.turns[i]:
-            rotation = rotation @ _turned(axis, q[:, at])
+            rotation = rotation @ _turned(axis, place)
         else:
-            origin = origin + (rotation @ axis) * q[:, at, None]
+            origin = origin + (rotation @ axis) * place[:, None]
         rotations[:, i], origins[:, i] = rotation, origin
     return rotations, origins
 
@@ -110,13 +128,17 @@ def _of_quaternions(quaternions: Array) -> Array:
 def _tree(model: pin.Model) -> JointTree:
     neutral = pin.neutral(model)
     axes, turns = np.zeros((model.njoints, 3)), np.zeros(model.njoints, dtype=bool)
+    scales, offsets, leaders = np.ones(model.njoints), np.zeros(model.njoints), list(range(model.njoints))
+    for mimic in mimics_of(model):
+        i = model.getJointId(mimic.follower)
+        scales[i], offsets[i], leaders[i] = mimic.multiplier, mimic.offset, model.getJointId(mimic.leader)
     for i in range(1, model.njoints):
         joint = model.joints[i]
-        if joint.nv != 1:
+        if joint.nv > 1:
             continue
         data = joint.createData()
         joint.calc(data, neutral)
-        linear, angular = np.split(np.array(data.S).reshape(6), 2)
+        linear, angular = np.split(np.array(data.S).reshape(6) / scales[i], 2)
         turns[i] = bool(np.linalg.norm(angular) > _TINY)
         axes[i] = angular if turns[i] else linear
     return JointTree(
@@ -126,4 +148,7 @@ def _tree(model: pin.Model) -> JointTree:
         axes,
         turns,
         tuple(max(int(joint.idx_q), 0) if i else 0 for i, joint in enumerate(model.joints)),
+        scales,
+        offsets,
+        tuple(leaders),
     )

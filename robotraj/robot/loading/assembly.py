@@ -12,11 +12,13 @@ import pinocchio as pin
 
 from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name, warn
+from robotraj.robot.coupling.coupled_model import coupled
+from robotraj.robot.coupling.mimics import Mimic, lock_mimics
+from robotraj.robot.coupling.tightened_limits import tightened
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
-from robotraj.robot.limits import Limits
+from robotraj.robot.limits import BOUNDS, Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
-from robotraj.robot.loading.mimic import lock_mimics
 from robotraj.robot.loading.notes import (
     dissipation_note,
     friction_note,
@@ -24,6 +26,7 @@ from robotraj.robot.loading.notes import (
     mimic_note,
     neutral_note,
     renamed_frames_note,
+    rest_note,
     strength_note,
     weightless_note,
 )
@@ -79,24 +82,28 @@ def assemble(
     every = _limits(whole, root, about.stated)
     resting = inside(q, every)
     held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
+    _check_couplings(about.mimics, names)
     ids = [i for i, joint in enumerate(names, start=first) if joint in held]
     if len(ids) == whole.njoints - 1:
         raise InputError(
             f"Every joint of {about.name!r} is locked ({', '.join(names)}): nothing can move. "
-            "Joints that the URDF couples by <mimic> are locked together; give a pin.Model built with "
-            "mimic=False to move them one by one."
+            "Joints that the URDF couples by <mimic> are locked together."
         )
     at = np.append(
         resting[:start], [held.get(joint, value) for joint, value in zip(names, resting[start:], strict=True)]
     )
-    model = reduced(whole, ids, at)
-    renamed = rename_ambiguous_frames(model)
+    smaller = reduced(whole, ids, at)
+    renamed = rename_ambiguous_frames(smaller)
     # Nothing was removed where no joint is locked.
-    own = _limits(model, root, about.stated) if ids else every
+    stated = _limits(smaller, root, about.stated) if ids else every
+    _check_dissipation(smaller, stated.joints)
+    mimics = tuple(mimic for mimic in about.mimics if mimic.follower not in held)
+    model = coupled(smaller, mimics)
+    own = tightened(_in_order(stated, model), mimics)
     wanted = own if limits is None else own.override(limits)
-    kept = np.append(q[:start], [value for joint, value in zip(names, q[start:], strict=True) if joint not in held])
-    _check_dissipation(model, own.joints)
-    motors = _actuated(actuated, about.actuated, own.joints[own.free :])
+    places = dict(zip(names, q[start:], strict=True))
+    kept = np.append(q[:start], [places[joint] for joint in own.joints[own.free :]])
+    motors = _actuated(actuated, about.actuated, own.joints[own.free :], mimics)
     units = units_of(model, root)
     found = (
         weightless_note(weightless_joints(model)),
@@ -111,7 +118,8 @@ def assemble(
     friction = np.array(model.upperDryFrictionLimit)
     notes = (
         *findings,
-        mimic_note(about.mimics, held, locked or {}),
+        mimic_note(mimics),
+        rest_note(about.mimics, held, locked or {}) if about.known else "",
         renamed_frames_note(renamed),
         axes_note,
         armature_note,
@@ -169,17 +177,58 @@ def _locked(
     if about.moving:
         still = [joint for joint in names if not joint.startswith(about.moving)]
         asked = {joint: resting[joint] for joint in still} | asked
-    return lock_mimics(about.mimics, asked, resting)
+    if about.known:
+        heads = {mimic.leader for mimic in about.mimics} - set(asked)
+        asked |= {
+            leader: resting[leader] for leader in heads if not any(_leads(m, leader, asked) for m in about.mimics)
+        }
+    return lock_mimics(about.mimics, asked)
 
 
-def _actuated(asked: Iterable[str] | None, default: tuple[str, ...] | None, joints: tuple[str, ...]) -> tuple[str, ...]:
+def _leads(mimic: Mimic, leader: str, asked: Mapping[str, float]) -> bool:
+    """Whether a locked follower determines the position of its leader."""
+    return mimic.leader == leader and mimic.follower in asked
+
+
+def _check_couplings(mimics: Sequence[Mimic], names: Sequence[str]) -> None:
+    """Check that coupled joints have one degree of freedom each: others are chains of joints with other names."""
+    for mimic in mimics:
+        wide = next((joint for joint in (mimic.leader, mimic.follower) if joint not in names), None)
+        if wide is not None:
+            raise InputError(
+                f"Joint {mimic.follower!r} mimics {mimic.leader!r}, but {wide!r} has several degrees of freedom; "
+                "remove its <mimic>."
+            )
+
+
+def _in_order(limits: Limits, model: pin.Model) -> Limits:
+    """Return the limits in the order of a model's joints."""
+    names = dict.fromkeys((*limits.joints[: limits.free], *names_of(model)[1:]))
+    order = [limits.joints.index(joint) for joint in names if joint in limits.joints]
+    sides = {name: getattr(limits, name)[order] for name in BOUNDS}
+    joints = tuple(limits.joints[i] for i in order)
+    return replace(limits, joints=joints, **sides)
+
+
+def _actuated(
+    asked: Iterable[str] | None,
+    default: tuple[str, ...] | None,
+    joints: tuple[str, ...],
+    mimics: Sequence[Mimic],
+) -> tuple[str, ...]:
     """Return the joints with a motor, in the order of v."""
     if asked is None:
         return joints if default is None else tuple(joint for joint in joints if joint in default)
     if isinstance(asked, str):
         raise InputError(f"actuated= is a list of joint names, such as [{asked!r}]; got {asked!r}.")
     wanted = names("actuated=", asked)
+    leaders = {mimic.follower: mimic.leader for mimic in mimics}
     for joint in wanted:
+        if joint in leaders:
+            raise InputError(
+                f"actuated= names {joint!r}, which moves with {leaders[joint]!r}: one motor drives both. "
+                "Name the leader."
+            )
         if joint not in joints:
             raise unknown_name("moving joint", joint, joints, "Correct the name in actuated=.")
     return tuple(joint for joint in joints if joint in wanted)

@@ -159,9 +159,12 @@ class GivenGeometry:
     def build(self, model: pin.Model, kind: pin.GeometryType) -> pin.GeometryModel:
         """Copy the shapes of one kind, attached to the planning model's joints."""
         shapes = self.visual if kind == pin.GeometryType.VISUAL else self.collision
-        if not self.locked:
-            return shapes.copy()
-        return pin.buildReducedModel(self.model, shapes, list(self.locked), self.q)[1]
+        locked = list(self.locked)
+        made = pin.buildReducedModel(self.model, shapes, locked, self.q)[1] if locked else shapes.copy()
+        for shape in made.geometryObjects:
+            # Leaders stand before their followers in the planning model; frames keep their order.
+            shape.parentJoint = model.frames[shape.parentFrame].parentJoint
+        return made
 
     def stated(self, kind: pin.GeometryType) -> Counter[str]:
         """Return the number of shapes of the kind on each link."""

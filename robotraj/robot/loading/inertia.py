@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.robot.coupling.dynamics import mass_matrix
 from robotraj.robot.loading.planning_model import names_of, parents_of
 
 NEGATIVE = 1e-6
@@ -86,9 +87,12 @@ def weightless_joints(model: pin.Model) -> tuple[str, ...]:
     parents = parents_of(model)
     for i in range(model.njoints - 1, 0, -1):
         carried[parents[i]] += carried[i]
-    joints = enumerate(model.joints.tolist()[1:], start=1)
-    armature = np.array(model.armature)
-    return tuple(model.names[i] for i, joint in joints if carried[i] == 0.0 and not armature[joint.idx_v])
+    # A leader moves what its followers carry.
+    moved = np.array(model.armature)
+    joints = model.joints.tolist()
+    for i, joint in enumerate(joints[1:], start=1):
+        moved[joint.idx_v] += carried[i]
+    return tuple(model.names[i] for i, joint in enumerate(joints) if i and joint.nv and not moved[joint.idx_v])
 
 
 def weightless_together(model: pin.Model, q: NDArray[np.float64], root: int) -> tuple[int, ...]:
@@ -97,8 +101,7 @@ def weightless_together(model: pin.Model, q: NDArray[np.float64], root: int) -> 
     A link with mass and no inertia about its centre of mass does not resist a turn about an axis through that centre.
     The first ``root`` velocities are those of a root, at rest: contacts may hold a root without mass.
     """
-    upper = np.triu(pin.crba(model, model.createData(), q))
-    mass = (upper + np.triu(upper, 1).T)[root:, root:]
+    mass = mass_matrix(model, model.createData(), q)[root:, root:]
     sizes = np.sqrt(np.diag(mass))
     if not np.all(sizes > 0.0):
         return ()

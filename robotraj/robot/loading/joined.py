@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.values import dataclass
+from robotraj.robot.coupling.coupled_model import coupled, uncoupled
+from robotraj.robot.coupling.mimics import Mimic, mimics_of
+from robotraj.robot.coupling.pickling import PickledModel
 from robotraj.robot.loading.geometry import Geometry
 from robotraj.robot.loading.planning_model import PER_VELOCITY
 
 
 @dataclass(frozen=True)
-class JoinedPart:
+class JoinedPart(PickledModel):
     """A robot of a joined one.
 
     Attributes
@@ -46,8 +50,13 @@ def joined_model(name: str, parts: Sequence[JoinedPart]) -> pin.Model:
     whole = pin.Model()
     whole.name = name
     whole.gravity = parts[0].model.gravity.copy()
+    mimics: list[Mimic] = []
     for part in parts:
-        model, joints, frames = part.model, whole.njoints - 1, whole.nframes - 1
+        model, joints, frames = uncoupled(part.model), whole.njoints - 1, whole.nframes - 1
+        mimics += [
+            replace(mimic, follower=part.prefix + mimic.follower, leader=part.prefix + mimic.leader)
+            for mimic in mimics_of(part.model)
+        ]
         first = whole.nv
         for i in range(1, model.njoints):
             joint = model.joints[i]
@@ -74,7 +83,7 @@ def joined_model(name: str, parts: Sequence[JoinedPart]) -> pin.Model:
         own = slice(first, whole.nv)
         for quantity in (*PER_VELOCITY, "lowerEffortLimit"):
             getattr(whole, quantity)[own] = getattr(model, quantity)
-    return whole
+    return coupled(whole, mimics)
 
 
 @dataclass(frozen=True)

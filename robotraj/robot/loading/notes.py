@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj.robot.coupling.mimics import Mimic
 from robotraj.robot.limits import Limits
-from robotraj.robot.loading.mimic import Mimic
 from robotraj.robot.size.reach import reach
 
 Array = NDArray[np.float64]
@@ -20,15 +20,25 @@ STRONGEST = 20.0
 small grippers 9."""
 
 
-def mimic_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Mapping[str, float]) -> str:
-    """Name the coupled joints that were locked by default."""
-    coupled = {joint for mimic in mimics for joint in (mimic.leader, mimic.follower)} - set(asked)
-    if not coupled:
+def mimic_note(mimics: Sequence[Mimic]) -> str:
+    """Name the joints that follow others."""
+    if not mimics:
         return ""
+    return (
+        f"Joints that move with a leader have no entries in q and v: {', '.join(map(str, mimics))}. "
+        "The leader's limits lie within theirs, and its motor drives them."
+    )
+
+
+def rest_note(mimics: Sequence[Mimic], held: Mapping[str, float], asked: Collection[str]) -> str:
+    """Name the coupled joints of a robot in the catalogue that were locked by default."""
+    coupled = {joint for mimic in mimics for joint in (mimic.leader, mimic.follower)} - set(asked)
     places = ", ".join(f"{joint} at {held[joint]:.4g}" for joint in held if joint in coupled)
+    if not places:
+        return ""
     return (
         f"Joints coupled by <mimic> are locked: {places}. Choose where with locked={{leader: value}}, "
-        "or load a pin.Model built with mimic=False to move them independently."
+        "or load the URDF by its path to move them."
     )
 
 

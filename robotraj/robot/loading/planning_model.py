@@ -39,6 +39,14 @@ def names_of(model: pin.Model) -> list[str]:
     return [names[joint] for joint in range(model.njoints)]
 
 
+def independent_names(model: pin.Model) -> list[str]:
+    """Return the names of the joints that follow no other, without the universe."""
+    names = names_of(model)[1:]
+    if not len(model.mimicking_joints):
+        return names
+    return [name for i, name in enumerate(names, start=1) if model.joints[i].nv]
+
+
 def parents_of(model: pin.Model) -> list[int]:
     """Return the number of every joint's parent; that of the universe is 0."""
     parents = model.parents
@@ -46,19 +54,13 @@ def parents_of(model: pin.Model) -> list[int]:
 
 
 def check_joints(model: pin.Model) -> None:
-    """Check that no joint is an active mimic joint and that all but a free-flyer at the root have one velocity.
+    """Check that all joints but a free-flyer at the root have one velocity.
 
     Raises
     ------
     InputError
         Names the joints and the remedy.
     """
-    mimic = [model.names[model.mimicking_joints[i]] for i in range(len(model.mimicking_joints))]
-    if mimic:
-        raise InputError(
-            f"The model has active mimic joints ({', '.join(mimic)}), which Pinocchio's forward dynamics does not "
-            "support. Give the path of the URDF, or build the model with mimic=False, which makes them independent."
-        )
     first = 2 if has_free_flyer(model) else 1
     rigid = enumerate(model.joints.tolist()[first:], start=first)
     wide = [f"{model.names[i]!r} ({joint.shortname()})" for i, joint in rigid if joint.nv > 1]
@@ -83,44 +85,81 @@ def with_angles(model: pin.Model) -> pin.Model:
     return rebuilt(model, in_angles=True) if any(map(_is_continuous, model.joints.tolist())) else model.copy()
 
 
-def rebuilt(model: pin.Model, before: Sequence[tuple[str, pin.JointModel]] = (), in_angles: bool = False) -> pin.Model:
-    """Return a copy with a chain of named joints before the root link, or with angles of continuous joints.
+def rebuilt(
+    model: pin.Model,
+    before: Sequence[tuple[str, pin.JointModel]] = (),
+    in_angles: bool = False,
+    order: Sequence[int] | None = None,
+) -> pin.Model:
+    """Return a copy with a chain of named joints before the root link, with angles of continuous joints, or in order.
 
+    Joints that follow others become independent, without limits, damping or armature. Frames keep their order.
     Pinocchio's ``appendModel`` loses the armature and the order of the frames.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    before : sequence of (str, pinocchio.JointModel)
+        The chain.
+    in_angles : bool
+        Whether continuous joints become revolute ones.
+    order : sequence of int, optional
+        The joints without the universe, parents before children; that of the model by default.
     """
-    n = len(before)
+    n, order = len(before), range(1, model.njoints) if order is None else order
     copy = pin.Model()
     copy.name = model.name
     copy.gravity = model.gravity.copy()
     for parent, (name, kind) in enumerate(before):
         copy.addJointFrame(copy.addJoint(parent, kind, pin.SE3.Identity(), name))
-    for i in range(1, model.njoints):
+    moved, first = {0: n}, copy.nv
+    for i in order:
         joint = model.joints[i]
         angular = in_angles and _is_continuous(joint)
         v = slice(joint.idx_v, joint.idx_v + joint.nv)
         q = slice(joint.idx_q, joint.idx_q + joint.nq)
-        lower = np.array([-np.inf]) if angular else model.lowerPositionLimit[q]
-        upper = np.array([np.inf]) if angular else model.upperPositionLimit[q]
-        effort, speed = model.upperEffortLimit[v], model.upperVelocityLimit[v]
-        kind = _revolute(joint) if angular else joint
-        parent = model.parents[i] + n
-        copy.addJoint(parent, kind, model.jointPlacements[i], model.names[i], effort, speed, lower, upper)
+        follows = joint.nv == 0
+        limited = not angular and not follows
+        lower = model.lowerPositionLimit[q] if limited else np.array([-np.inf])
+        upper = model.upperPositionLimit[q] if limited else np.array([np.inf])
+        rates = (np.array([np.inf]),) * 2 if follows else (model.upperEffortLimit[v], model.upperVelocityLimit[v])
+        kind = _revolute(joint) if angular else independent_joint(model, i) if follows else joint
+        parent = moved[model.parents[i]]
+        moved[i] = copy.addJoint(parent, kind, model.jointPlacements[i], model.names[i], *rates, lower, upper)
     for i, inertia in enumerate(model.inertias):
-        copy.appendBodyToJoint(i + n, inertia, pin.SE3.Identity())
+        copy.appendBodyToJoint(moved[i], inertia, pin.SE3.Identity())
     for frame in list(model.frames)[1:]:
-        moved = pin.Frame(frame)
-        moved.parentJoint += n
-        moved.parentFrame += n
-        copy.addFrame(moved, False)
-    own = slice(copy.nv - model.nv, copy.nv)
+        changed = pin.Frame(frame)
+        changed.parentJoint = moved[frame.parentJoint]
+        changed.parentFrame += n
+        copy.addFrame(changed, False)
     for name in (*PER_VELOCITY, "lowerEffortLimit", "lowerVelocityLimit"):
-        getattr(copy, name)[own] = getattr(model, name)
+        old, new, at = getattr(model, name), getattr(copy, name), first
+        for joint in (model.joints[i] for i in order):
+            if joint.nv:
+                new[at : at + joint.nv] = old[joint.idx_v : joint.idx_v + joint.nv]
+            at += joint.nv or 1
     return copy
 
 
 def _is_continuous(joint: pin.JointModel) -> bool:
     """Whether a joint's position is the cosine and sine of its angle."""
     return bool(joint.nq == 2 and joint.nv == 1)
+
+
+def independent_joint(model: pin.Model, i: int) -> pin.JointModel:
+    """Return the joint that a mimic joint is but for its leader."""
+    joint = model.joints[i]
+    data = joint.createData()
+    joint.calc(data, pin.neutral(model))
+    axis = np.asarray(data.S).reshape(6) / joint.extract().scaling
+    linear, angular = axis[:3], axis[3:]
+    turns = bool(np.linalg.norm(angular) > 0.5)
+    for letter, unit in zip("XYZ", np.eye(3), strict=True):
+        if np.array_equal(angular if turns else linear, unit):
+            return pin.JointModel(getattr(pin, f"JointModel{'R' if turns else 'P'}{letter}")())
+    unaligned = pin.JointModelRevoluteUnaligned if turns else pin.JointModelPrismaticUnaligned
+    return pin.JointModel(unaligned(angular if turns else linear))
 
 
 def _revolute(joint: pin.JointModel) -> pin.JointModel:

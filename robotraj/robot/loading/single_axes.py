@@ -34,7 +34,7 @@ def single_axes(model: pin.Model) -> tuple[pin.Model, str]:
     """
     first = 2 if has_free_flyer(model) else 1
     parts = {i: _parts(model.joints[i]) for i in range(first, model.njoints) if model.joints[i].nv > 1}
-    if not parts or not all(parts.values()) or len(model.mimicking_joints):
+    if not parts or not all(parts.values()):
         return model, ""
     copy, moved, notes = pin.Model(), {0: 0}, []
     copy.name, copy.gravity = model.name, model.gravity.copy()

@@ -10,11 +10,12 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.robot.coupling.coupled_model import uncoupled
+from robotraj.robot.coupling.mimics import Mimic, mimics_of, read_mimics
 from robotraj.robot.known_robots.catalogue import find
 from robotraj.robot.known_robots.entry import KnownRobot
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.inertia import check_bodies
-from robotraj.robot.loading.mimic import Mimic, read_mimics
 from robotraj.robot.loading.missing_meshes import missing_meshes
 from robotraj.robot.loading.packages import search_folders
 from robotraj.robot.loading.planning_model import names_of
@@ -34,11 +35,11 @@ class Description:
     name : str
         Name for printing.
     model : pinocchio.Model
-        The model as read; never written to.
+        The model as read, its joints independent; never written to.
     geometry : UrdfGeometry, NoGeometry or pair of pinocchio.GeometryModel
         The shapes or their source.
     mimics : tuple of Mimic
-        Couplings of the URDF.
+        Couplings of joints.
     srdf : Path or None
         File of reference configurations and rotors.
     actuated : tuple of str or None
@@ -85,7 +86,7 @@ def describe(
     """
     folders = _folders(package_dirs)
     if isinstance(source, pin.Model):
-        return Description(source.name or "robot", source, NoGeometry(), "a pin.Model")
+        return Description(source.name or "robot", uncoupled(source), NoGeometry(), "a pin.Model", mimics_of(source))
     if isinstance(getattr(source, "model", None), pin.Model) and hasattr(source, "visual_model"):
         return _wrapper(source)
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
@@ -118,10 +119,10 @@ def _is_path(text: str) -> bool:
 
 
 def _wrapper(wrapper: pin.RobotWrapper) -> Description:
-    shapes = tuple(
-        part if part is not None else pin.GeometryModel() for part in (wrapper.visual_model, wrapper.collision_model)
-    )
-    return Description(wrapper.model.name or "robot", wrapper.model, (shapes[0], shapes[1]), "a RobotWrapper")
+    visual, collision = wrapper.visual_model, wrapper.collision_model
+    shapes = (visual or pin.GeometryModel(), collision or pin.GeometryModel())
+    model = wrapper.model
+    return Description(model.name or "robot", uncoupled(model), shapes, "a RobotWrapper", mimics_of(model))
 
 
 def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:

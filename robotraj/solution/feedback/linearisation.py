@@ -16,8 +16,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.robot.coupling.coupled_model import uncoupled
+from robotraj.robot.coupling.dynamics import accelerations, mass_matrix
 from robotraj.robot.robot import Robot
 from robotraj.solution.feedback.held_motion import HeldRows, held_rows
+from robotraj.symbolic.followers import coordinates
 
 Array = NDArray[np.float64]
 
@@ -78,6 +81,9 @@ class Linearisation:
         self._robot = robot
         self._actuation = np.asarray(robot.actuation, dtype=float)
         self._data = robot.model.createData()
+        # Pinocchio has no derivatives for followers: they are those of all joints, along the rates S v.
+        self._every, self._at = uncoupled(robot.model), coordinates(robot.model)
+        self._of_all = self._every.createData()
         self._contacts = tuple(contact for contact in contacts if contact.holds)
 
     def at(self, q: Array, v: Array, tau: Array) -> Linear:
@@ -88,21 +94,22 @@ class Linearisation:
         numpy.linalg.LinAlgError
             The mass matrix is not positive definite.
         """
-        model, data, nv = self._robot.model, self._data, self._robot.model.nv
+        own, nv = self._robot.model, self._robot.model.nv
         applied = self._actuation @ tau - self._robot.dissipation(v)
-        mass = pin.crba(model, data, q)
-        mass = np.triu(mass) + np.triu(mass, 1).T
-        free = np.asarray(pin.aba(model, data, q, v, applied)).copy()
-        held = held_rows(self._robot, data, q, self._contacts)
-        pin.computeForwardKinematicsDerivatives(model, data, q, v, free)
+        mass = mass_matrix(own, self._data, q)
+        free = accelerations(own, self._data, q, v, applied).copy()
+        held = held_rows(self._robot, self._data, q, self._contacts)
+        model, data, shares = self._every, self._of_all, self._at.rates
+        place, speed = self._at.places @ q + self._at.offsets, shares @ v
+        pin.computeForwardKinematicsDerivatives(model, data, place, speed, shares @ free)
         pin.updateFramePlacements(model, data)
-        rows = _stack([contact.jacobian(model, data) for contact in held], nv)
+        rows = _stack([contact.jacobian(model, data) for contact in held], model.nv) @ shares
         metric = _Metric(mass, rows)
         bias = _sum([contact.acceleration(model, data) for contact in held])
         change, forces = metric.correction(-bias)
         acceleration = free + change
         # The torque J' f and the acceleration of the rows both change with q; f and a are held for the derivative.
-        pin.computeForwardKinematicsDerivatives(model, data, q, v, acceleration)
+        pin.computeForwardKinematicsDerivatives(model, data, place, speed, shares @ acceleration)
         velocity_q, acceleration_q, acceleration_v = (np.zeros((len(rows), nv)) for _ in range(3))
         turning = np.zeros((nv, nv))
         start = 0
@@ -110,16 +117,17 @@ class Linearisation:
             part = slice(start, start + contact.count)
             start = part.stop
             slopes = contact.slopes(model, data)
-            velocity_q[part], acceleration_q[part], acceleration_v[part] = slopes
-            turning += contact.torque_slope(model, data, forces[part])
+            velocity_q[part], acceleration_q[part], acceleration_v[part] = (slope @ shares for slope in slopes)
+            turning += shares.T @ contact.torque_slope(model, data, forces[part]) @ shares
         external = self._external(held, forces)
-        torque_q, torque_v, _ = pin.computeRNEADerivatives(model, data, q, v, acceleration, external)
-        free_q = -metric.without_rows(np.asarray(torque_q) - turning)
-        free_v = -metric.without_rows(np.asarray(torque_v) + np.diag(self._drag(v)))
+        slopes = pin.computeRNEADerivatives(model, data, place, speed, shares @ acceleration, external)
+        torque_q, torque_v = (shares.T @ np.asarray(slope) @ shares for slope in slopes[:2])
+        free_q = -metric.without_rows(torque_q - turning)
+        free_v = -metric.without_rows(torque_v + np.diag(self._drag(v)))
         free_u = metric.without_rows(self._actuation)
         rate, push, consistent = np.zeros((2 * nv, 2 * nv)), np.zeros((2 * nv, len(tau))), np.eye(2 * nv)
         rate[:nv, nv:] = np.eye(nv)
-        if model.nq > nv:
+        if own.nq > nv:
             # A deviation that is constant in the world rotates and shifts in the axes of a moving body.
             rate[:6, :6] -= pin.Motion(v[:6]).action
         rate[nv:, :nv] = free_q + metric.correction(-acceleration_q - rows @ free_q)[0]
@@ -137,7 +145,7 @@ class Linearisation:
 
     def _external(self, held: Sequence[HeldRows], forces: Array) -> pin.StdVec_Force:
         """Add up the forces of the contacts on the bodies, in the axes of their joints."""
-        model, data = self._robot.model, self._data
+        model, data = self._every, self._of_all
         total = pin.StdVec_Force()
         for _ in range(model.njoints):
             total.append(pin.Force.Zero())

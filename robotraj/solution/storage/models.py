@@ -9,6 +9,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj.robot.coupling.mimics import mimics_of
+from robotraj.robot.loading.planning_model import independent_joint
 from robotraj.solution.storage.plain_data import Json
 
 Array = NDArray[np.float64]
@@ -29,6 +31,8 @@ PARAMETERS = {
     "JointModelUniversal": ("axis1", "axis2"),
 }
 """Arguments of the constructors of the joints that a file may hold."""
+
+FOLLOWER = "JointModelMimic"
 
 VECTORS = (
     "armature",
@@ -57,9 +61,19 @@ def model_data(model: pin.Model) -> dict[str, object]:
         A joint is of a type that files do not hold.
     """
     joints = range(1, model.njoints)
+    followers = {
+        mimic.follower: {
+            "kind": FOLLOWER,
+            "leader": mimic.leader,
+            "multiplier": mimic.multiplier,
+            "offset": mimic.offset,
+            "joint": _joint_data(independent_joint(model, model.getJointId(mimic.follower))),
+        }
+        for mimic in mimics_of(model)
+    }
     return {
         "name": model.name,
-        "joints": [_joint_data(model.joints[i]) for i in joints],
+        "joints": [followers.get(model.names[i]) or _joint_data(model.joints[i]) for i in joints],
         "joint_names": [model.names[i] for i in joints],
         "parents": [int(model.parents[i]) for i in joints],
         "placements": np.array([_placement(model.jointPlacements[i]) for i in joints]).reshape(-1, 12),
@@ -94,6 +108,7 @@ def model_of(data: Mapping[str, object]) -> pin.Model:
     for i, (name, parent, joint) in enumerate(zip(names, parents, joints, strict=True)):
         _require(type(parent) is int and 0 <= parent <= i, f"joint {name!r} has no parent before it")
         model.addJoint(parent, _joint_of(joint), _se3(placements[i]), name)
+    model = _following(model, {name: joint for name, joint in zip(names, joints, strict=True) if _follows(joint)})
     bodies = _of_kind(data.get("bodies"), int, "bodies")
     _require(0 < bodies <= FRAMES, "the number of bodies is none")
     for _ in range(1, bodies):
@@ -139,8 +154,29 @@ def _joint_data(joint: pin.JointModel) -> dict[str, object]:
     return {"kind": kind, **{name: np.array(getattr(inner, name), dtype=float) for name in PARAMETERS[kind]}}
 
 
+def _follows(joint: object) -> bool:
+    return isinstance(joint, dict) and joint.get("kind") == FOLLOWER
+
+
+def _following(model: pin.Model, followers: Mapping[str, Json]) -> pin.Model:
+    """Let joints follow their leaders."""
+    for name, entry in followers.items():
+        leader = _of_kind(entry.get("leader"), str, "leader")
+        multiplier, offset = (_of_kind(entry.get(key), float, key) for key in ("multiplier", "offset"))
+        known = leader not in followers and leader in list(model.names)[1:]
+        _require(known and model.getJointId(leader) < model.getJointId(name), f"{name!r} has no leader before it")
+        _require(model.joints[model.getJointId(leader)].nq == 1, f"{leader!r} leads with several positions")
+        _require(bool(np.isfinite([multiplier, offset]).all()) and multiplier != 0.0, f"{name!r} does not follow")
+        model = pin.transformJointIntoMimic(model, model.getJointId(leader), model.getJointId(name), multiplier, offset)
+    return model
+
+
 def _joint_of(data: object, nested: bool = False) -> pin.JointModel:
     entry = _of_kind(data, dict, "joint")
+    if _follows(entry) and not nested:
+        independent = _joint_of(entry.get("joint"), nested=True)
+        _require(independent.nq == 1, "a follower has several positions")
+        return independent
     kind = _of_kind(entry.get("kind"), str, "kind")
     if kind == "JointModelComposite" and not nested:
         parts = _entries(entry, "parts", 100)

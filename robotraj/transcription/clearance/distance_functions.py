@@ -149,17 +149,12 @@ def _stage(
     robot: Robot, distance: ca.SX, q: ca.SX, clock: ca.SX | None, c: ca.SX, joints: Sequence[int]
 ) -> DistanceFunction:
     """Return the point function of a distance over the positions on which it depends."""
-    moved = joint_tree(robot).is_moved_by()
-    shared = moved[list(joints)].all(axis=0) if len(joints) > 1 else np.zeros(moved.shape[1], dtype=bool)
-    own = moved[list(joints)].any(axis=0)
-    if len(joints) > 1:
-        # Joints that move both points alike do not change their distance and stay neutral.
-        own &= ~shared
-    positions = [
-        at
-        for j in np.flatnonzero(own).tolist()
-        for at in range(robot.model.joints[j].idx_q, robot.model.joints[j].idx_q + robot.model.joints[j].nq)
-    ]
+    tree, model = joint_tree(robot), robot.model
+    # Joints that move both points alike do not change their distance and stay neutral.
+    alike = tree.moving_both(*joints) if len(joints) > 1 else ()
+    own = np.flatnonzero(tree.is_carried_by()[list(joints)].any(axis=0)).tolist()
+    moving = [model.joints[j] for j in own if j not in alike]
+    positions = sorted({at for joint in moving for at in range(joint.idx_q, joint.idx_q + max(joint.nq, 1))})
     still = [at for at in range(robot.nq) if at not in positions]
     neutral = robot.neutral[still]
     distance = ca.substitute(distance, q[still], ca.DM(neutral)) if still else distance

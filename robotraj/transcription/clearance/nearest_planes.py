@@ -52,9 +52,8 @@ class NearestPlanes:
         self._order = np.concatenate(groups)
         self._sizes = [len(group) for group in groups]
         shapes, spheres = primitives_of(pairs.obstacles), pairs.spheres
-        moved = joint_tree(pairs.robot).is_moved_by()
         rotations, _ = placements(pairs.robot, pairs.robot.neutral[None])
-        common = [self._common(group, moved) for group in groups]
+        common = [self._common(group) for group in groups]
         ends, against = np.cumsum(self._sizes), [int(group[0]) < pairs.against for group in groups]
         numbers = [
             (end, count, not first, joint)
@@ -91,11 +90,11 @@ class NearestPlanes:
             tuple(np.split(planes.reshape(len(q), -1, 4), cuts, axis=1)),
         )
 
-    def _common(self, group: Indices, moved: NDArray[np.bool_]) -> int:
-        """Return the last joint that moves both shapes of the pairs of a group, 0 for none."""
+    def _common(self, group: Indices) -> int:
+        """Return the last joint that moves both shapes of the pairs of a group alike, 0 for none."""
         pairs, pair = self._pairs, int(group[0])
         if pair < pairs.against:
             return 0
         joint = pairs.spheres.joint
-        both = np.flatnonzero(moved[joint[pairs.first[pair]]] & moved[joint[pairs.second[pair]]])
+        both = joint_tree(pairs.robot).moving_both(int(joint[pairs.first[pair]]), int(joint[pairs.second[pair]]))
         return int(both[-1]) if both.size else 0

@@ -239,14 +239,21 @@ def _rates(robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, in
 
     A joint that carries both shapes does not change their distance.
     """
-    levers = np.array([_levers(robot, shape) for shape in shapes]).reshape(len(shapes), robot.nv)
+    levers = np.array([_levers(robot, shape) for shape in shapes]).reshape(len(shapes), robot.model.njoints)
     first, second = np.array(pairs, dtype=int).reshape(-1, 2).T
-    return np.where((levers[first] > 0.0) & (levers[second] > 0.0), 0.0, levers[first] + levers[second])
+    each = np.where((levers[first] > 0.0) & (levers[second] > 0.0), 0.0, levers[first] + levers[second])
+    rates = np.zeros((len(first), robot.nv))
+    for number, joint in enumerate(robot.model.joints):
+        if number:
+            # A follower turns or slides at a multiple of its leader's speed.
+            factor = abs(joint.extract().scaling) if joint.nv == 0 else 1.0
+            rates[:, joint.idx_v : joint.idx_v + max(joint.nv, 1)] += factor * each[:, number, None]
+    return rates
 
 
 def _levers(robot: Robot, shape: _Shape) -> Array:
-    """Greatest distance of the shape's points from each joint that carries it (nv,); 1 for those that slide."""
-    model, row = robot.model, np.zeros(robot.nv)
+    """Greatest distance of the shape's points from each joint that carries it (njoints,); 1 for those that slide."""
+    model, row = robot.model, np.zeros(robot.model.njoints)
     if not shape.joint:
         return row
     shape.geometry.computeLocalAABB()
@@ -255,18 +262,27 @@ def _levers(robot: Robot, shape: _Shape) -> Array:
     reach, at = float(np.linalg.norm(middle)) + float(box.aabb_radius), shape.joint
     while at > 0:
         joint = model.joints[at]
-        turns = joint.shortname().startswith("JointModelR")
-        if joint.nv == 1:
-            row[joint.idx_v] = reach if turns else 1.0
-        else:
-            row[joint.idx_v : joint.idx_v + joint.nv] = max(reach, 1.0)
-        limit = 0.0
-        if joint.nv == 1 and not turns:
-            limits = robot.limits.position_lower[joint.idx_v], robot.limits.position_upper[joint.idx_v]
-            limit = max(abs(each) if np.isfinite(each) else 10.0 for each in limits)
-        reach += float(np.linalg.norm(model.jointPlacements[at].translation)) + limit
+        turns, way = _motion_of(robot, at)
+        row[at] = reach if turns and joint.nv < 2 else 1.0 if joint.nv < 2 else max(reach, 1.0)
+        reach += float(np.linalg.norm(model.jointPlacements[at].translation)) + way
         at = int(model.parents[at])
     return row
+
+
+def _motion_of(robot: Robot, number: int) -> tuple[bool, float]:
+    """Return whether a joint turns, and how far it slides from its placement at most [m]."""
+    joint = robot.model.joints[number]
+    if joint.nv > 1:
+        return True, 0.0
+    data = joint.createData()
+    joint.calc(data, pin.neutral(robot.model))
+    if np.any(np.asarray(data.S).ravel()[3:]):
+        return True, 0.0
+    limits = robot.limits.position_lower[joint.idx_v], robot.limits.position_upper[joint.idx_v]
+    if joint.nv == 0:
+        follower = joint.extract()
+        limits = tuple(follower.scaling * each + follower.offset for each in limits)
+    return False, max(abs(each) if np.isfinite(each) else 10.0 for each in limits)
 
 
 def _obstacle_speeds(shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]], times: Array) -> Array:

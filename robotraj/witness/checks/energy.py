@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import pinocchio as pin
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
+from robotraj.robot.coupling.dynamics import kinetic_energy, potential_energy
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
@@ -81,7 +81,7 @@ def energy_of(
             pushes = [stance.torques(q, forces_in(sample, sliding, i)) for i, q in enumerate(sample.q)]
             loss -= np.einsum("mi,mi->m", np.array(pushes), sample.v)
         inside = zip(sample.q, sample.v, strict=True)
-        kinetic += [pin.computeKineticEnergy(robot.model, data, q, v) for q, v in inside]
+        kinetic += [kinetic_energy(robot.model, data, q, v) for q, v in inside]
         ends = part._replace(sites=np.array([0.0, 1.0]))
         there = robot_sample(planned, ends.times, ends.interval)
         totals = np.array([_total(robot, data, q, v) for q, v in zip(there.q, there.v, strict=True)])
@@ -112,5 +112,4 @@ def add(parts: Sequence[Energy]) -> Energy | None:
 
 def _total(robot: RobotLike, data: object, q: Array, v: Array) -> float:
     """Return kinetic (armature included) plus potential energy [J]."""
-    kinetic = pin.computeKineticEnergy(robot.model, data, q, v)
-    return float(kinetic + pin.computePotentialEnergy(robot.model, data, q))
+    return kinetic_energy(robot.model, data, q, v) + potential_energy(robot.model, data, q)

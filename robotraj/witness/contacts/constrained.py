@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from robotraj.robot.coupling.dynamics import mass_matrix
 from robotraj.witness.protocols import Array
 
 RANK_TOLERANCE = 1e-5
@@ -144,6 +145,4 @@ def obey(mass: Array, jacobian: Array, free: Array, target: Array) -> tuple[Arra
 
 def mass_and_bias(model: pin.Model, data: pin.Data, q: Array, v: Array) -> tuple[Array, Array]:
     """Return M(q), armature included, and h(q, v): gravity, Coriolis and centrifugal torques [N m, N]."""
-    # Only the upper triangle is defined.
-    upper = np.triu(pin.crba(model, data, q))
-    return upper + np.triu(upper, 1).T, np.array(pin.nonLinearEffects(model, data, q, v))
+    return mass_matrix(model, data, q), np.array(pin.nonLinearEffects(model, data, q, v))

@@ -1,5 +1,6 @@
 """Conversion between the coordinates of Pinocchio and MuJoCo.
 
+Pinocchio's followers have no coordinates of their own; MuJoCo's have, tied to their leaders by equations.
 MuJoCo has its own order of joints, quaternions (w, x, y, z), and the linear velocity of a free joint in the world's
 axes; Pinocchio has quaternions (x, y, z, w) and both velocities of a free-flyer in the body's axes.
 Angular velocity is in the body's axes in both. With R the rotation of the body and w its angular velocity,
@@ -39,11 +40,15 @@ class Coordinates:
         self._nq, self._nv = int(model.nq), int(model.nv)
         self._sizes = int(compiled.nq), int(compiled.nv)
         plain: list[tuple[int, int, int, int]] = []
+        self._followers: list[tuple[int, int, int, int, float, float]] = []
         self._free: list[tuple[slice, slice, slice, slice, slice, slice]] = []
         for joint, name in zip(model.joints.tolist()[1:], list(model.names)[1:], strict=True):
             there = compiled.joint(name)
             q, v = int(there.qposadr[0]), int(there.dofadr[0])
-            if joint.nq == 1:
+            if joint.nv == 0:
+                follower = joint.extract()
+                self._followers.append((joint.idx_q, q, joint.idx_v, v, follower.scaling, follower.offset))
+            elif joint.nq == 1:
                 plain.append((joint.idx_q, q, joint.idx_v, v))
             else:
                 a, b = joint.idx_q, joint.idx_v
@@ -68,6 +73,8 @@ class Coordinates:
         """Return MuJoCo's position (its nq,) for Pinocchio's q (nq,)."""
         there = np.empty(self._sizes[0])
         there[self._qpos] = q[self._q]
+        for at, at_there, *_, multiplier, offset in self._followers:
+            there[at_there] = multiplier * q[at] + offset
         for place, turn, place_there, turn_there, *_ in self._free:
             there[place_there] = q[place]
             there[turn_there] = q[turn][WXYZ]
@@ -84,7 +91,10 @@ class Coordinates:
 
     def qvel(self, q: Array, v: Array) -> Array:
         """Return MuJoCo's velocity (nv,) for Pinocchio's v (nv,) at q."""
-        return self._to(q, v)
+        there = self._to(q, v)
+        for _, _, at, at_there, multiplier, _ in self._followers:
+            there[at_there] = multiplier * v[at]
+        return there
 
     def v(self, q: Array, qvel: Array) -> Array:
         """Return Pinocchio's v (nv,) for MuJoCo's velocity at Pinocchio's q."""
@@ -101,11 +111,11 @@ class Coordinates:
         return here
 
     def force(self, q: Array, tau: Array) -> Array:
-        """Return MuJoCo's generalised force (nv,) for Pinocchio's tau (nv,) at q."""
+        """Return MuJoCo's generalised force (nv,) for Pinocchio's tau (nv,) at q; none acts at followers."""
         return self._to(q, tau)
 
     def _to(self, q: Array, here: Array) -> Array:
-        there = np.empty(self._sizes[1])
+        there = np.zeros(self._sizes[1])
         there[self.dofs] = here
         for _, turn, _, _, linear, linear_there in self._free:
             there[linear_there] = rotation(q[turn]) @ here[linear]

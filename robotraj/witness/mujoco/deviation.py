@@ -29,6 +29,8 @@ def labels(robot: Robot) -> tuple[list[str], list[str]]:
     units: list[str] = []
     for joint in robot.model.joints.tolist()[1:]:
         name = robot.model.names[joint.id]
+        if not joint.nv:
+            continue  # it follows another joint
         flying = joint.nv == 6
         positions += FLYING_POSITIONS if flying else [name]
         velocities += FLYING_VELOCITIES if flying else [name]

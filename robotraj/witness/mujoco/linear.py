@@ -15,6 +15,7 @@ import pinocchio as pin
 
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
+from robotraj.robot.coupling.dynamics import accelerations
 from robotraj.robot.robot import Robot
 from robotraj.solution.feedback.riccati import transition
 from robotraj.witness.contacts.constrained import Held, accelerate, impact
@@ -173,7 +174,7 @@ class LinearPhase:
         """Return the acceleration (nv,) under torques of all joints; ``away`` is the deviation of q."""
         applied = joints - self.robot.dissipation(v)
         if held is None:
-            return np.array(pin.aba(self.robot.model, self._data, q, v, applied))
+            return accelerations(self.robot.model, self._data, q, v, applied)
         # The planned state satisfies the rows up to the error of the plan, which is not corrected.
         gap = np.zeros_like(held.bias) if planned is None else planned.jacobian @ away
         pull = 2.0 * STIFFNESS * (held.jacobian @ v) + STIFFNESS**2 * gap

@@ -15,13 +15,19 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.robot.coupling.mimics import Mimic, mimics_of
 from robotraj.robot.limits import Limits
+from robotraj.robot.loading.planning_model import independent_joint
 from robotraj.witness.mujoco.coordinates import Coordinates
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.protocols import Array, RobotLike
 
 if TYPE_CHECKING:
     import mujoco
+
+
+COUPLING, RIGID = (0.005, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""Time constant [s] with damping ratio, and impedance, of the equation of a follower: the stiffest that MuJoCo has."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,8 @@ def mujoco_robot(
     bodies = {0: spec.worldbody}
     for joint in range(1, model.njoints):
         bodies[joint] = _body(mujoco, model, joint, bodies[model.parents[joint]])
+    for mimic in mimics_of(model):
+        _couple(mujoco, spec, mimic)
     if limits is not None:
         _limit(mujoco, spec, limits)
     if furnish is not None:
@@ -115,13 +123,23 @@ def _body(mujoco: ModuleType, model: pin.Model, joint: int, parent: mujoco.MjsBo
     return body
 
 
+def _couple(mujoco: ModuleType, spec: mujoco.MjSpec, mimic: Mimic) -> None:
+    """Add MuJoCo's equation follower = offset + multiplier * leader, a constraint as stiff as the solver permits."""
+    equation = spec.add_equality(name1=mimic.follower, name2=mimic.leader, solref=COUPLING, solimp=RIGID)
+    equation.type, equation.objtype = mujoco.mjtEq.mjEQ_JOINT, mujoco.mjtObj.mjOBJ_JOINT
+    equation.data[:5] = [mimic.offset, mimic.multiplier, 0.0, 0.0, 0.0]
+
+
 def _axes(model: pin.Model, joint: int) -> tuple[Array, Array]:
     """Return the angular and linear axis (3,) of a joint of one degree of freedom, zeros for others."""
     moving = model.joints[joint]
-    if moving.nq != 1:
+    if moving.nv > 1:
         return np.zeros(3), np.zeros(3)
+    if moving.nv == 0:
+        moving = independent_joint(model, joint)
+        moving.setIndexes(1, 0, 0)
     data = moving.createData()
-    moving.calc(data, pin.neutral(model))
+    moving.calc(data, np.zeros(model.nq))
     subspace = np.asarray(data.S, dtype=float).ravel()
     return subspace[3:], subspace[:3]
 

@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.dynamics.design.binding import realised
+from robotraj.robot.coupling.dynamics import accelerations
 from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import PLACE, difference, floats, normalised, rate_matrix
 from robotraj.solution.feedback.linearisation import Linearisation
@@ -69,7 +70,7 @@ class RobotPlant:
         self._stance = Stance(robot, contacts, planned.parameters) if contacts else None
         self._implicit = [contact for contact in contacts if not contact.holds]
         held = len(self._implicit) < len(contacts)
-        self._linearisation = Linearisation(robot, contacts) if held else None
+        self._linearisation = Linearisation(robot, contacts) if held or robot.followers else None
 
     def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Return the planned (q, v), (m, nq + nv)."""
@@ -148,7 +149,7 @@ class RobotPlant:
         q = normalised(model, q) if self._floats else q
         applied = self._applied(q, v, self._read(given))
         if self._stance is None:
-            return np.concatenate([moved, pin.aba(model, self._data, q, v, applied)])
+            return np.concatenate([moved, accelerations(model, self._data, q, v, applied)])
         return np.concatenate([moved, self._stance.acceleration(q, v, applied)])
 
     def jacobian(self, t: float, x: Array, given: Array) -> Array:

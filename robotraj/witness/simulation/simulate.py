@@ -12,6 +12,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import unit_quaternion
+from robotraj.robot.coupling.dynamics import accelerations
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import floats, normalised
 from robotraj.robot.tangent import rates as rates_of
@@ -75,7 +76,7 @@ def robot_rates(
     nq = model.nq
 
     def by_aba(q: Array, v: Array, applied: Array) -> Array:
-        return np.asarray(pin.aba(model, data, q, v, applied))
+        return accelerations(model, data, q, v, applied)
 
     accelerate = acceleration or by_aba
 

@@ -5,8 +5,11 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.robot.coupling.coupled_model import coupled
+from robotraj.robot.coupling.dynamics import accelerations
 from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.witness.contacts.stance import Stance
+from tests.robot.coupling.random_trees import random_tree
 
 STEP = 1e-6
 
@@ -34,6 +37,19 @@ def test_a_free_arm_with_damping_and_friction(rng):
     np.testing.assert_allclose(found.rate[robot.nv :], expected, atol=1e-6 * np.abs(expected).max())
     np.testing.assert_array_equal(found.rate[: robot.nv], np.eye(2 * robot.nv)[robot.nv :])
     np.testing.assert_array_equal(found.consistent, np.eye(2 * robot.nv))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_robot_whose_joints_follow_others(seed, rng):
+    robot = rt.load(coupled(*random_tree(seed)))
+    q, v, tau = 0.3 * rng.normal(size=robot.nq), rng.normal(size=robot.nv), rng.normal(size=robot.nu)
+    found = Linearisation(robot, ()).at(q, v, tau)
+
+    def acceleration(q, v):
+        return accelerations(robot.model, robot.model.createData(), q, v, tau - robot.dissipation(v))
+
+    expected = slopes(robot, acceleration, q, v)
+    np.testing.assert_allclose(found.rate[robot.nv :], expected, atol=1e-6 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("flat", [False, True])

@@ -169,3 +169,42 @@ def test_systems_are_refused(make):
     planned = make.plan(make.phase(system=block), [0, 1], x=lambda t, k: t, u=lambda t, k: 1.0)
     with pytest.raises(InputError, match="second_opinion\\(\\) simulates robots"):
         rt.witness.second_opinion(make.solution(planned))
+
+
+FINGER = (
+    '<link name="{0}"><inertial><mass value="0.1"/>'
+    '<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="{0}_joint" type="prismatic"><parent link="arm"/><child link="{0}"/><origin xyz="0 0 0.4"/>'
+    '<axis xyz="0 {1} 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/>{2}</joint>'
+)
+GRIPPER = (
+    '<robot name="gripper"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>'
+    '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="lift" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>'
+    '<limit lower="-3" upper="3" velocity="5" effort="50"/></joint>'
+    + FINGER.format("left", "1", "")
+    + FINGER.format("right", "-1", '<mimic joint="left_joint"/>')
+    + "</robot>"
+)
+
+
+def test_a_gripper_that_opens_on_the_way_is_proved_simulated_and_stored(tmp_path):
+    (tmp_path / "gripper.urdf").write_text(GRIPPER)
+    robot = rt.load(tmp_path / "gripper.urdf")
+    start, end = rt.State(q={"lift": 0, "left_joint": 0}, v=0), rt.State(q={"lift": 1, "left_joint": 0.04}, v=0)
+    solution = rt.plan(rt.Phase(robot, 1.0, start, end, rt.Effort()))
+    assert solution.proof.holds
+    report = rt.validate(solution)
+    assert report.passed and report.energy.relative < 1e-9
+    opinion = rt.witness.second_opinion(solution)
+    assert opinion.completed
+    solution.save(tmp_path / "gripper.npz")
+    again = rt.load_solution(tmp_path / "gripper.npz")
+    assert rt.validate(again).passed
+    # Both fingers are 0.04 m from the middle at the end.
+    model, last = again.problem.phases[0].robot.model, again.at(1.0).q
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, last)
+    hand = data.oMi[model.getJointId("lift")]
+    left, right = (hand.actInv(data.oMf[model.getFrameId(f)].translation) for f in ("left", "right"))
+    np.testing.assert_allclose([left[1], right[1]], [0.04, -0.04], atol=1e-9)

@@ -7,7 +7,10 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
+from robotraj.dynamics.point import symbolic_model
+from robotraj.robot.coupling.coupled_model import coupled
 from robotraj.witness.mujoco import mujoco_robot
+from tests.robot.coupling.random_trees import random_tree
 
 mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
 
@@ -123,3 +126,28 @@ def test_without_mujoco_the_extra_is_named(make, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", refuse)
     with pytest.raises(InputError, match=r"pip install 'robotraj\[mujoco\]'"):
         mujoco_robot(make.robot([("hinge", pin.JointModelRY())]))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_accelerations_of_joints_that_follow_others_are_the_planners(seed):
+    """MuJoCo's own mass matrix and bias of all joints, projected on the leaders, share no code with the planner."""
+    robot = rt.load(coupled(*random_tree(seed, floating=seed % 2 == 1)), root="floating" if seed % 2 else "fixed")
+    random, model = np.random.default_rng(seed), robot.model
+    q = pin.integrate(model, pin.neutral(model), random.uniform(-1, 1, model.nv))
+    v, tau = random.uniform(-1, 1, model.nv), random.uniform(-5, 5, model.nv)
+    second = mujoco_robot(replace(robot, damping=np.zeros(robot.nv)))
+    second.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    data, where = mujoco.MjData(second.model), second.coordinates
+    data.qpos[:], data.qvel[:] = where.qpos(q), where.qvel(q, v)
+    mujoco.mj_forward(second.model, data)
+    shares = np.column_stack([where.qvel(q, unit) for unit in np.eye(model.nv)])
+    full = np.zeros((second.model.nv, second.model.nv))
+    for column, unit in zip(full, np.eye(second.model.nv), strict=True):
+        mujoco.mj_mulM(second.model, data, column, unit)
+    applied = where.force(q, tau) - data.qfrc_bias
+    # Rates of S are those of the root's axes, which ``acceleration`` converts.
+    here = np.linalg.solve(shares.T @ full @ shares, shares.T @ applied)
+    found = where.acceleration(q, v, shares @ here)
+    no_force = np.zeros((6, model.njoints))
+    planned = np.array(symbolic_model(robot).forward_dynamics(q, v, tau, no_force)).ravel()
+    np.testing.assert_allclose(found, planned, atol=1e-9 * (1 + np.abs(planned).max()))

@@ -31,6 +31,7 @@ from robotraj.problem.constraints.motors.drive import MotorPower
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.problem import Problem
+from robotraj.robot.coupling.dynamics import kinetic_energy, potential_energy
 from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import difference
 from robotraj.solution.conflict import Conflict, with_room
@@ -150,9 +151,7 @@ def _work(robot: Robot, begin: Array, end: Array, longest: float) -> tuple[float
     model, data, nq = robot.model, robot.model.createData(), robot.nq
 
     def energy(x: Array) -> float:
-        inertia = np.triu(pin.crba(model, data, x[:nq]))
-        inertia += np.triu(inertia, 1).T
-        return float(0.5 * x[nq:] @ inertia @ x[nq:] + pin.computePotentialEnergy(model, data, x[:nq]))
+        return kinetic_energy(model, data, x[:nq], x[nq:]) + potential_energy(model, data, x[:nq])
 
     travels = np.abs(difference(model, begin[:nq], end[:nq]))
     losses = np.zeros(robot.nv)
