@@ -70,7 +70,7 @@ class Robot(PickledModel):
     end_effector : str or None
         Frame whose path replays draw, if known.
     notes : tuple of str
-        Decisions and findings of loading, such as locked mimic joints, rotors, impossible inertias.
+        Decisions and findings of loading, such as joints that follow others, rotors, impossible inertias.
     root : str
         ``"fixed"``, ``"planar"`` or ``"floating"``.
     """
