@@ -81,11 +81,11 @@ def load(
 
     Notes
     -----
-    Joints that follow others by ``<mimic>`` have no entries in q and v: with q_all = S q + s the equations of motion are
-    S' M S a + S' h = tau. A leader's limits lie within those of its followers, and its motor drives them all;
+    Joints that follow others by ``<mimic>`` have no entries in q and v: with q_all = S q + s the equations of motion
+    are S' M S a + S' h = tau. A leader's limits lie within those of its followers, and its motor drives them all;
     ``locked={leader: value}`` holds them still. Robots of the catalogue are loaded with such joints locked. Rotor
-    inertias are added to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the position
-    limits.
+    inertias are added to the armature. The neutral configuration is the SRDF's reference, else zero, moved inside the
+    position limits.
     """
     if isinstance(source, Robot):
         raise InputError(

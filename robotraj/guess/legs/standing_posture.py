@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.guess.legs.singular_legs import bent, singular_legs
 from robotraj.guess.legs.stance import ROOT_FREEDOMS, BalancedStance
 from robotraj.robot.root import QUATERNION
 
@@ -69,9 +70,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     com = pin.centerOfMass(model, data, q)
     _, slope = stance.places(q, feet)
     lower, upper = stance.bounds
-    straight = bool(np.max(np.abs(slope[stance.upward][:, n:]), initial=0.0) < 1e-2 * abs(com[2])) or _stretched(
-        stance, slope[:, n:], q[len(q) - len(lower) :]
-    )
+    straight = bool(singular_legs(stance, q, feet)) or _stretched(stance, slope[:, n:], q[len(q) - len(lower) :])
     start = np.array(q)
     anchors_by_axis = (
         [feet[a.name] for c in stance.feet for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"
@@ -81,6 +80,9 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
         start = _bent(stance, start, AT_BOUND * stance.scales(robot.units[n:]))
+    if rows_flat := singular_legs(stance, start, feet):
+        start = bent(stance, start, feet, rows_flat, up=target < com[2] - ground)
+        straight = True
     com = np.array([*middle, ground + target])
     found = stance.reach(start, feet, com, {}, start if straight else q)
     if height is None:
