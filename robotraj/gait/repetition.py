@@ -16,6 +16,7 @@ from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, 
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.leg_reach import check_step
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
+from robotraj.gait.mirroring.heading import check_heading
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
 from robotraj.gait.phase_sequence import sequence
@@ -49,7 +50,7 @@ def repeating(
         Foot on the other side of each foot.
     terms : GaitTerms
     repeat : Mirror, Periodic or None
-        None chooses ``Mirror``, or ``Periodic`` if the inertia or the limits are not symmetric.
+        None chooses ``Mirror``, or ``Periodic`` if the shape, the inertia or the limits are not symmetric.
     length : float
         Displacement along x in one half [m].
 
@@ -79,8 +80,14 @@ def repeating(
 
 
 def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
-    """Return the mirror of a robot, or ``Periodic`` with a warning where its inertia or limits are not symmetric."""
-    found = mirror_by_geometry(robot)
+    """Return the mirror of a robot, or ``Periodic`` with a warning where its shape, inertia or limits have none."""
+    try:
+        found = mirror_by_geometry(robot)
+    except InputError as error:
+        check_heading(robot)
+        fault = str(error).split(": left and right")[0].rstrip(".")
+        warn(f"{fault}. Hence both halves of the gait are planned, with rt.Periodic.")
+        return Periodic()
     joint = joint_without_common_limits(robot, found)
     if joint is not None:
         warn(
