@@ -1,11 +1,11 @@
-"""Generalised forces of the motors, and of the damping and dry friction that a URDF gives its joints.
+"""Generalised forces of motors and springs, and of the damping and dry friction that a URDF gives its joints.
 
-    B tau - d v - F tanh(v / v_s)
+    B tau - K (q - rest) - d v - F tanh(v / v_s)
 
-with d the damping, F the dry friction and v_s the robot's ``friction_speed``. The last term is a smooth F sign(v).
-A softening c > 0 replaces tanh(s) by s / sqrt(s^2 + c^2), s = v / v_s. That is another friction, whose solutions are
-guesses only (``robotraj.planning.proving.soft_friction``). It may be averaged over the times from t - e to t + e, when
-the speed is taken to be v + a (t' - t):
+with K the stiffness of springs, d the damping, F the dry friction and v_s the robot's ``friction_speed``. The last term
+is a smooth F sign(v). A softening c > 0 replaces tanh(s) by s / sqrt(s^2 + c^2), s = v / v_s. That is another friction,
+whose solutions are guesses only (``robotraj.planning.proving.soft_friction``). It may be averaged over the times from
+t - e to t + e, when the speed is taken to be v + a (t' - t):
 
     2 s / (sqrt((s + d)^2 + c^2) + sqrt((s - d)^2 + c^2)),  d = a e / v_s
 """
@@ -24,14 +24,22 @@ if TYPE_CHECKING:
 
 
 def joint_forces(
-    robot: Robot, v: ca.SX, tau: ca.SX, damping: Column, softening: float = 0.0, change: ca.SX | None = None
+    robot: Robot,
+    q: ca.SX,
+    v: ca.SX,
+    tau: ca.SX,
+    damping: Column,
+    softening: float = 0.0,
+    change: ca.SX | None = None,
 ) -> ca.SX:
-    """Return the generalised force of the motors, the damping and the friction, (nv,) [N m, N].
+    """Return the generalised force of the motors, the springs, the damping and the friction, (nv,) [N m, N].
 
     Parameters
     ----------
     robot : Robot
-        Its motors, its dry friction and the speed of its friction.
+        Its motors, its springs, its dry friction and the speed of its friction.
+    q : casadi.SX (nq,)
+        Positions [rad, m].
     v : casadi.SX (nv,)
         Velocities [rad/s, m/s].
     tau : casadi.SX (nu,)
@@ -46,6 +54,8 @@ def joint_forces(
     force = ca.SX(robot.nv, 1)
     for i, joint in enumerate(robot.actuated):
         force[robot.velocity_names.index(joint)] = tau[i]
+    for joint, stiffness, rest in robot.springs:
+        force[robot.velocity_names.index(joint)] -= stiffness * (q[robot.position_names.index(joint)] - rest)
     # A robot without damping has no product in its graph.
     if not isinstance(damping, np.ndarray) or damping.any():
         force -= damping * v

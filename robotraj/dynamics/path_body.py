@@ -81,7 +81,7 @@ class PathPoint(RobotPoint):
         """
         robot = self.robot
         still = ca.SX.zeros(robot.nu)
-        force = self.inverse_dynamics - joint_forces(robot, self.v, still, self.damping, self.softening)
+        force = self.inverse_dynamics - joint_forces(robot, self.q, self.v, still, self.damping, self.softening)
         return ca.vertcat(*(force[robot.velocity_names.index(joint)] for joint in robot.actuated))
 
 

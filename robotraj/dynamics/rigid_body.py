@@ -244,7 +244,9 @@ class InverseRigidBody(RigidBody):
 
     def residual(self, point: RobotPoint) -> ca.SX:
         """Torque balance RNEA(q, v, a) - B tau + d(v) - J' f, (nv,) [N m, N], then contact accelerations."""
-        forces = joint_forces(self.robot, point.v, point.tau, point.damping, self.softening, self._change(point))
+        forces = joint_forces(
+            self.robot, point.q, point.v, point.tau, point.damping, self.softening, self._change(point)
+        )
         balance = point.inverse_dynamics - forces
         terms = [contact_terms_of(contact, point) for contact in self.contacts]
         for each in terms:
@@ -267,7 +269,7 @@ class ForwardRigidBody(RigidBody):
         if u is not None:
             no_force = ca.SX(6, robot.model.njoints)
             v = x[robot.nq :]
-            force = joint_forces(robot, v, u, damping, self.softening)
+            force = joint_forces(robot, x[: robot.nq], v, u, damping, self.softening)
             a = symbolic.forward_dynamics(x[: robot.nq], v, force, no_force)
         return self._point(t, x, a, ca.SX(0, 1), u, p, names, symbolic, damping)
 

@@ -53,7 +53,7 @@ def joint_motion(phase: Phase, duration: float, motion: Motion, parameters: Mapp
             }
             if torques:
                 rows = zip(*parts.values(), strict=True)
-                needed = np.array([pin.rnea(model, data, *row) + robot.dissipation(row[1]) for row in rows])
+                needed = np.array([pin.rnea(model, data, *row) + robot.resistance(*row[:2]) for row in rows])
                 for i, joint in enumerate(robot.velocity_names):
                     known[f"tau.{joint}"] = needed[:, i]
             # Slacks, rates and forces start at 0.

@@ -172,7 +172,8 @@ class LineLimits:
         # rnea returns a view of data, which the next call overwrites.
         gravity = np.array([pin.rnea(model, data, q, zero, zero).copy() for q in places])
         inertia = np.abs(np.array([pin.rnea(model, data, q, zero, line).copy() for q in places]) - gravity)
-        held = gravity + self.robot.friction * np.sign(line)
+        springs = np.array([self.robot.resistance(q, zero) for q in places])
+        held = gravity + springs + self.robot.friction * np.sign(line)
         reserve = np.minimum(upper - held, held - lower)
         loaded = (inertia > 1e-9) | (reserve < 0)
         return fastest, min(slope, float(np.min(reserve[loaded] / np.maximum(inertia[loaded], 1e-9), initial=np.inf)))

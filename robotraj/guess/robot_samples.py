@@ -142,7 +142,7 @@ class RobotSamples:
             forces = self._given_forces(contacts, given if isinstance(given, Mapping) else {})
             model, data = robot.model, robot.model.createData()
             needed = np.array(
-                [pin.rnea(model, data, *row) + robot.dissipation(row[1]) for row in zip(q, v, a, strict=True)]
+                [pin.rnea(model, data, *row) + robot.resistance(*row[:2]) for row in zip(q, v, a, strict=True)]
             )
             if contacts:
                 needed -= np.array([stance.jacobian(at).T @ force for at, force in zip(q, forces, strict=True)])

@@ -85,6 +85,7 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
         JoinedGeometry(parts),
         "rt.robot.join",
         notes=tuple(f"{name}: {note}" for name, robot in every for note in robot.notes),
+        springs=tuple((f"{name}_{joint}", k, rest) for name, robot in every for joint, k, rest in robot.springs),
     )
 
 

@@ -15,6 +15,7 @@ from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
 from robotraj.robot.mounting import Base, mounted
 from robotraj.robot.robot import Robot
+from robotraj.robot.springs.joint_springs import sprung
 
 
 def load(
@@ -29,6 +30,7 @@ def load(
     gravity: ArrayLike | None = None,
     base: Base | None = None,
     rotors: Mapping[str, tuple[float, float]] | None = None,
+    springs: Mapping[str, float | tuple[float, float]] | None = None,
 ) -> Robot:
     """Load a robot for planning.
 
@@ -60,6 +62,9 @@ def load(
         Pose of the root link in the world [m], quaternion (x, y, z, w); for robots with a fixed root.
     rotors : mapping of str to (float, float), optional
         Inertia of the rotor [kg m^2] and gear ratio by joint, ``{"elbow": (1e-5, 100)}``.
+    springs : mapping, optional
+        Springs at joints: stiffness [N m/rad, N/m], or stiffness and position without torque [rad, m],
+        ``{"knee": (20.0, -0.5)}``.
 
     Returns
     -------
@@ -92,6 +97,6 @@ def load(
             f"rt.load got {source.name!r}, a robot that is loaded. Load its file or name with all options."
         )
     robot = assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root)
-    if gravity is None and base is None and rotors is None:
-        return robot
-    return mounted(robot, gravity, base, rotors)
+    if gravity is not None or base is not None or rotors is not None:
+        robot = mounted(robot, gravity, base, rotors)
+    return robot if springs is None else sprung(robot, springs)

@@ -22,13 +22,14 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import Geometry, NoGeometry
 from robotraj.robot.loading.planning_model import independent_names
 from robotraj.robot.root import QUATERNION, root_of, units_of
+from robotraj.robot.springs.joint_springs import Spring, springs_note
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot(PickledModel):
-    """A robot ready for planning: M(q) a + h(q, v) = B tau - damping v - friction tanh(v / friction_speed).
+    """A robot ready for planning: M(q) a + h(q, v) = B tau - K (q - rest) - D v - F tanh(v / friction_speed).
 
     ``rt.load`` makes it. Every moving joint has one position and one velocity; the position of a continuous joint is
     its angle. The root is fixed, or first in q and v:
@@ -73,6 +74,8 @@ class Robot(PickledModel):
         Decisions and findings of loading, such as joints that follow others, rotors, impossible inertias.
     root : str
         ``"fixed"``, ``"planar"`` or ``"floating"``.
+    springs : tuple of (str, float, float)
+        Joints with a spring: stiffness [N m/rad, N/m] and position without torque [rad, m]; see ``rt.load(springs=)``.
     """
 
     name: str
@@ -88,6 +91,7 @@ class Robot(PickledModel):
     end_effector: str | None = None
     notes: tuple[str, ...] = ()
     root: str = "fixed"
+    springs: tuple[Spring, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("damping", "friction", "neutral"):
@@ -152,7 +156,8 @@ class Robot(PickledModel):
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        return (*self.notes, *self.limits.warnings(self.actuated))
+        springs = springs_note(self.springs, dict(zip(self.velocity_names, self.units, strict=True)))
+        return (*self.notes, *filter(None, [springs]), *self.limits.warnings(self.actuated))
 
     @property
     def nq(self) -> int:
@@ -290,3 +295,39 @@ class Robot(PickledModel):
         """
         speed = np.asarray(v, dtype=float)
         return self.damping * speed + self.friction * np.tanh(speed / self.friction_speed)
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """Stiffness of the joints' springs (nv,) [N m/rad, N/m]; 0 where there is none."""
+        return self._of_springs(1)
+
+    @cached_property
+    def _rest(self) -> Array:
+        return self._of_springs(2)
+
+    def _of_springs(self, entry: int) -> Array:
+        values = np.zeros(self.nv)
+        for spring in self.springs:
+            values[self.velocity_names.index(spring[0])] = spring[entry]
+        values.setflags(write=False)
+        return values
+
+    def resistance(self, q: npt.ArrayLike, v: npt.ArrayLike) -> Array:
+        """Return the torque of springs, damping and friction (nv,) [N m, N], subtracted from B tau.
+
+        K (q - rest) + d(v), with ``dissipation`` d.
+        """
+        if not self.springs:
+            return self.dissipation(v)
+        return self._stretched(q) + self.dissipation(v)
+
+    def spring_energy(self, q: npt.ArrayLike) -> float:
+        """Return the energy of the springs, (q - rest)' K (q - rest) / 2 [J]."""
+        if not self.springs:
+            return 0.0
+        places = np.asarray(q, dtype=float)[self.nq - self.nv :] - self._rest
+        return float(0.5 * self.stiffness @ places**2)
+
+    def _stretched(self, q: npt.ArrayLike) -> Array:
+        # A floating root has one position more than velocities; all other joints have one of each.
+        return self.stiffness * (np.asarray(q, dtype=float)[self.nq - self.nv :] - self._rest)

@@ -69,6 +69,20 @@ class RobotLike(Protocol):
     def friction(self) -> Array:
         """Coulomb friction (nv,) [N m, N]."""
 
+    @property
+    def springs(self) -> Sequence[tuple[str, float, float]]:
+        """Joints with a spring, stiffness [N m/rad, N/m] and position without torque [rad, m]."""
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness of the joints' springs (nv,) [N m/rad, N/m]."""
+
+    def resistance(self, q: Array, v: Array) -> Array:
+        """Return the torque of springs, damping and friction (nv,) [N m, N], subtracted from B tau."""
+
+    def spring_energy(self, q: Array) -> float:
+        """Return the energy of the springs [J]."""
+
     def dissipation(self, v: Array) -> Array:
         """Return the torque d(v) (nv,) of damping and friction [N m, N]."""
 

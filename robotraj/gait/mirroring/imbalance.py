@@ -25,7 +25,7 @@ SLOW = 0.3
 def imbalance(robot: Robot, repeat: Mirror) -> float:
     """Return the relative error of accelerations that mirrored torques cause in the mirror image of a motion.
 
-    For seeded random motions (q, v, a) and their images, marked ', the inverse dynamics r' = RNEA(q', v', a') are
+    For seeded random motions (q, v, a) and their images, marked ', the torques r' of inverse dynamics and springs are
     compared with the image P r. The error is the largest entry of |M(q')^-1 (r' - P r)| relative to g / h [rad/s^2],
     and relative to g for the root's translation. The size h is the height of the centre of mass above the lowest joint
     in the neutral configuration. v and a are random, up to ``SLOW`` times sqrt(g / h) and g / h. The result is 0 for a
@@ -34,6 +34,10 @@ def imbalance(robot: Robot, repeat: Mirror) -> float:
     if robot.root != "floating":
         return 0.0
     model, data = robot.model, robot.model.createData()
+
+    def torques(q: Array, v: Array, a: Array) -> Array:
+        return np.asarray(pin.rnea(model, data, q, v, a) + robot.resistance(q, np.zeros(robot.nv)))
+
     partners = repeat.partner_of
     negated = set(repeat.negated)
     com = np.array(pin.centerOfMass(model, data, robot.neutral))
@@ -49,10 +53,8 @@ def imbalance(robot: Robot, repeat: Mirror) -> float:
         q[7:] += rng.uniform(-0.5, 0.5, len(q) - 7)
         v, a = speeds * rng.uniform(-1.0, 1.0, robot.nv), accelerations * rng.uniform(-1.0, 1.0, robot.nv)
         image = _image(q, robot.position_names, partners, negated)
-        r, moved, pushed = (
-            _image(each, robot.velocity_names, partners, negated) for each in (pin.rnea(model, data, q, v, a), v, a)
-        )
-        gap = pin.rnea(model, data, image, moved, pushed) - r
+        r, moved, pushed = (_image(each, robot.velocity_names, partners, negated) for each in (torques(q, v, a), v, a))
+        gap = torques(image, moved, pushed) - r
         change = np.linalg.solve(mass_matrix(model, data, image), gap)
         worst = max(worst, float(np.abs(SLOW * change / accelerations).max()))
     return worst

@@ -41,7 +41,7 @@ def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: 
     """
     robot = stance.robot
     model = robot.model
-    needed = pin.rnea(model, stance.data, q, v, a) + robot.dissipation(v)
+    needed = pin.rnea(model, stance.data, q, v, a) + robot.resistance(q, v)
     columns = stance.columns(held)
     jacobian = stance.jacobian(q)[columns].T
     forces = np.zeros(len(columns))

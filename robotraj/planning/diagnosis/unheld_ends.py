@@ -133,8 +133,9 @@ def _least_excess(phase: Phase, state: Array, allowed: Bounds, data: pin.Data) -
 
 
 def _excess_without_contacts(robot: Robot, state: Array, allowed: Bounds, friction: Array, data: pin.Data) -> Array:
-    """Return the excess of the only torques that balance gravity; zeros where a joint without a motor falls."""
+    """Return the excess of the only torques that balance gravity and springs; zeros where an unmotored joint falls."""
     gravity = pin.computeGeneralizedGravity(robot.model, data, state[: robot.nq])
+    gravity = gravity + robot.resistance(state[: robot.nq], np.zeros(robot.nv))
     torques = robot.actuation.T @ gravity
     left = float(np.abs(robot.actuation @ torques - gravity).max(initial=0.0))
     if left >= NOTICED * max(1.0, float(np.abs(gravity).max(initial=0.0))):

@@ -203,7 +203,8 @@ def _nearby(robot: Robot) -> tuple[Array, list[int]]:
             up, down = limits.position_upper[i] - neutral[i], neutral[i] - limits.position_lower[i]
             way = min(STRIDE.get(robot.units[i], STRIDE["m"]), SHARE * max(up, down)) / 2.0**halved
             end[i] = round(neutral[i] + (way if up >= down else -way), 4)
-        if _can_push(robot, pin.computeGeneralizedGravity(robot.model, data, end), driven):
+        held = pin.computeGeneralizedGravity(robot.model, data, end) + robot.resistance(end, np.zeros(robot.nv))
+        if _can_push(robot, held, driven):
             break
     return end, driven
 
@@ -227,8 +228,9 @@ def _within(robot: Robot, data: pin.Data, way: Array, duration: float, moved: li
         place = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
         rate = 30.0 * s**2 * (1.0 - s) ** 2 / duration
         second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration**2
-        tau = pin.rnea(robot.model, data, robot.neutral + place * way, rate * way, second * way)
-        tau = tau + robot.damping * rate * way + robot.friction * np.sign(way)
+        q, v = robot.neutral + place * way, rate * way
+        tau = pin.rnea(robot.model, data, q, v, second * way) + robot.resistance(q, np.zeros(robot.nv))
+        tau = tau + robot.damping * v + robot.friction * np.sign(way)
         if not _can_push(robot, tau, moved):
             return False
     return True

@@ -47,7 +47,7 @@ def _add(found: _Hash, value: object, seen: dict[int, tuple[int, object]]) -> No
         found.update(f"{array.dtype}{array.shape}".encode() + array.tobytes())
     elif isinstance(value, Robot):
         _add(found, [uncoupled(value.model).saveToString(), *map(str, value.followers)], seen)
-        _add(found, [value.actuated, value.limits, value.root], seen)
+        _add(found, [value.actuated, value.limits, value.root, value.springs], seen)
     elif isinstance(value, ModuleType):
         _add(found, value.__name__, seen)
     elif isinstance(value, CodeType):

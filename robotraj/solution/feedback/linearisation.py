@@ -95,7 +95,7 @@ class Linearisation:
             The mass matrix is not positive definite.
         """
         own, nv = self._robot.model, self._robot.model.nv
-        applied = self._actuation @ tau - self._robot.dissipation(v)
+        applied = self._actuation @ tau - self._robot.resistance(q, v)
         mass = mass_matrix(own, self._data, q)
         free = accelerations(own, self._data, q, v, applied).copy()
         held = held_rows(self._robot, self._data, q, self._contacts)
@@ -122,7 +122,7 @@ class Linearisation:
         external = self._external(held, forces)
         slopes = pin.computeRNEADerivatives(model, data, place, speed, shares @ acceleration, external)
         torque_q, torque_v = (shares.T @ np.asarray(slope) @ shares for slope in slopes[:2])
-        free_q = -metric.without_rows(torque_q - turning)
+        free_q = -metric.without_rows(torque_q - turning + np.diag(self._robot.stiffness))
         free_v = -metric.without_rows(torque_v + np.diag(self._drag(v)))
         free_u = metric.without_rows(self._actuation)
         rate, push, consistent = np.zeros((2 * nv, 2 * nv)), np.zeros((2 * nv, len(tau))), np.eye(2 * nv)

@@ -111,5 +111,6 @@ def add(parts: Sequence[Energy]) -> Energy | None:
 
 
 def _total(robot: RobotLike, data: object, q: Array, v: Array) -> float:
-    """Return kinetic (armature included) plus potential energy [J]."""
-    return kinetic_energy(robot.model, data, q, v) + potential_energy(robot.model, data, q)
+    """Return kinetic (armature included) plus potential energy, springs included [J]."""
+    stored = potential_energy(robot.model, data, q) + robot.spring_energy(q)
+    return kinetic_energy(robot.model, data, q, v) + stored

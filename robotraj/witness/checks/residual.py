@@ -91,7 +91,7 @@ def _robot(planned: PhaseSolutionLike, samples: int, clock: Callable[[], None]) 
         sample = robot_sample(planned, part.times, part.interval)
         acceleration = time_derivative(sample.v, part)
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
-            needed = pin.rnea(robot.model, data, q, v, a) + robot.dissipation(v) - actuation @ tau
+            needed = pin.rnea(robot.model, data, q, v, a) + robot.resistance(q, v) - actuation @ tau
             torque.append(needed - stance.torques(q, forces_in(sample, contacts, i)) if contacts else needed)
         rate.append(velocities(robot.model, sample.q, time_derivative(sample.q, part)) - sample.v)
         times.append(part.times)

@@ -232,7 +232,7 @@ def _missing(planned: PhaseSolutionLike, clock: Callable[[], None]) -> _Missing:
         for i, (q, v, a, tau) in enumerate(zip(sample.q, sample.v, acceleration, sample.tau, strict=True)):
             motors = actuation @ tau
             pushed = stance.torques(q, forces_in(sample, contacts, i)) if contacts else still
-            missing[i] = pin.rnea(model, data, q, v, a) + robot.dissipation(v) - motors - pushed
+            missing[i] = pin.rnea(model, data, q, v, a) + robot.resistance(q, v) - motors - pushed
             if i % SAMPLES == SAMPLES // 2:
                 weight = pin.rnea(model, data, q, still, still).copy()
                 inertia = pin.rnea(model, data, q, still, a) - weight

@@ -107,7 +107,7 @@ def holding_of(
             held = stance.rows(q, v)
             gaps = stance.by_contact(held.gap)
             forces = forces_in(sample, phase.bound_contacts, i)
-            applied = actuation @ sample.tau[i] - stance.robot.dissipation(v)
+            applied = actuation @ sample.tau[i] - stance.robot.resistance(q, v)
             own = stance.forces(q, v, applied, held, forces)
             solved, unique = (None, False) if own is None else (stance.by_contact(own[0]), own[1])
             instant = Instant(stance.robot, data, q, v)

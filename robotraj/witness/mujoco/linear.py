@@ -172,7 +172,7 @@ class LinearPhase:
         away: Array | float = 0.0,
     ) -> Array:
         """Return the acceleration (nv,) under torques of all joints; ``away`` is the deviation of q."""
-        applied = joints - self.robot.dissipation(v)
+        applied = joints - self.robot.resistance(q, v)
         if held is None:
             return accelerations(self.robot.model, self._data, q, v, applied)
         # The planned state satisfies the rows up to the error of the plan, which is not corrected.

@@ -92,6 +92,10 @@ def mujoco_robot(
         body = compiled.body(model.names[joint]).id
         compiled.body_mass[body] = model.inertias[joint].mass
         compiled.body_inertia[body] = _principal(model.inertias[joint])[0]
+    for name, stiffness, rest in robot.springs:
+        joint = compiled.joint(name)
+        joint.stiffness[...] = stiffness
+        compiled.qpos_spring[joint.qposadr[0]] = rest
     losses = _losses(robot)
     compiled.dof_armature[coordinates.dofs] = model.armature
     compiled.dof_damping[coordinates.dofs] = losses[0]

@@ -133,7 +133,7 @@ class RobotPlant:
 
     def _applied(self, q: Array, v: Array, plan: _Given) -> Array:
         """Return the torques on all joints (nv,): B tau - d(v), and those of implicit contacts."""
-        applied = self._actuation @ self._motors(q, v, plan) - self._robot.dissipation(v)
+        applied = self._actuation @ self._motors(q, v, plan) - self._robot.resistance(q, v)
         if self._stance is not None and plan.forces:
             applied = applied + self._stance.torques(q, plan.forces)
         return np.asarray(applied)
@@ -167,6 +167,7 @@ class RobotPlant:
             slope_q, slope_v, inverse = (np.array(slope) for slope in slopes)
             # Only the upper triangle of the inverse mass matrix is defined.
             inverse = np.triu(inverse) + np.triu(inverse, 1).T
+            slope_q -= inverse * self._robot.stiffness
             slope_v -= inverse * self._drag(v)
             push = inverse @ self._actuation
         else:

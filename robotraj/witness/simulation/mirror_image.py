@@ -41,7 +41,7 @@ def mirror_image(robot: Robot, mirror: Mirror) -> Robot | None:
     """Return the robot with the mirrored inertias of its partners' bodies, None where they are equal.
 
     At q = 0, which is its own image, a body with mass m, centre c and inertia I about it, in world axes, has the image
-    m, R c, R I R with R = diag(1, -1, 1). Armature, damping and friction come from the partner.
+    m, R c, R I R with R = diag(1, -1, 1). Armature, damping, friction and springs come from the partner.
     """
     model, both = robot.model, {**mirror.partners, **{b: a for a, b in mirror.partners.items()}}
     data = model.createData()
@@ -60,10 +60,14 @@ def mirror_image(robot: Robot, mirror: Mirror) -> Robot | None:
     for name in ("armature", "rotorInertia", "rotorGearRatio"):
         setattr(image, name, np.array(getattr(model, name))[order])
     damping, friction = np.asarray(robot.damping)[order], np.asarray(robot.friction)[order]
+    signs = {joint: -1.0 if joint in mirror.negated else 1.0 for joint in robot.velocity_names}
+    springs = {both.get(joint, joint): (k, signs[joint] * rest) for joint, k, rest in robot.springs}
+    sprung = tuple((joint, *springs[joint]) for joint in robot.velocity_names if joint in springs)
     same = all(np.array_equal(a, b) for a, b in ((damping, robot.damping), (friction, robot.friction)))
+    same = same and sprung == robot.springs
     if not changed and same and np.array_equal(image.armature, model.armature):
         return None
-    return replace(robot, model=image, damping=damping, friction=friction)
+    return replace(robot, model=image, damping=damping, friction=friction, springs=sprung)
 
 
 def _partner(model: pin.Model, joint: int, both: Mapping[str, str]) -> int:

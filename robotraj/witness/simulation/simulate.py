@@ -62,12 +62,12 @@ class Simulation(OneLine):
 def robot_rates(
     robot: RobotLike, torque: Torque, acceleration: Acceleration | None = None, push: Push | None = None
 ) -> Rates:
-    """Return the rates of (q, v): q' and a = ABA(q, v, B tau - d(v)), with d the joint damping and friction.
+    """Return the rates of (q, v): q' and a = ABA(q, v, B tau - r(q, v)), r that of springs, damping, friction.
 
     q' is v; of a quaternion it is half its product with (omega, 0), omega in the body's axes. ``acceleration`` replaces
     ABA for robots with contacts, and ``push`` adds known forces.
 
-    Pinocchio's own algorithms ignore damping and friction, so they are subtracted from the torque.
+    Pinocchio's own algorithms ignore springs, damping and friction, so they are subtracted from the torque.
     Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
     """
     model = robot.model
@@ -82,7 +82,7 @@ def robot_rates(
 
     def rates(t: float, x: Array, k: int) -> Array:
         q, v = normalised(model, x[:nq]), x[nq:]
-        applied = actuation @ np.asarray(torque(t, k, q, v), dtype=float) - robot.dissipation(v)
+        applied = actuation @ np.asarray(torque(t, k, q, v), dtype=float) - robot.resistance(q, v)
         if push is not None:
             applied = applied + push(t, k, q)
         return np.concatenate([rates_of(model, x[:nq], v), accelerate(q, v, applied)])

@@ -151,7 +151,8 @@ def _work(robot: Robot, begin: Array, end: Array, longest: float) -> tuple[float
     model, data, nq = robot.model, robot.model.createData(), robot.nq
 
     def energy(x: Array) -> float:
-        return kinetic_energy(model, data, x[:nq], x[nq:]) + potential_energy(model, data, x[:nq])
+        stored = potential_energy(model, data, x[:nq]) + robot.spring_energy(x[:nq])
+        return kinetic_energy(model, data, x[:nq], x[nq:]) + stored
 
     travels = np.abs(difference(model, begin[:nq], end[:nq]))
     losses = np.zeros(robot.nv)

@@ -36,7 +36,10 @@ class EndAcceleration(JointAcceleration):
 
 @dataclass(frozen=True)
 class HoldingTorque(Constraint):
-    """The motors of some joints hold a robot at rest, tau_j = g_j(q) [N m, N], while other joints may accelerate."""
+    """The motors of some joints hold a robot at rest, while other joints may accelerate.
+
+    tau_j = g_j(q) + k_j (q_j - rest_j) [N m, N], against gravity and a spring.
+    """
 
     joints: tuple[str, ...]
 
@@ -47,10 +50,12 @@ class HoldingTorque(Constraint):
         units = {joint: "N" if unit == "m" else "N m" for joint, unit in zip(moved, robot.units, strict=True)}
         rows = tuple(Row("torque beyond the holding one", units[joint], 0.0, 0.0, joint) for joint in self.joints)
         places = [(robot.actuated.index(joint), moved.index(joint)) for joint in self.joints]
+        pulls = {moved.index(joint): (k, rest, robot.position_names.index(joint)) for joint, k, rest in robot.springs}
 
         def expression(point: RobotPoint) -> list[Scalar]:
             torques, held = point.tau, point.gravity
-            return [torques[motor] - held[joint] for motor, joint in places]
+            springs = {joint: k * (point.q[at] - rest) for joint, (k, rest, at) in pulls.items()}
+            return [torques[motor] - held[joint] - springs.get(joint, 0.0) for motor, joint in places]
 
         return BoundConstraint("holding torque", rows, expression)
 
