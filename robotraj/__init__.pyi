@@ -15,6 +15,8 @@ from . import (
 )
 from ._util.errors import InputError, RobotrajError, UnknownName, ValidationFailed
 from .dynamics import contacts, design, obstacles, terrain
+from .dynamics.applied_forces.external_force import ExternalForce
+from .dynamics.applied_forces.thruster import Thruster
 from .dynamics.contacts.flat_foot import FlatFoot
 from .dynamics.contacts.point_contact import PointContact
 from .dynamics.system import System
@@ -66,6 +68,7 @@ __all__ = [
     "Continuity",
     "Duration",
     "Effort",
+    "ExternalForce",
     "FlatFoot",
     "FramePose",
     "FramePosition",
@@ -92,6 +95,7 @@ __all__ = [
     "State",
     "Study",
     "System",
+    "Thruster",
     "Touchdown",
     "UnknownName",
     "ValidationFailed",

@@ -239,7 +239,7 @@ class InverseRigidBody(RigidBody):
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> RobotPoint:
         """Wrap columns of symbols as a RobotPoint."""
         nv = self.robot.nv
-        a, forces = (None, None) if z is None else (z[:nv], z[nv:])
+        a, forces = (None, None) if z is None else (z[:nv, 0], z[nv:, 0])
         return self._point(t, x, a, forces, u, p, names, *self._numbers(p, names))
 
     def residual(self, point: RobotPoint) -> ca.SX:

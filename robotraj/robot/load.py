@@ -15,7 +15,7 @@ from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
 from robotraj.robot.mounting import Base, mounted
 from robotraj.robot.robot import Robot
-from robotraj.robot.springs.joint_springs import sprung
+from robotraj.robot.springs.sprung import sprung
 
 
 def load(

@@ -19,7 +19,7 @@ from robotraj._util.errors import InputError
 _Numbers = npt.NDArray[np.float64]
 
 
-class Coordinates(NamedTuple):
+class AllJoints(NamedTuple):
     """Positions and velocities of all joints as affine functions of those of the independent ones.
 
     Attributes
@@ -37,7 +37,7 @@ class Coordinates(NamedTuple):
     rates: _Numbers
 
 
-def coordinates(model: pin.Model) -> Coordinates:
+def coordinates(model: pin.Model) -> AllJoints:
     """Return the coordinates of all joints; of a model without followers these are its own.
 
     Raises
@@ -63,7 +63,7 @@ def coordinates(model: pin.Model) -> Coordinates:
         places.append(follower.scaling * q[joint.idx_q, None])
         rates.append(follower.scaling * v[joint.idx_v, None])
         offsets.append(np.full(1, follower.offset))
-    return Coordinates(
+    return AllJoints(
         np.concatenate([*places, np.zeros((0, model.nq))]),
         np.concatenate([*offsets, np.zeros(0)]),
         np.concatenate([*rates, np.zeros((0, model.nv))]),

@@ -55,6 +55,20 @@ class FakeRobot:
     def dissipation(self, v: Any) -> Any:
         return self.damping * v + self.friction * np.tanh(v / self.friction_speed)
 
+    @property
+    def springs(self) -> tuple[tuple[str, float, float], ...]:
+        return ()
+
+    @property
+    def stiffness(self) -> Any:
+        return np.zeros(self.nv)
+
+    def resistance(self, q: Any, v: Any) -> Any:
+        return self.dissipation(v)
+
+    def spring_energy(self, q: Any) -> float:
+        return 0.0
+
     def frame(self, name: str) -> int:
         if not self.model.existFrame(name):
             raise unknown_name("frame", name, [f.name for f in self.model.frames])

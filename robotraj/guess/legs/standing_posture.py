@@ -70,7 +70,10 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     com = pin.centerOfMass(model, data, q)
     _, slope = stance.places(q, feet)
     lower, upper = stance.bounds
-    straight = bool(singular_legs(stance, q, feet)) or _stretched(stance, slope[:, n:], q[len(q) - len(lower) :])
+    level = np.max(np.abs(slope[stance.upward][:, n:]), initial=0.0) < 1e-2 * abs(com[2])
+    straight = bool(level or singular_legs(stance, q, feet)) or _stretched(
+        stance, slope[:, n:], q[len(q) - len(lower) :]
+    )
     start = np.array(q)
     anchors_by_axis = (
         [feet[a.name] for c in stance.feet for a in c.anchors if a.name == f"{c.name}.{axis}"] for axis in "xy"

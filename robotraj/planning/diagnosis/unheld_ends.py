@@ -102,7 +102,7 @@ def _least_excess(phase: Phase, state: Array, allowed: Bounds, data: pin.Data) -
     columns = [ca.vertcat(ca.SX(0, 1), *named.values()) for named in (point.x, point.z, point.u, point.p)]
     x, z, u, p = columns
     residual = body.residual(point)
-    forces, nv, nu = z[robot.nv :], robot.nv, robot.nu
+    forces, nv, nu = z[robot.nv :, 0], robot.nv, robot.nu
     parts = [residual, ca.jacobian(residual, u), ca.jacobian(residual, forces)]
     evaluate = ca.Function("balance", [x, z, u, p, point.t], parts)
     values = evaluate(state, np.zeros(z.numel()), np.zeros(nu), np.zeros(p.numel()), 0.0)

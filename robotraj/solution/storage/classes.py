@@ -16,6 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj.dynamics.applied_forces.external_force import ExternalForce
+from robotraj.dynamics.applied_forces.thruster import Thruster
 from robotraj.dynamics.contacts.cones import Linearised, SecondOrder
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.implicit import ImplicitContact
@@ -136,7 +138,7 @@ OF_PROBLEMS: Mapping[str, type] = {
         # dynamics, contacts, terrain
         ForwardDynamics, InverseDynamics, Kinematics, FlatFoot, ImplicitContact, LineContact, LoopClosure,
         PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, LinkLength, BodyMass,
-        Payload, Flat, HeightMap, Slope, Steps,
+        Payload, Flat, HeightMap, Slope, Steps, ExternalForce, Thruster,
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data

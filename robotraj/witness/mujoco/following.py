@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError, require_solution
+from robotraj.dynamics.applied_forces.external_force import Unheld
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.witness.mujoco.deviation import Fall
 from robotraj.witness.mujoco.feedback import Feedback, LinearQuadratic
@@ -76,11 +77,16 @@ def second_opinion(
     Raises
     ------
     InputError
-        MuJoCo is not installed, or the plan moves a System. Several periods are given for a plan that is not periodic,
-        or ``runs`` for a plan with contacts or a moving root.
+        MuJoCo is not installed, or the plan moves a System or has external forces or thrusters. Several periods are
+        given for a plan that is not periodic, or ``runs`` for a plan with contacts or a moving root.
     """
     require_solution(solution, "rt.witness.second_opinion")
     course = ReferenceMotion(solution, periods)
+    applied = [c.name for part in course.phases for c in part.phase.bound_contacts if isinstance(c, Unheld)]
+    if applied:
+        raise InputError(
+            f"second_opinion() has no forces such as {applied[0]!r} (rt.ExternalForce, rt.Thruster); use rt.validate."
+        )
     if not (isinstance(step, int | float) and np.isfinite(step) and step > 0):
         raise InputError(f"step = {step!r}; give a positive time [s].")
     if not (feedback is None or isinstance(feedback, Feedback)):

@@ -70,7 +70,7 @@ class RobotPlant:
         self._stance = Stance(robot, contacts, planned.parameters) if contacts else None
         self._implicit = [contact for contact in contacts if not contact.holds]
         held = len(self._implicit) < len(contacts)
-        self._linearisation = Linearisation(robot, contacts) if held or robot.followers else None
+        self._linearisation = Linearisation(robot, contacts) if held or len(robot.model.mimicking_joints) else None
 
     def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Return the planned (q, v), (m, nq + nv)."""
@@ -107,7 +107,7 @@ class RobotPlant:
         """Return motor torques, forces of implicit contacts, and with feedback the planned states and gains."""
         sample = robot_sample(self._planned, times)
         rows = [sample.tau]
-        rows += [forces_in(sample, [contact])[contact.name].T for contact in self._implicit]
+        rows += [forces_in(sample, [contact])[contact.name].T.reshape(len(times), -1) for contact in self._implicit]
         if self._feedback is not None:
             rows += [sample.q, sample.v, self._feedback(times).reshape(len(times), -1)]
         return np.hstack(rows)

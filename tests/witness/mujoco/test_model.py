@@ -65,7 +65,7 @@ def legged(make, root):
     model.armature = np.concatenate([np.zeros(model.nv - 4), [0.1, 0.2, 0.3, 0.4]])
 
     class Legged:
-        nv, damping, friction = model.nv, np.linspace(0.1, 0.4, model.nv), np.zeros(model.nv)
+        nv, damping, friction, springs = model.nv, np.linspace(0.1, 0.4, model.nv), np.zeros(model.nv), ()
 
     Legged.model = model
     if len(root) == 1:
