@@ -100,7 +100,8 @@ class KeptApart:
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
-        if not self._failed and 0 < self._rounds < ROUNDS:
+        rounds = ROUNDS if self._has_routes(found) else 1
+        if not self._failed and 0 < self._rounds < rounds:
             return self._further(found)
         while not self._is_stopped and (routes := self._next_routes(found)) is not None:
             attempt = self._along(routes, found)
@@ -172,7 +173,10 @@ class KeptApart:
                 break
             starts = [guess, solution]
         self._rounds = 1
-        return PlanAttempt(solution, replace(self._settings, restarts=Restarts(0)), self._surfaces, False)
+        settings = replace(self._settings, restarts=Restarts(0))
+        if not any(routes):
+            settings = replace(settings, solver=coarse.solver)
+        return PlanAttempt(solution, settings, self._surfaces, not any(routes))
 
     def _further(self, found: Solution) -> PlanAttempt:
         """Return the plan with further rows along a plan that overlaps, on its meshes."""
@@ -204,6 +208,10 @@ class KeptApart:
             if all(route or not pairs for route, pairs in zip(routes, self._open, strict=True)):
                 return routes
         return None
+
+    def _has_routes(self, found: Solution) -> bool:
+        """Whether all overlaps are those of arms with a motor at every joint, whose guesses can be routes."""
+        return all(LineLimits.of(part.phase) for part, pairs in zip(found.phases, self._open, strict=True) if pairs)
 
     def _is_shallow(self, found: Solution) -> bool:
         """Whether rows along the motion push all overlaps out: they are shallow, or nothing else is known to help."""

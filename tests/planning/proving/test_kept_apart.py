@@ -9,6 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.planning.proving.kept_apart import LEAST_ITERATIONS
 from robotraj.robot.collision.own_body import own_body
 from robotraj.solvers.status import Status
 
@@ -92,6 +93,17 @@ def test_a_closed_way_is_not_proved_and_names_the_links(tmp_path: Path) -> None:
     assert solution.proof.shortfall >= 0.009
     (worst,) = (each for each in solution.interval_violations if each.name == "clearance")
     assert worst.joint == "hand and wall" and worst.phase == "gate"
+
+
+def test_a_flying_robot_that_cannot_keep_off_itself_is_tried_briefly(tmp_path: Path) -> None:
+    closed(tmp_path)
+    robot = rt.load(str(tmp_path / "robot.urdf"), root="floating")
+    first, last = robot.neutral.copy(), robot.neutral.copy()
+    first[[2, 7]], last[[2, 7]] = (1.0, -0.5), (0.8, 0.5)
+    phase = rt.Phase(robot, 0.8, rt.State(q=first), rt.State(q=last), rt.Effort())
+    through, tried = rt.plan(phase.with_(self_collision=False)), rt.plan(phase)
+    assert through.proof.holds and not tried.proof.holds
+    assert tried.objective == through.objective and tried.iterations <= through.iterations + LEAST_ITERATIONS
 
 
 def test_self_collision_false_plans_through_the_robot(tmp_path: Path) -> None:
