@@ -19,6 +19,8 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.guess.reaching.position_rows import values_at_rest
 from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
+from robotraj.problem.clearance.own_shapes import own_shapes
+from robotraj.robot.collision.along_motion import pairs_within
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -62,7 +64,7 @@ class OpenEnd:
         """Return configurations (k, nq) inside the bounds at which the rows hold; none if the search found none.
 
         Along motions that change no row, the fastest solutions are moved towards ``near``. Where some configurations
-        are clear of obstacles at rest, only these are returned.
+        are clear of obstacles at rest, and of overlaps of the robot's own links, only these are returned.
 
         Parameters
         ----------
@@ -78,12 +80,21 @@ class OpenEnd:
         if not len(found):
             return found
         found = self._turned(found, near)
-        clear = self.clearance(found) >= 0.0
-        found = found[clear] if clear.any() else found
         found = found[np.argsort(self.seconds(near, found))]
+        clear = self._is_clear(found)
+        found, some = (found[clear], True) if clear.any() else (found, False)
         pulled = self._pulled(found[:PULLED], near)
-        clear = (self.clearance(pulled) >= 0.0) | (self.clearance(found[:PULLED]) < 0.0)
-        return np.vstack([np.where(clear[:, None], pulled, found[:PULLED]), found[PULLED:]])
+        kept = self._is_clear(pulled) | (not some)
+        return np.vstack([np.where(kept[:, None], pulled, found[:PULLED]), found[PULLED:]])
+
+    def _is_clear(self, q: Array) -> NDArray[np.bool_]:
+        """Whether configurations (m, nq) are clear of obstacles, and no links of the robot overlap, (m,)."""
+        clear = self.clearance(q) >= 0.0
+        for phase, _ in self.parts:
+            body = own_shapes(phase)
+            if body is not None and phase.robot is not None:
+                clear[clear] = ~pairs_within(phase.robot, body, q[clear]).any(axis=1)
+        return clear
 
     def clearance(self, q: Array) -> Array:
         """Return the least distance beyond its margin [m] of configurations (m, nq), (m,); infinite without pairs."""

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from robotraj._util.errors import InputError
-from robotraj.problem.constraints.collision_free import disabled_pairs
-from robotraj.problem.phase import Phase
+from robotraj.problem.clearance.own_shapes import own_shapes
 from robotraj.problem.problem import Problem
-from robotraj.robot.collision.own_body import OwnBody, own_body
 
 
 def check_own_ends(problem: Problem) -> None:
@@ -20,7 +18,7 @@ def check_own_ends(problem: Problem) -> None:
         The message names the end, the links and the depth of the deepest overlap.
     """
     for phase in problem.phases:
-        body = body_of(phase)
+        body = own_shapes(phase)
         if body is None or phase.robot is None:
             continue
         for end, bounds in phase.joint_ends.items():
@@ -35,16 +33,3 @@ def check_own_ends(problem: Problem) -> None:
                     f"another {end.value}. If they may overlap, name the pair in rt.CollisionFree(srdf=...), or give "
                     "self_collision=False to the phase."
                 )
-
-
-def body_of(phase: Phase) -> OwnBody | None:
-    """Return the shapes that must not overlap in a phase; None where there are none, or they cannot be read."""
-    robot = phase.robot
-    if robot is None or not phase.self_collision or phase.design:
-        return None
-    try:
-        body = own_body(robot, disabled_pairs(phase.constraints))
-    except InputError:
-        # The URDF or a mesh was removed after the robot was loaded. A plan does not need them; the witness names them.
-        return None
-    return body if len(body.pairs) else None

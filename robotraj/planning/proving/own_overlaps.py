@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.guess.paths.around_itself import Motion
-from robotraj.planning.diagnosis.self_collision import body_of
+from robotraj.problem.clearance.own_shapes import own_shapes
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_within
 from robotraj.solution.phase_solution import PhaseSolution
@@ -45,7 +45,7 @@ class OwnOverlaps:
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self.bodies = [body_of(phase) for phase in problem.phases]
+        self.bodies = [own_shapes(phase) for phase in problem.phases]
 
     def of(self, number: int, part: PhaseSolution) -> dict[int, float]:
         """Return the pairs that overlap, each with a time [s]."""

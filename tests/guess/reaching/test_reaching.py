@@ -7,6 +7,7 @@ import pytest
 import robotraj as rt
 from robotraj.guess import StraightLine
 from robotraj.guess.reaching.branches import reached_ends
+from robotraj.robot.collision.own_body import own_body
 
 
 @pytest.fixture(scope="module")
@@ -96,3 +97,19 @@ def test_an_unreachable_pose_keeps_the_line_of_its_bounds(arm):
     phase = rt.Phase(arm, (0.05, 20.0), rt.State(q=0.1, v=0), rt.State(v=0), rt.Duration(), [goal])
     first, last = reached_ends(rt.Problem([phase]))[0]
     assert np.isnan(last).all() and np.allclose(first, 0.1)
+
+
+def test_a_branch_at_which_links_overlap_is_left_for_another_one():
+    """The wrist reaches into the upper arm at the fastest branch; another branch has the same pose without that."""
+    arm = rt.load("ur5")
+    body, q1 = own_body(arm), np.array([0.02, -2.94, 2.59, 0.02, -1.07, 0.26])
+    assert body.touching(arm, q1)
+    goal = rt.AtEnd(rt.FramePose("tool0", _pose(arm, q1)))
+    ends = rt.State(q=(0, -1.5, 1, -1, 0.5, 0), v=0), rt.State(v=0)
+    phase = rt.Phase(arm, (0.1, 10.0), *ends, rt.Duration(), [goal])
+    (_, anyway), (_, last) = (
+        reached_ends(rt.Problem([each]))[0] for each in (phase.with_(self_collision=False), phase)
+    )
+    assert body.touching(arm, anyway) and not body.touching(arm, last)
+    found = rt.plan(phase)
+    assert found.proof.holds and not body.touching(arm, found.at(found.duration).q)
