@@ -10,6 +10,7 @@ from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
+from robotraj.witness.checks.friction import FrictionGap
 from robotraj.witness.checks.objective import ObjectiveCheck
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.checks.torques import RateError, TorqueError
@@ -18,6 +19,7 @@ from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.plants.plant import Landing
+from robotraj.witness.robustness.followed import Followed
 from robotraj.witness.simulation.closed_loop import ClosedLoop
 from robotraj.witness.simulation.drift import Drift
 
@@ -61,6 +63,12 @@ class Tolerances(OneLine):
         of velocities against the derivatives of positions, relative to their sizes.
     objective : float or None
         Largest relative difference between the stated objective and the cost of the motion.
+    friction : float or None
+        Largest difference of smoothed from Coulomb friction in the mean over a phase, relative to the joint's load.
+        Above it the model is not judged.
+    followed : float or None
+        Largest deviation of a joint [rad, m] in MuJoCo, which simulates the plan under ``solution.gains`` if this is
+        given. It takes longer than all other checks.
 
     Raises
     ------
@@ -80,6 +88,8 @@ class Tolerances(OneLine):
     drift: float | None = None
     torques: float | None = 5e-3
     objective: float | None = 2e-3
+    friction: float | None = 5e-2
+    followed: float | None = None
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -140,12 +150,17 @@ class Figures(OneLine):
         Torques and forces against Pinocchio's; None for Systems, and where the time limit was reached before.
     rates : RateError or None
         Velocities against the derivatives of positions.
+    friction : FrictionGap or None
+        Smoothed dry friction against Coulomb's; None without dry friction.
+    followed : Followed or None
+        The robot in MuJoCo; None where ``followed=`` was not asked for.
     objective : ObjectiveCheck or None
         The stated objective beside the cost of the motion; None where the time limit was reached before.
     proof : Proof or None
         The planner's own measures.
-    moves_robot, avoids_collisions : bool
-        Whether a phase moves a robot, and not a System; whether a phase has a ``CollisionFree``.
+    moves_robot, avoids_collisions, has_friction : bool
+        Whether a phase moves a robot, and not a System; whether a phase has a ``CollisionFree``; whether a joint has
+        dry friction.
     clearances : tuple of Clearance
         Smallest distance of the exact shapes for every ``CollisionFree``.
     self_collisions : tuple of Clearance
@@ -184,10 +199,13 @@ class Figures(OneLine):
     stiff: float | None = None
     torques: TorqueError | None = None
     rates: RateError | None = None
+    friction: FrictionGap | None = None
+    followed: Followed | None = None
     objective: ObjectiveCheck | None = None
     proof: Proof | None = None
     moves_robot: bool = False
     avoids_collisions: bool = False
+    has_friction: bool = False
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()
     own_distances: tuple[Clearance, ...] = ()

@@ -10,9 +10,10 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.witness.claims.contract import claims_of
+from robotraj.witness.colours import coloured
 from robotraj.witness.failures import failures_of
 from robotraj.witness.figures import Figures, Tolerances
-from robotraj.witness.report_text import coloured, render
+from robotraj.witness.report_text import render
 
 
 @dataclass(frozen=True, repr=False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Sequence
 
 from robotraj.witness.claims.contract import claims_of
@@ -13,15 +11,6 @@ from robotraj.witness.figures import Figures
 from robotraj.witness.peak import Peak
 from robotraj.witness.report_tables import table, worst_of, wrapped
 from robotraj.witness.simulation.drift import Drift, DriftRow
-
-COLOURS = {"PASSED": "\x1b[32m", "FAILED": "\x1b[31m"}
-
-
-def coloured(verdict: str) -> str:
-    """Colour a verdict where standard output is a terminal and the variable NO_COLOR is not set."""
-    if not sys.stdout.isatty() or os.environ.get("NO_COLOR"):
-        return verdict
-    return f"{COLOURS[verdict]}{verdict}\x1b[0m"
 
 
 def render(figures: Figures, failures: Sequence[str], verdict: str) -> str:

@@ -15,6 +15,7 @@ from robotraj.solution.reserves.shares import shares_of
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks import energy as energies
 from robotraj.witness.checks.clearance import clearance_of
+from robotraj.witness.checks.friction import friction_gap
 from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.objective import objective_check
 from robotraj.witness.checks.residual import Residual, residual_of
@@ -31,6 +32,8 @@ from robotraj.witness.peak import largest
 from robotraj.witness.plants.sizes import named_sizes, sizes_of
 from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.report import Report
+from robotraj.witness.robustness.followed import Followed
+from robotraj.witness.robustness.followed import followed as follow
 from robotraj.witness.simulation.closed_loop import closed_loop_of
 from robotraj.witness.simulation.local_error import local_errors
 from robotraj.witness.simulation.open_loop import open_loop
@@ -66,6 +69,8 @@ class ValidationOptions(TypedDict, total=False):
     drift: float | None
     torques: float | None
     objective: float | None
+    friction: float | None
+    followed: float | None
     time_limit: float | None
 
 
@@ -88,6 +93,8 @@ def validate(
     drift: float | None = None,
     torques: float | None = 5e-3,
     objective: float | None = 2e-3,
+    friction: float | None = 5e-2,
+    followed: float | None = None,
     time_limit: float | None = TIME_LIMIT,
 ) -> Report:
     """Validate a plan by independent code and report what is wrong with it.
@@ -109,6 +116,8 @@ def validate(
     - contact forces: those of the plan against those of the equations;
     - the ground: feet that swing stay above it, and land from above; left feet stay on the left of right ones;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
+    - dry friction near zero speed: the plan's smoothed law against Coulomb's;
+    - following, if ``followed=`` gives a deviation: MuJoCo's robot under ``solution.gains``;
     - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
     The open-loop drift is reported but not judged; the growth of a small error along the plan explains it.
@@ -155,6 +164,8 @@ def validate(
         drift=drift,
         torques=torques,
         objective=objective,
+        friction=friction,
+        followed=followed,
     )
     few = min(FEW_SAMPLES, samples)
     skipped: list[str] = []
@@ -189,9 +200,10 @@ def validate(
     orders = within("lateral order of the feet", lambda: foot_orders_of(solution, few, clock), True)
     shares = within("shares of cone, sole, torque and speed", lambda: shares_of(phases), False)
     swings = within("swinging feet", lambda: swings_of(solution, samples, clock), True)
-    followed = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
+    tracked = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
     loads = within("torques", lambda: torque_error(phases, clock), torques is not None)
     rates = within("rates", lambda: rate_error(phases, sizes_of(solution)), torques is not None)
+    smoothed = within("model", lambda: friction_gap(phases, sizes_of(solution), clock), False)
     cost = within("objective", lambda: objective_check(solution, clock), objective is not None)
     residuals = within(
         "residuals between collocation points",
@@ -200,6 +212,7 @@ def validate(
     )
     balances = within("energy", lambda: [energies.energy_of(p, clock=clock) for p in robots], energy is not None)
     drifted = within("open-loop drift", lambda: open_loop(solution, rtol, atol, clock), drift is not None)
+    second = within("followed", lambda: _followed(solution, followed), followed is not None)
     knots = [np.asarray(planned.knots, dtype=float) for planned in phases]
     lost = [n for n in solution.problem.missing if n.startswith(("constraint ", "link ", "the equations "))]
     unkept = (
@@ -208,7 +221,7 @@ def validate(
     late = [f"{', '.join(skipped)}, because the time limit of {time_limit} s was reached"] if skipped else []
     return Report(
         local=locally,
-        closed_loop=followed,
+        closed_loop=tracked,
         drift=None if drifted is None else drifted.drift,
         breaches=tuple(sorted(broken, key=lambda v: -v.relative)),
         energy=energies.add(balances or ()),
@@ -232,9 +245,12 @@ def validate(
         stiff=None if drifted is None else drifted.stiff,
         torques=loads,
         rates=rates,
+        friction=smoothed,
+        followed=second,
         objective=cost,
         proof=solution.proof,
         moves_robot=bool(robots),
+        has_friction=any(np.any(np.asarray(p.phase.robot.friction) > 0.0) for p in robots if p.phase.robot),
         avoids_collisions=any(each.avoids_collisions for p in robots for each in p.phase.constraints),
         clearances=tuple(each for nearest, _ in distances for each in nearest),
         self_collisions=tuple(each for body in bodies for each in body.overlaps),
@@ -242,3 +258,8 @@ def validate(
         unguarded=tuple(dict.fromkeys(each for body in bodies for each in body.unjudged)),
         left_out=tuple(dict.fromkeys(each for body in bodies for each in body.left_out)),
     )
+
+
+def _followed(solution: SolutionLike, near: float | None) -> Followed | None:
+    """Let MuJoCo's robot follow the plan, if a deviation is allowed."""
+    return None if near is None else follow(solution, near=near)

@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 from robotraj.solution.claims.claim import Claim
 from robotraj.witness.claims.contacts import contacts
+from robotraj.witness.claims.followed import followed
 from robotraj.witness.claims.limits import limits
+from robotraj.witness.claims.model import model
 from robotraj.witness.claims.motion import motion
 from robotraj.witness.claims.objective import objective
 from robotraj.witness.claims.obstacles import obstacles
@@ -20,6 +22,8 @@ CONTRACT: tuple[Callable[[Figures, Tolerances], Claim | None], ...] = (
     motion,
     torques,
     tracking,
+    followed,
+    model,
     limits,
     contacts,
     own_body,

@@ -10,9 +10,10 @@ from robotraj._util.values import dataclass
 from robotraj.witness.mujoco.following import second_opinion
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.protocols import SolutionLike
+from robotraj.witness.simulation.drift import DriftRow
 
 NEAR = 0.5
-"""Largest deviation of a joint from the plan [rad, m] with which the plan counts as followed."""
+"""Default of the largest deviation of a joint from the plan [rad, m] with which the plan counts as followed."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,7 @@ class Followed(OneLine):
     Attributes
     ----------
     holds : bool or None
-        Whether it completed all periods without a fall, with joints within ``NEAR`` of the plan; None where this was
-        not judged.
+        Whether it completed all periods without a fall, with joints near the plan; None where this was not judged.
     reason : str
         Why it failed, or why it was not judged; empty where it holds.
     opinion : SecondOpinion or None
@@ -46,7 +46,7 @@ class Followed(OneLine):
         )
 
 
-def followed(solution: SolutionLike, periods: int | None = None) -> Followed:
+def followed(solution: SolutionLike, periods: int | None = None, near: float = NEAR) -> Followed:
     """Let MuJoCo's robot follow a plan under ``solution.gains``, on soft ground and with all limits of its motors.
 
     Parameters
@@ -54,6 +54,8 @@ def followed(solution: SolutionLike, periods: int | None = None) -> Followed:
     solution : Solution
     periods : int, optional
         As of ``second_opinion``: three of a plan that repeats, else one.
+    near : float
+        Largest deviation of a joint from the plan [rad, m].
 
     Returns
     -------
@@ -67,11 +69,16 @@ def followed(solution: SolutionLike, periods: int | None = None) -> Followed:
     except InputError as error:
         return Followed(None, str(error))
     if opinion.completed:
-        joints = [row for row in opinion.deviation.rows if row.name.startswith("q.") and ".root_" not in row.name]
-        worst = max(joints, key=lambda row: row.largest, default=None)
-        if worst is None or worst.largest <= NEAR:
+        worst = worst_joint(opinion)
+        if worst is None or worst.largest <= near:
             return Followed(True, "", opinion)
         where = f"{worst.name} deviates by {worst.largest:.2g} {worst.unit} at t = {worst.time:.4g} s"
-        return Followed(False, f"{where}, {NEAR:g} is allowed", opinion)
+        return Followed(False, f"{where}, {near:g} is allowed", opinion)
     fell = f"it falls at t = {opinion.fell:.4g} s" if opinion.fell is not None else ""
     return Followed(False, opinion.failure or fell, opinion)
+
+
+def worst_joint(opinion: SecondOpinion) -> DriftRow | None:
+    """Return the largest deviation of a joint's position from the plan; None for a single body."""
+    joints = [row for row in opinion.deviation.rows if row.name.startswith("q.") and ".root_" not in row.name]
+    return max(joints, key=lambda row: row.largest, default=None)

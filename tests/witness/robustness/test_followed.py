@@ -53,3 +53,18 @@ def test_the_motion_of_a_system_is_not_judged() -> None:
     block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
     phase = rt.Phase(block, 1.0, rt.State({"x": 0, "v": 0}), rt.State({"x": 1, "v": 0}), rt.Effort())
     assert rt.witness.followed(rt.plan(phase, rt.Mesh(4), progress=False)).holds is None
+
+
+def test_following_is_a_claim_where_it_is_asked_for(swing: rt.Solution) -> None:
+    pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+    assert "followed" not in {claim.name for claim in rt.validate(swing).claims}
+    for near, holds in ((0.5, True), (1e-9, False)):
+        report = rt.validate(swing, followed=near)
+        (claim,) = (each for each in report.claims if each.name == "followed")
+        assert claim.holds is holds is report.passed and claim.bound == near
+
+
+def test_following_is_not_judged_without_mujoco(swing: rt.Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    report = rt.validate(swing, followed=0.5)
+    assert "followed" in report.not_judged and report.passed
