@@ -171,3 +171,12 @@ def test_the_claims_name_their_judges_and_what_they_leave_out() -> None:
     assert [claim.name for claim in report.claims] == [claim.name for claim in plan("ur5").claims]
     for claim in report.claims:
         assert claim.judge and claim.covers and claim.leaves_out
+
+
+@pytest.mark.parametrize("field", ["tau", "q", "v"])
+def test_samples_that_are_not_numbers_are_noticed(field: str) -> None:
+    """In the middle fifth of the motion; a comparison with a value that is not a number is false."""
+    solution = plan("stage")
+    middle = 0.4 * solution.duration, 0.6 * solution.duration
+    told = lying(solution, **{field: lambda t, x: np.where((t > middle[0]) & (t < middle[1]), np.nan, x)})
+    assert not rt.validate(told).passed

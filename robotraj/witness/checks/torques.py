@@ -152,8 +152,9 @@ def _rate_error(planned: PhaseSolutionLike, sizes: Array) -> RateError | None:
     worst: RateError | None = None
     for first, last, length in _windows(np.concatenate(begins), np.concatenate(ends), error_window(robot)):
         within = gains[first : last + 1]
-        before = np.cumsum(np.vstack([np.zeros((1, len(own))), within[:-1, -1]]), axis=0)
-        mean = np.abs(before[:, None] + within) / length
+        with np.errstate(invalid="ignore"):
+            before = np.cumsum(np.vstack([np.zeros((1, len(own))), within[:-1, -1]]), axis=0)
+            mean = np.nan_to_num(np.abs(before[:, None] + within) / length, nan=np.inf)
         k, i, j = np.unravel_index(int(np.argmax(mean / own)), mean.shape)
         found = RateError(
             robot.velocity_names[j],
@@ -200,7 +201,9 @@ def _errors(part: _Missing, parts: Sequence[_Missing]) -> list[TorqueError]:
     worst = np.zeros(len(names))
     times = np.full(len(names), part.begins[0] if len(part.begins) else 0.0)
     for first, last, length in _windows(part.begins, part.ends, error_window(robot)):
-        mean = np.abs(sums[last + 1] - sums[first]) / length
+        with np.errstate(invalid="ignore"):
+            # A torque that is not a number makes the sums so, and is the worst.
+            mean = np.nan_to_num(np.abs(sums[last + 1] - sums[first]) / length, nan=np.inf)
         better = mean > worst
         worst, times = np.where(better, mean, worst), np.where(better, part.begins[first] + 0.5 * length, times)
     phase = str(part.planned.phase.name)
