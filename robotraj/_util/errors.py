@@ -92,7 +92,11 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     from difflib import get_close_matches
 
     names = list(valid)
-    near = get_close_matches(str(name), names, n=3, cutoff=0.5)
+    # Names that differ in capitals or carry one more word are near.
+    plain: dict[str, list[str]] = {}
+    for each in names:
+        plain.setdefault(each.lower(), []).append(each)
+    near = [each for key in get_close_matches(str(name).lower(), plain, n=3, cutoff=0.5) for each in plain[key]]
     shown = ", ".join(names[:30]) + (f", ... ({len(names)} in all)" if len(names) > 30 else "")
     guess = f" Did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
     end = f" {advice}" if advice else ""

@@ -164,6 +164,10 @@ def on_ground(kind: FootKind, ground: Ground | GroundFunction) -> FootKind:
     return on
 
 
+GAITS = {2: ("walk", "run"), 4: ("trot", "crawl")}
+"""Gaits by the number of feet that they move."""
+
+
 def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, what: str) -> tuple[str, ...]:
     """Return the feet.
 
@@ -174,7 +178,11 @@ def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, what: str
     """
     names = feet_of(robot, feet)
     if len(names) != count:
-        raise InputError(f"rt.gait.{what} needs {count} feet; got {', '.join(names)}. Name them with feet=[...].")
+        other = " or ".join(f"rt.gait.{gait}" for gait in GAITS.get(len(names), ()))
+        raise InputError(
+            f"rt.gait.{what} needs {count} feet; got {', '.join(names)}. Name them with feet=[...]"
+            + (f", or use {other}, which moves {len(names)} feet." if other else ".")
+        )
     return names
 
 

@@ -57,8 +57,8 @@ def check_height(
         return
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     raise InputError(
-        f"rt.gait.jump(height) is {height:g} m, a take-off at {np.sqrt(2.0 * gravity * height):.3g} m/s. By the torque "
-        f"and speed limits of its legs and its weight, {robot.name!r} rises by about {most:.2g} m at most. "
+        f"rt.gait.jump(height) is {height:g} m, a take-off at {np.sqrt(2.0 * gravity * height):.3g} m/s. By the effort "
+        f"and velocity limits of its legs and its weight, {robot.name!r} rises by about {most:.2g} m at most. "
         f"height={MODEST * most:.2g} would do."
     )
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 Cells = tuple[str, str, str, str, str]
 """Quantity, joint or variable, time, bounds and unit."""
 
+LABELS = 24
+"""Most characters of names that share a line; more names are counted."""
 HEADINGS = ("quantity", "joint or variable", "when", "bounds", "unit")
 
 
@@ -43,7 +45,20 @@ class PhaseTable(OneLine):
     cells: tuple[Cells, ...]
 
     def __str__(self) -> str:
-        return "\n".join([*wrapped(self.title), *wrapped(f"minimise {self.objective}"), *table(self.cells)])
+        return self._text(self.cells)
+
+    @property
+    def grouped(self) -> str:
+        """The text in which rows of one quantity, time and bounds share a line."""
+        groups: dict[tuple[str, ...], list[Cells]] = {}
+        for cell in self.cells:
+            quantity, _, when, bounds, unit = cell
+            # Zero is the same in every unit.
+            groups.setdefault((quantity, when, bounds, "" if bounds == "= 0" else unit), []).append(cell)
+        return self._text([_shared(alike) for alike in groups.values()])
+
+    def _text(self, cells: Sequence[Cells]) -> str:
+        return "\n".join([*wrapped(self.title), *wrapped(f"minimise {self.objective}"), *table(cells)])
 
     @property
     def html(self) -> str:
@@ -124,6 +139,17 @@ def _end(table: RowTable, end: Where, bounds: Bounds) -> list[Cells]:
         (variable.quantity, variable.label, end.value, interval_text(lower, upper), variable.unit)
         for variable, lower, upper in zip(table.dae.states, bounds.lower, bounds.upper, strict=True)
     ]
+
+
+def _shared(alike: Sequence[Cells]) -> Cells:
+    """Return one line for rows that differ in their joint or variable alone, or in the unit of a zero."""
+    quantity, _, when, bounds, _ = alike[0]
+    names = list(dict.fromkeys(cell[1] for cell in alike))
+    label = ", ".join(names)
+    if len(label) > LABELS:
+        label = names[0] + (f" (+{len(names) - 1})" if len(names) > 1 else "")
+    units = {cell[4] for cell in alike}
+    return quantity, label, when, bounds, units.pop() if len(units) == 1 else ""
 
 
 def _number(value: float) -> str:

@@ -121,6 +121,18 @@ class Problem(OneLine):
         what = names if len(self.phases) <= ENTRIES else f"{len(self.phases)} phases"
         return f"<Problem of {what}: {len(self.links)} link{'s' * (len(self.links) != 1)}>"
 
+    @property
+    def grouped(self) -> str:
+        """The text of ``print(problem)`` in which rows of one quantity, time and bounds share a line."""
+        bounds: dict[tuple[str, str], list[str]] = {}
+        for link, label, *line in self._links:
+            bounds.setdefault((link.name, line[0]), []).append(label)
+        cells = [
+            (f"link {name}", labels[0] if len(labels) == 1 else f"{labels[0]} (+{len(labels) - 1})", interval)
+            for (name, interval), labels in bounds.items()
+        ]
+        return "\n\n".join([phase.grouped for phase in self.phases] + ["\n".join(table(cells))] * bool(cells))
+
     def __str__(self) -> str:
         cells = [(f"link {link.name}", *line) for link, *line in self._links]
         return "\n\n".join([str(phase) for phase in self.phases] + ["\n".join(table(cells))] * bool(cells))

@@ -3,6 +3,7 @@
 Start with ``robot.py``. The room may import ``_util``.
 """
 
+from . import collision
 from .carried_body import CarriedBody, carrying
 from .join import join
 from .known_robots.catalogue import catalogue
@@ -17,6 +18,7 @@ __all__ = [
     "Robot",
     "carrying",
     "catalogue",
+    "collision",
     "join",
     "load",
     "on_wheels",

@@ -90,3 +90,9 @@ def test_a_warning_skips_the_frames_of_context_managers() -> None:
             warn("first")
         context()(warn)("second")
     assert [each.filename for each in caught] == [__file__, __file__]
+
+
+def test_names_that_differ_in_capitals_or_by_one_word_are_near() -> None:
+    frames = ["root_joint", "base_link", "FL_HAA", "FL_FOOT", "FR_FOOT"]
+    assert "Did you mean 'FL_FOOT'" in str(unknown_name("frame", "FL_foot_link", frames))
+    assert "Did you mean 'FR_FOOT'" in str(unknown_name("frame", "fr_foot", frames))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import numpy as np
@@ -167,3 +168,25 @@ def test_the_docstring_of_path_constraints_lists_what_a_point_has() -> None:
     members = {name for name in dir(rt.dynamics.RobotPoint) if name[0] != "_"} - {"moves", "inverse_dynamics"}
     members |= {"t", "p", "q", "v", "forces"}
     assert all(f"point.{name}" in text for name in members), members
+
+
+def test_the_grouped_text_counts_every_row_once() -> None:
+    robot = rt.load("ur5")
+    phase = rt.Phase(robot, 2.0, rt.State(q=0, v=0), rt.State(q=[1, 1, 1, 0, 0, 0.5], v=0), rt.Effort())
+    every, text = str(phase).splitlines()[2:], phase.grouped
+    lines = re.sub(r"\n +\(", " (", text).splitlines()[2:]
+    assert len(lines) < 18 < 60 < len(every)
+    more = sum(int(count) for count in re.findall(r"\(\+(\d+)\)", text))
+    assert len(lines) + more == len(every)
+    assert all(len(line) <= 80 for line in text.splitlines())
+    assert re.search(r"position +shoulder_pan_joint \(\+2\) +end += 1 ", text)
+    # Zeros of different units share a line, other values do not.
+    assert re.search(r"defect +q.shoulder_pan_joint", text) and "rad, rad/s" not in text
+
+
+def test_links_of_one_kind_share_a_line_of_the_grouped_text() -> None:
+    robot = rt.load("ur5")
+    half = rt.Phase(robot, 1.0, rt.State(q=0, v=0), objective=rt.Effort())
+    problem = rt.Problem([half, half.with_(start=None, end=rt.State(v=0), name="b")], [rt.Continuity(0, 1)])
+    assert len(str(problem).splitlines()) > 100 > 50 > len(problem.grouped.splitlines())
+    assert problem.grouped.splitlines()[-1].split()[0] == "link"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import subprocess
+import sys
 
 import numpy as np
 import pinocchio as pin
@@ -392,3 +394,9 @@ def test_bad_questions_are_answered_by_name(case):
 def test_the_cosine_and_sine_of_a_continuous_joint_are_refused_with_a_hint():
     with pytest.raises(rt.InputError, match="takes one angle"):
         rt.load("double_pendulum_continuous").configuration([1, 0, 1, 0])
+
+
+def test_rooms_below_the_robot_are_found_in_a_fresh_process() -> None:
+    program = "import robotraj as rt; print(rt.robot.collision.robot_spheres.__module__, 'collision' in dir(rt.robot))"
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["robotraj.robot.collision.robot_spheres", "True"]

@@ -14,16 +14,21 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
+from robotraj.robot.size.reach import reaches
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.dynamics.point import RobotPoint
     from robotraj.problem.scalars import Scalar
+    from robotraj.robot.robot import Robot
 
 Triple: TypeAlias = Sequence[float] | NDArray[np.float64]
 
-PoseLike: TypeAlias = "pin.SE3 | tuple[Triple, Triple | pin.Quaternion]"
-"""A pose, or a position and a rotation: a matrix, or a quaternion (x, y, z, w)."""
+PoseLike: TypeAlias = "pin.SE3 | NDArray[np.float64] | tuple[Triple, Triple | pin.Quaternion]"
+"""A pose, a homogeneous matrix (4, 4), or a position and a rotation: a matrix, or a quaternion (x, y, z, w)."""
+
+FAR = 50.0
+"""Distance from the origin, relative to the robot's reach, from which a length is taken for millimetres."""
 
 AXES = ("x", "y", "z")
 
@@ -48,8 +53,10 @@ class FramePosition(Constraint):
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write one row for each bounded axis."""
-        robot_of(dynamics, "FramePosition").frame(self.frame)
+        robot = robot_of(dynamics, "FramePosition")
+        robot.frame(self.frame)
         lower, upper = as_bounds(self.position, AXES, f"position of frame {self.frame!r}", "axis")
+        check_metres(robot, lower, upper, f"position of frame {self.frame!r}")
         kept = [i for i in range(3) if np.isfinite(lower[i]) or np.isfinite(upper[i])]
         if not kept:
             raise InputError(f"FramePosition of {self.frame!r} leaves all of x, y and z free; bound at least one.")
@@ -74,7 +81,7 @@ class FramePose(Constraint):
     Parameters
     ----------
     frame : str
-    pose : pinocchio.SE3 or (position, rotation)
+    pose : pinocchio.SE3, array (4, 4) or (position, rotation)
         Position as for ``FramePosition``; entries that are None are free. Rotation as a matrix (3, 3), a
         ``pinocchio.Quaternion`` or a quaternion (x, y, z, w) of unit norm.
     """
@@ -88,10 +95,12 @@ class FramePose(Constraint):
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
         """Write three rows of position and four of orientation."""
-        robot_of(dynamics, "FramePose").frame(self.frame)
+        robot = robot_of(dynamics, "FramePose")
+        robot.frame(self.frame)
         what = f"pose of frame {self.frame!r}"
         position, rotation = as_pose(self.pose, what)
         lower, upper = as_bounds(position, AXES, what, "axis")
+        check_metres(robot, lower, upper, what)
         rows = [Row(f"frame position {AXES[i]}", "m", lower[i], upper[i], self.frame) for i in range(3)]
         rows += [Row(f"frame orientation {axis}", "rad", 0.0, 0.0, self.frame) for axis in AXES]
         rows.append(Row("frame orientation half turn", "", 1.0, np.inf, self.frame, selects_root=True))
@@ -109,6 +118,9 @@ class FramePose(Constraint):
 
 def own_pose(pose: PoseLike) -> PoseLike:
     """Copy a ``pinocchio.SE3``, which the caller may change later; ``own_fields`` copies poses of arrays."""
+    if isinstance(pose, np.ndarray) and pose.shape == (4, 4):
+        position, rotation = as_pose(pose, "pose of a frame")
+        return pin.SE3(rotation, position)
     return pin.SE3(pose) if isinstance(pose, pin.SE3) else pose
 
 
@@ -116,9 +128,47 @@ def as_pose(pose: object, what: str) -> tuple[NDArray[np.float64], NDArray[np.fl
     """Read a pose as its position and rotation matrix; ``what`` names it in errors."""
     if isinstance(pose, pin.SE3):
         return pose.translation, np.array(pose.rotation)
+    if isinstance(pose, np.ndarray) and pose.shape == (4, 4):
+        if not np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+            raise InputError(
+                f"The last row of the matrix in the {what} is {pose[3].tolist()}; it must be [0, 0, 0, 1]."
+            )
+        return np.array(pose[:3, 3], dtype=float), _rotation(pose[:3, :3], what)
     if not isinstance(pose, Sequence) or len(pose) != 2:
-        raise InputError(f"The {what} must be a pinocchio.SE3 or a pair (position, rotation); got {pose!r}.")
+        raise InputError(
+            f"The {what} must be a pinocchio.SE3, a matrix (4, 4) or a pair (position, rotation); got {pose!r}."
+        )
     return pose[0], _rotation(pose[1], what)
+
+
+def check_metres(robot: Robot, lower: NDArray[np.float64], upper: NDArray[np.float64], what: str) -> None:
+    """Refuse a place that a robot with a fixed root cannot come near to, whose lengths may be millimetres.
+
+    Raises
+    ------
+    InputError
+        Bounds lie farther from the origin than ``FAR`` times the reach and the travels of sliding joints.
+    """
+    travels = (
+        [
+            max(abs(low), abs(high))
+            for low, high, unit in zip(
+                robot.limits.position_lower, robot.limits.position_upper, robot.units, strict=True
+            )
+            if unit == "m"
+        ]
+        if robot.root == "fixed"
+        else [np.inf]
+    )
+    far = FAR * (reaches(robot.model)[0] + sum(travels))
+    nearest = np.maximum(np.maximum(lower, -upper), 0.0)
+    if far < np.inf and nearest.max() > far > 0.0:
+        axis = int(nearest.argmax())
+        given = lower[axis] if lower[axis] > 0.0 else upper[axis]
+        raise InputError(
+            f"The {what} has {AXES[axis]} = {given:g} m, but {robot.name!r} reaches {far / FAR:.2g} m. "
+            f"Lengths are in metres: {given:g} mm are {1e-3 * given:g}."
+        )
 
 
 def _rotation(value: Triple | pin.Quaternion, what: str) -> NDArray[np.float64]:

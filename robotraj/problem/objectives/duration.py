@@ -29,3 +29,14 @@ class Duration(EndCost):
 
     def check(self, dynamics: Dynamics, parameters: Sequence[str]) -> None:
         """Accept any dynamics."""
+
+
+def fixed_duration_note(terms: Sequence[tuple[float, object]], bounds: tuple[float, float]) -> str:
+    """Doubt an objective of durations alone where the duration is fixed; empty otherwise."""
+    if bounds[0] < bounds[1] or not terms or not all(isinstance(term, Duration) for _, term in terms):
+        return ""
+    least, most = 0.1 * bounds[0], 5.0 * bounds[0]
+    return (
+        f"the objective is the duration alone, which is fixed at {bounds[0]:g} s, so every motion has the same "
+        f"objective. Give duration=({least:g}, {most:g}) for the least time, or minimise rt.Effort()."
+    )

@@ -68,7 +68,8 @@ def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuat
     more = f" and {len(strong) - 1} more" if len(strong) > 1 else ""
     return (
         f"Implausible effort limit of {strong[0]}{more}: the robot weighs {weight / GRAVITY:.3g} kg and reaches "
-        f"{span:.2g} m. No motion meets such a limit; give the motors' own with limits={{'effort': ...}}."
+        f"{span:.2g} m. No motion needs as much, so this limit never holds one back; give the motors' own with "
+        "limits={'effort': ...}."
     )
 
 

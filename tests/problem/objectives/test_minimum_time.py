@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -45,3 +47,14 @@ def test_the_torques_are_those_of_pontryagins_principle() -> None:
     times = np.linspace(0.0, duration, 20)
     expected = 60.0 / duration**2 * (1.0 - 2.0 * times / duration)
     np.testing.assert_allclose(solution.at(np.minimum(times, solution.duration)).tau[:, 0], expected, atol=1e-6)
+
+
+def test_a_fixed_duration_that_is_minimised_is_told() -> None:
+    robot = rt.load("block")
+    ends = rt.State(q=0, v=0), rt.State(q=1, v=0)
+    with pytest.warns(UserWarning, match=r"duration alone, which is fixed at 2 s.*duration=\(0.2, 10\)"):
+        rt.Phase(robot, 2.0, *ends, rt.Duration())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rt.Phase(robot, (0.5, 5.0), *ends, rt.Duration())
+        rt.Phase(robot, 2.0, *ends, rt.Duration() + rt.Effort())

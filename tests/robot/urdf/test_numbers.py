@@ -112,7 +112,9 @@ def test_a_sound_arm_loads_without_a_warning(urdf):
 
 def test_effort_limits_far_beyond_the_weight_are_noted() -> None:
     """Solo12 weighs 2.5 kg, and its URDF allows 1000 N m."""
-    assert any("Implausible effort limit of FL_HAA (1000 N m) and 11 more" in note for note in rt.load("solo12").notes)
+    (note,) = (note for note in rt.load("solo12").notes if "Implausible effort limit" in note)
+    assert "of FL_HAA (1000 N m) and 11 more" in note
+    assert "No motion needs as much, so this limit never holds one back" in note and "limits={'effort': ...}" in note
     assert not any(
         "Implausible" in note for name in ("ur3", "panda", "so100", "talos_legs") for note in rt.load(name).notes
     )
