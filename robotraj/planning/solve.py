@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.system.interrupts import stop_if_noted
-from robotraj._util.time_left import LimitReached
+from robotraj._util.time_left import LimitReached, used_time
 from robotraj.guess.default import as_guess, default_guess
 from robotraj.guess.from_solution import FromSolution
 from robotraj.planning.checked_solution import checked_solution
@@ -119,7 +118,7 @@ def _solve_once(
     stop_if_noted()
     if isinstance(progress, PlanLimits):
         progress.before_solve(problem, settings.mesh)
-    began = time.perf_counter()
+    began = used_time()
     mesh, solver, engine = settings.mesh, settings.solver, settings.engine
     interval_limits, smoothing = settings.interval_limits, settings.smoothing
     start = as_guess(guess) or default_guess(problem)
@@ -181,7 +180,7 @@ def _solve_once(
             settled = clearing.settled_after_rise if interval_limits.rounds else clearing.settled
             if not (new or exceeded or not clearing.proved(allowed) or not settled) or not solution.success:
                 break
-            began = time.perf_counter()
+            began = used_time()
             if moving:
                 # Knots start again from those of the mesh, since moved knots stay on the arcs that they have reached.
                 last = FromSolution(solution)
@@ -323,5 +322,5 @@ def _solve(
         shared.keep(nlp, outcome.multipliers)
     # Building includes all times that a solver does not count, such as for assembling the functions of the NLP.
     own = outcome.times.get("setup", 0.0) + outcome.times.get("solve", 0.0)
-    times = {"build": time.perf_counter() - began - own - nlp.compiling, "compile": nlp.compiling}
+    times = {"build": used_time() - began - own - nlp.compiling, "compile": nlp.compiling}
     return checked_solution(nlp, outcome, times), outcome.w

@@ -38,6 +38,7 @@ class MeshStep(OneLine):
     objective : float
     iterations : int
     seconds : float
+        Processor time [s].
     """
 
     intervals: int
@@ -59,6 +60,7 @@ class ContinuationRecord(OneLine):
     objective : float
     iterations : int
     seconds : float
+        Processor time [s].
     """
 
     name: str

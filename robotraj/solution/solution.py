@@ -61,8 +61,8 @@ class Solution(OneLine):
     objective : float
     iterations : int
     times : dict of str to float
-        Seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared, ``"setup"``
-        and ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
+        Processor seconds: ``"build"`` the transcription and its derivatives, ``"compile"`` what the engine prepared,
+        ``"setup"`` and ``"solve"`` of the solver. Entries named ``"solve: ..."`` are parts of ``"solve"``.
     violation_list : tuple of Violation
         Every row and bound violated by more than the tolerance, worst first.
     multipliers : Multipliers or None
@@ -138,7 +138,7 @@ class Solution(OneLine):
 
     @property
     def seconds(self) -> float:
-        """Total time [s]: the sum of ``times`` without the entries that are parts of others."""
+        """Processor time [s]: the sum of ``times`` without the entries that are parts of others."""
         return sum(seconds for name, seconds in self.times.items() if ":" not in name)
 
     @cached_property

@@ -95,7 +95,7 @@ def summary(solution: Summarised) -> str:
     converged = solution.status in CONVERGED
     lines = [
         f"{solution.status.value}: objective {solution.objective:.8g}, duration {solution.duration:.6g} s, "
-        f"{solution.iterations} iterations, {solution.seconds:.3g} s"
+        f"{solution.iterations} iterations, {solution.seconds:.3g} s of processor time"
     ]
     lines += [
         f"  {step.name}: {step.status.value}, objective {step.objective:.8g}, "

@@ -148,7 +148,7 @@ class Outcome(OneLine):
     multipliers : Multipliers
     iterations : int
     times : dict of str to float
-        Wall-clock times [s] of ``"setup"``, ``"solve"`` and their parts, such as ``"solve: functions"``.
+        Processor times [s] of ``"setup"``, ``"solve"`` and their parts, such as ``"solve: functions"``.
     by : str
         Another solver that took over, and why; empty where the first one ended.
     """
@@ -221,7 +221,7 @@ class Solver(OneLine, ABC):
         return self.solve(nlp, progress, multipliers)
 
     def within(self, seconds: float) -> Solver:
-        """Return this solver with a limit of wall-clock seconds for one solve; itself where it has no such limit."""
+        """Return this solver with a limit of processor seconds for one solve; itself where it has no such limit."""
         return self
 
     def with_smaller_gap(self, factor: float) -> Solver:

@@ -5,7 +5,6 @@ Source: Waechter and Biegler, Mathematical Programming 106 (2006).
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import TYPE_CHECKING
@@ -14,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Origin, Outcome, Progress, Solver
 from robotraj.solvers.checks import above_zero, counted, named_options
@@ -125,7 +125,7 @@ class Ipopt(Solver):
         return self.at_most(max(1, self.max_iterations // 10))
 
     def within(self, seconds: float) -> Ipopt:
-        """Return this solver with a limit of wall-clock seconds for one solve."""
+        """Return this solver with a limit of processor seconds for one solve."""
         return replace(self, time_limit=min(seconds, self.time_limit or seconds))
 
     def with_smaller_gap(self, factor: float) -> Ipopt:
@@ -163,7 +163,7 @@ class Ipopt(Solver):
             # is too little, IPOPT increases it.
             options["mumps_mem_percent"] = 100
         if self.time_limit is not None:
-            options["max_wall_time"] = self.time_limit
+            options["max_cpu_time"] = self.time_limit
         if warm:
             options |= {
                 "warm_start_init_point": "yes",
@@ -178,7 +178,7 @@ class Ipopt(Solver):
         """Solve from ``nlp.guess``."""
         functions = nlp.functions
         # The time of their assembly belongs to building the problem.
-        began = time.perf_counter()
+        began = used_time()
         n_w = len(nlp.variables)
         if multipliers is not None and multipliers.sizes != (len(nlp.rows), n_w):
             multipliers = None
@@ -219,12 +219,12 @@ class Ipopt(Solver):
         }
         if multipliers is not None:
             arguments |= {"lam_g0": multipliers.rows / nlp.row_scale, "lam_x0": multipliers.bounds * nlp.scale}
-        ready = time.perf_counter()
+        ready = used_time()
         with callback.interruptible():
             result = solver(**arguments)
         if callback.error is not None:
             raise callback.error
-        ended = time.perf_counter()
+        ended = used_time()
         stats = solver.stats()
         message = str(stats["return_status"])
         status = Status.INTERRUPTED if callback.stop else STATUSES.get(message, Status.SOLVER_ERROR)
@@ -232,8 +232,8 @@ class Ipopt(Solver):
         if not np.all(np.isfinite(point)) and callback.last is not None:
             point = callback.last
         parts = {
-            "solve: functions": sum(value for key, value in stats.items() if key.startswith("t_wall_nlp_")),
-            "solve: progress": float(stats.get("t_wall_callback_fun", 0.0)),
+            "solve: functions": sum(value for key, value in stats.items() if key.startswith("t_proc_nlp_")),
+            "solve: progress": float(stats.get("t_proc_callback_fun", 0.0)),
         }
         parts["solve: linear algebra and steps"] = max(0.0, ended - ready - sum(parts.values()))
         return Outcome(

@@ -15,4 +15,4 @@ def profile(file: FileArgument) -> None:
     for name, seconds in sorted(solution.times.items()):
         label = f"  {name.partition(': ')[2]}" if ":" in name else name
         say(f"{label:<32}{seconds:10.4f} s {seconds / total if total else 0:8.1%}")
-    say(f"{'total':<32}{total:10.4f} s, {solution.iterations} iterations")
+    say(f"{'total':<32}{total:10.4f} s of processor time, {solution.iterations} iterations")

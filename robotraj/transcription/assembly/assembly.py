@@ -10,7 +10,6 @@ the whole NLP is never built.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from threading import Lock
 
@@ -18,6 +17,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.sparse import csr_array
+from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, StageMapped
 from robotraj.transcription.assembly.block import Array, Block, Chain, Indices
@@ -58,9 +58,9 @@ def assemble(blocks: Sequence[Block], linear: csr_array, engine: Engine) -> Func
     engine : Engine
         Engine that evaluates the point functions.
     """
-    began = time.perf_counter()
+    began = used_time()
     prepared = iter(engine.prepare(point_functions(blocks)))
-    preparing = time.perf_counter() - began
+    preparing = used_time() - began
     values = _Values(blocks, [{name: next(prepared) for name in _wanted(block)} for block in blocks], linear)
     n_g, n_w = linear.shape
     number, rows = ca.Sparsity.dense(1, 1), ca.Sparsity.dense(n_g, 1)
