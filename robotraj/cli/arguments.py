@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.cli.minimise import Minimise
+from robotraj.planning.problem_files.obstacles import load_obstacles
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.effort import Effort
@@ -25,6 +31,7 @@ def rest_to_rest(
     start: Array | None,
     end: Array | None,
     limits: Limits | None,
+    constraints: Sequence[Constraint] = (),
 ) -> Phase:
     """Return the phase of ``robotraj plan``; without a duration it takes 2 s, or a free time that is minimised."""
     free = (0.05, 60.0) if objective is Minimise.duration else 2.0
@@ -35,9 +42,16 @@ def rest_to_rest(
         start=State(q=start, v=0),
         end=State(q=end, v=0),
         objective=cost,
+        constraints=constraints,
         limits=limits,
         name=f"{robot.name}, least {objective.value}",
     )
+
+
+def clear_of(obstacles: Path | None, srdf: Path | None, margin: float | None) -> list[Constraint]:
+    """Return the constraint of ``--collision-free``: the shapes of a file, and the pairs that an SRDF disables."""
+    shapes = () if obstacles is None else load_obstacles(obstacles)
+    return [CollisionFree(shapes, margin=margin or 0.0, srdf=srdf)]
 
 
 def limits_of(robot: Robot, own: bool, velocity: float | None, effort: float | None) -> Limits | None:

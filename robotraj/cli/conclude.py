@@ -12,7 +12,7 @@ import typer
 from robotraj._util.system.whole_files import whole_file
 from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
-from robotraj.cli.terminal import say, say_json
+from robotraj.cli.terminal import notes, say, say_json
 from robotraj.replay_page.options import ReplayOptions
 from robotraj.replay_page.write import replay
 from robotraj.solution.claims.claim import as_data
@@ -91,15 +91,16 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
     """Describe a solution and its proof as plain data.
 
     Keys of the plan: ``status``, ``success``, ``message``, ``objective``, ``duration`` [s], ``parameters``. Keys of the
-    solver: ``iterations``, ``seconds``, ``times`` [s], ``intervals`` of each phase by name. Keys of the proof:
-    ``proved``, ``error`` (relative, between knots), ``claims``, ``violations`` and ``failures`` (text). ``written``
-    lists paths.
+    solver: ``iterations``, ``seconds``, ``times`` [s of processor time], ``intervals`` of each phase by name. Keys of
+    the proof: ``proved``, ``verdict``, ``error`` (relative, between knots), ``claims``, ``figures``, ``violations``
+    and ``failures`` (text). ``warnings`` lists the notes of the command, ``written`` paths.
     Unknown values are null.
     """
     return {
         "status": solution.status.value,
         "success": solution.success,
         "proved": None if report is None else report.passed,
+        "verdict": None if report is None else report.verdict,
         "message": solution.message,
         "objective": number(solution.objective),
         "duration": number(solution.duration),
@@ -110,9 +111,27 @@ def described(solution: Solution, report: Report | None, written: list[Path]) ->
         "parameters": {name: number(value) for name, value in solution.parameters.items()},
         "violations": [str(violation) for violation in solution.violations(20)],
         "claims": as_data(solution.claims if report is None else report.claims),
+        "figures": {} if report is None else _figures(report),
+        "warnings": notes(),
         "failures": [] if report is None else list(report.failures(report.tolerances)),
         "intervals": {part.phase.name: len(part.knots) - 1 for part in solution.phases},
         "written": [str(path) for path in written],
+    }
+
+
+def _figures(report: Report) -> dict[str, object]:
+    """Return the figures of a report.
+
+    ``local``, ``tracking`` and ``drift`` are relative to the sizes of the states, ``violation`` to the range of the
+    row, ``energy`` to the energy that moved. ``seconds`` is processor time.
+    """
+    loop = None if report.closed_loop is None else report.closed_loop.error
+    drifts = {"local": report.local, "tracking": loop, "drift": report.drift}
+    return {
+        **{name: number(None if each is None else each.worst.relative) for name, each in drifts.items()},
+        "violation": number(max((each.relative for each in report.breaches), default=0.0)),
+        "energy": number(None if report.energy is None else report.energy.relative),
+        "seconds": number(report.seconds),
     }
 
 

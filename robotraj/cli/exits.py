@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from robotraj._util.errors import InputError, RobotrajError, ValidationFailed
-from robotraj.cli.terminal import drop_output, say_error
+from robotraj.cli.terminal import drop_output, new_notes, say_error, say_note
 from robotraj.solution.errors import NoSolutionFound
 
 
@@ -42,8 +42,8 @@ class Group(TyperGroup):
 
     def invoke(self, ctx: Any) -> object:
         """Run a command."""
-        with warnings.catch_warnings():
-            warnings.showwarning = lambda message, *_, **__: say_error(f"note: {message}")
+        with warnings.catch_warnings(), new_notes():
+            warnings.showwarning = lambda message, *_, **__: say_note(str(message))
             try:
                 return super().invoke(ctx)
             except BrokenPipeError as error:

@@ -49,6 +49,7 @@ SaveOption = Annotated[Path | None, typer.Option("--save", callback=_save, help=
 PlotOption = Annotated[
     Path | None, typer.Option("--plot", callback=_plot, help="Also draw the curves, as .png, .svg or .pdf.")
 ]
+RowsOption = Annotated[bool, typer.Option("--rows", help="List every row of the problem, not groups of equal rows.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 TimeLimitOption = Annotated[
     float | None,

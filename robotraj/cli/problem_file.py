@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path
 from robotraj.cli.options import PLOTS
-from robotraj.cli.terminal import say
+from robotraj.cli.terminal import say_rows
 
 if TYPE_CHECKING:
     from robotraj.planning.many.options import PlanOptions
@@ -28,6 +28,7 @@ def plan_problem_file(
     options: PlanOptions,
     time_limit: float | None,
     as_json: bool,
+    rows: bool,
 ) -> None:
     """Plan the problem of a file, prove it and write the files that the file or the shell names.
 
@@ -41,6 +42,8 @@ def plan_problem_file(
     time_limit : float or None
         Of the shell; else that of the file.
     as_json : bool
+    rows : bool
+        Whether every row is listed.
     """
     from robotraj.cli.conclude import Files, conclude, planned
     from robotraj.planning.problem_files.load import load_problem
@@ -53,7 +56,7 @@ def plan_problem_file(
     if time_limit is not None:
         chosen["time_limit"] = time_limit
     if not as_json:
-        say(f"{written.problem}\n")
+        say_rows(written.problem, rows)
     solution = planned(lambda: written.plan(**chosen), files, as_json)
     conclude(solution, files, as_json=as_json, validation=written.validation)
 

@@ -5,11 +5,21 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
 
 import typer
 from rich.console import Console
 from rich.table import Table
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.problem.problem import Problem
+
+
+_notes: ContextVar[list[str]] = ContextVar("notes", default=[])  # noqa: B039  # the list outside of a command
 
 
 def say(text: object) -> None:
@@ -24,9 +34,38 @@ def say(text: object) -> None:
         drop_output()
 
 
+def say_rows(problem: Phase | Problem, every: bool) -> None:
+    """Print the rows of a problem, in groups of equal ones or each."""
+    if every:
+        say(f"{problem}\n")
+    else:
+        say(f"{problem.grouped}\n(--rows lists every row)\n")
+
+
 def say_error(text: str) -> None:
     """Print a note or an error on standard error."""
     typer.echo(text, err=True)
+
+
+def say_note(text: str) -> None:
+    """Print a warning on standard error, and keep it for the output with ``--json``."""
+    notes().append(text)
+    say_error(f"note: {text}")
+
+
+def notes() -> list[str]:
+    """Return the warnings of the running command, in order."""
+    return _notes.get()
+
+
+@contextmanager
+def new_notes() -> Iterator[None]:
+    """Keep the warnings of one command."""
+    token = _notes.set([])
+    try:
+        yield
+    finally:
+        _notes.reset(token)
 
 
 def say_json(content: Mapping[str, object]) -> None:

@@ -24,12 +24,13 @@ PARTS = ("combinations", "functions", "linear", "steps")
 def test_demo_prints_the_phase_and_the_proof_and_writes_its_replay(here: Path) -> None:
     output = succeed("demo")
     assert "minimise Effort" in output and "position limit" in output
-    assert "solved: objective 58.80766" in output
-    assert "PASSED" in output
-    assert output.rstrip().endswith(f"wrote {here / 'cartpole.html'}")
+    assert "solved: objective 58.80" in output and "proved between the points" in output
+    assert "PASSED" in output and f"wrote {here / 'cartpole.html'}" in output
     assert "</html>" in (here / "cartpole.html").read_text()[-200:]
     assert [path.name for path in here.iterdir()] == ["cartpole.html"]
-    assert all(f" {entry.name} " in output for entry in DEMOS.values())
+    assert output.splitlines()[-1].endswith("'robotraj demo --list' names 27 more demos")
+    listed = succeed("demo", "--list")
+    assert all(f" {entry.name} " in listed for entry in DEMOS.values())
 
 
 def test_demo_writes_to_the_given_path(here: Path) -> None:
@@ -57,6 +58,36 @@ def test_plan_can_take_the_least_time_within_given_limits(here: Path) -> None:
     assert 4.0 < rt.load_solution("a").duration < 4.002
 
 
+def test_plan_groups_equal_rows_and_lists_each_on_request(here: Path) -> None:
+    words = ("plan", "two_link_arm", "--to", "0.5,0.5", "--duration", "5")
+    brief, full = succeed(*words), succeed(*words, "--rows")
+    assert "shoulder, elbow" in brief and "--rows lists every row" in brief and "shoulder, elbow" not in full
+    ends = rt.State(q=0, v=0), rt.State(q=0.5, v=0)
+    phase = rt.Phase(rt.load("two_link_arm"), 5.0, *ends, rt.Effort(), name="two_link_arm, least effort")
+    assert full.split("\n\n")[0] == str(phase)
+    assert brief.splitlines()[-1].startswith("PASSED in ") and brief.splitlines()[-1].endswith(" s of processor time")
+    assert "s of processor time" in " ".join(brief.split("solved:")[1].split("proved")[0].split())
+
+
+def test_plan_keeps_links_off_the_obstacles_of_a_file(here: Path) -> None:
+    (here / "scene.toml").write_text(
+        '[[obstacles]]\ntype = "Box"\nsides = [0.2, 0.2, 0.2]\nposition = [0.6, 0.4, 0.4]\n'
+    )
+    robot = here / "arm.srdf"
+    robot.write_text(
+        '<robot name="a"><disable_collisions link1="forearm_link" link2="wrist_2_link" reason="x"/></robot>'
+    )
+    words = ("plan", "ur5", "--start=0,-1.3,1.6,-1.9,-1.57,0", "--to=1,-1.3,1.6,-1.9,-1.57,0", "--margin", "0.01")
+    data = json.loads(succeed(*words, "--obstacles", "scene.toml", "--srdf", "arm.srdf", "--json", "--save", "a"))
+    (constraint,) = rt.load_solution("a").problem.phases[0].constraints
+    assert isinstance(constraint, rt.CollisionFree) and len(constraint.obstacles) == 1 and constraint.margin == 0.01
+    assert constraint.srdf == (("forearm_link", "wrist_2_link"),)
+    claims = {claim["name"]: claim["judgement"] for claim in data["claims"]}
+    assert claims["obstacles"] == "holds" and data["verdict"] == "PASSED"
+    (here / "empty.toml").write_text("")
+    assert "has no obstacles" in fail(*words, "--obstacles", "empty.toml")
+
+
 def test_plan_refines_when_a_tolerance_is_asked_for(here: Path) -> None:
     succeed("plan", "cartpole", "--to", "1,3.14159265", "--tolerance", "1e-5", "--save", "swing")
     assert len(rt.load_solution("swing").refinement) > 1
@@ -75,7 +106,7 @@ def test_a_urdf_path_is_a_robot(here: Path) -> None:
 
 
 def test_validate_and_replay_read_saved_solutions(here: Path) -> None:
-    succeed("demo", "pendulum", "--save", "swing")
+    succeed("plan", "block", "--to", "1", "--duration", "4", "--intervals", "20", "--save", "swing")
     assert "PASSED" in succeed("validate", "swing.npz")
     assert f"wrote {here / 'swing.html'}" in succeed("replay", "swing.npz")
     assert f"wrote {here / 'slow.html'}" in succeed("replay", "swing", "slow.html", "--speed", "0.5")
@@ -222,8 +253,12 @@ def test_json_is_the_whole_output(here: Path) -> None:
     assert data["duration"] == pytest.approx(4.0) and data["written"] == [str(here / "a.npz"), str(here / "a.html")]
     again = json.loads(succeed("validate", "a.npz", "--json"))
     assert again["proved"] and again["objective"] == data["objective"]
+    assert again["verdict"] == "PASSED" and again["warnings"] == []
+    assert 0.0 <= again["figures"]["local"] < 1e-3 and again["figures"]["violation"] < 1e-3
+    assert again["figures"]["seconds"] > 0.0
     result = run("validate", "a.npz", "--local", "1e-15", "--json")
     assert result.exit_code == 4
+    assert json.loads(result.stdout)["verdict"] == "FAILED"
     assert not json.loads(result.stdout)["proved"] and "simulated by itself" in json.loads(result.stdout)["failures"][0]
 
 

@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from robotraj.cli.demos.table import DEFAULT, DEMOS, demo_named
-from robotraj.cli.options import HtmlOption, PlotOption, SaveOption
-from robotraj.cli.terminal import say, say_table
+from robotraj.cli.options import HtmlOption, PlotOption, RowsOption, SaveOption
+from robotraj.cli.terminal import say, say_rows, say_table
 
 
 def _complete(incomplete: str) -> list[tuple[str, str]]:
@@ -25,17 +25,17 @@ def demo(
     html: HtmlOption = None,
     save: SaveOption = None,
     plot: PlotOption = None,
+    rows: RowsOption = False,
 ) -> None:
     """Plan a built-in demo, prove it and write its replay as HTML into the current directory.
 
-    Without a name, list the demos and plan the swing-up of the cart-pole.
+    Without a name, plan the swing-up of the cart-pole.
     """
     entry = demo_named(DEFAULT if name is None else name)
-    if name is None or only_list:
-        heads = ("name", "what it shows", "example")
-        rows = [(known.name, known.shows, known.example[:2]) for known in DEMOS.values()]
-        say_table(f"{len(rows)} demos: robotraj demo NAME writes NAME.html", heads, rows, "what it shows")
     if only_list:
+        heads = ("name", "what it shows", "example")
+        known = [(each.name, each.shows, each.example[:2]) for each in DEMOS.values()]
+        say_table(f"{len(known)} demos: robotraj demo NAME writes NAME.html", heads, known, "what it shows")
         return
     from robotraj._util.paths import output_path
     from robotraj.cli.conclude import Files, conclude
@@ -43,8 +43,10 @@ def demo(
     target = html or output_path(Path(entry.page), (".html",), "the demo's page")
     say(f"{entry.name}: {entry.shows}\n")
     chosen = entry.make()
-    say(f"{chosen.problem}\n")
+    say_rows(chosen.problem, rows)
     solution = chosen.plan()
     if chosen.analysis is not None:
         say(f"{chosen.analysis(solution)}\n")
     conclude(solution, Files(target, save, plot, {"periods": chosen.periods}))
+    if name is None:
+        say(f"open it in a browser; 'robotraj demo --list' names {len(DEMOS) - 1} more demos")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -15,20 +16,21 @@ from robotraj.cli.options import (
     PackageDirsOption,
     PlotOption,
     ProblemArgument,
+    RowsOption,
     SaveOption,
     TimeLimitOption,
     TrustPathsOption,
 )
 from robotraj.cli.problem_file import is_problem_file, plan_problem_file, refuse_options
-from robotraj.cli.terminal import say
+from robotraj.cli.terminal import say_rows
 
 if TYPE_CHECKING:
     from robotraj.solution.solution import Solution
 
 
 ROBOT_OPTIONS = (
-    "to", "start", "duration", "objective", "intervals", "tolerance", "velocity", "effort", "limits", "package_dirs",
-    "trust_paths", "compiled"
+    "to", "start", "duration", "objective", "intervals", "tolerance", "velocity", "effort", "limits", "collision_free",
+    "obstacles", "srdf", "margin", "package_dirs", "trust_paths", "compiled"
 )  # fmt: skip
 """Options of a motion of a robot; a problem file states them itself."""
 ROBOT_TIME = 60.0
@@ -70,6 +72,16 @@ def plan_motion(
         float | None, typer.Option(help="Largest torque of every joint [N m, N] in place of the URDF's.")
     ] = None,
     limits: Annotated[bool, typer.Option(help="Hold the robot's own joint limits.")] = True,
+    collision_free: Annotated[
+        bool, typer.Option("--collision-free", help="Keep the links off each other and off the obstacles, proved.")
+    ] = False,
+    obstacles: Annotated[
+        Path | None, typer.Option(metavar="FILE.toml", help="Obstacles as tables [[obstacles]]; no link touches them.")
+    ] = None,
+    srdf: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="An SRDF: pairs of links that it disables are not kept apart.")
+    ] = None,
+    margin: Annotated[float | None, typer.Option(min=0.0, help="Least distance from obstacles and links [m].")] = None,
     package_dirs: PackageDirsOption = None,
     trust_paths: TrustPathsOption = False,
     compiled: Annotated[
@@ -81,11 +93,14 @@ def plan_motion(
     save: SaveOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
+    rows: RowsOption = False,
     watch: Annotated[bool, typer.Option("--watch", help="Show iterates and residuals in a browser.")] = False,
 ) -> None:
     """Plan a motion from rest to rest between two configurations, or a problem file; prove it and write its files.
 
     Example: robotraj plan ur5 --to 1,-1,1,0,0,0 --duration 0.5:3 --objective duration --html ur5.html
+
+    Example: robotraj plan ur5 --to 1,-1,1,0,0,0 --obstacles scene.toml
 
     Example: robotraj init ur5 && robotraj plan problem.toml
 
@@ -93,7 +108,7 @@ def plan_motion(
 
     Problems with expressions of your own are Python scripts: use rt.Phase and rt.plan, and run them with python.
     """
-    from robotraj.cli.arguments import configuration_of, limits_of, rest_to_rest
+    from robotraj.cli.arguments import clear_of, configuration_of, limits_of, rest_to_rest
     from robotraj.cli.conclude import Files, conclude, planned
     from robotraj.native.engines.compiled import Compiled
     from robotraj.planning.plan import plan
@@ -107,7 +122,7 @@ def plan_motion(
         given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
         refuse_options([f"--{name.replace('_', '-')}" for name in given], robot)
         outputs = {"html": html, "save": save, "plot": plot}
-        plan_problem_file(robot, outputs, {"memory_limit": memory_limit, "watch": watch}, time_limit, as_json)
+        plan_problem_file(robot, outputs, {"memory_limit": memory_limit, "watch": watch}, time_limit, as_json, rows)
         return
     mover = load(robot, package_dirs=package_dirs or (), trust_paths=trust_paths)
     if to is None:
@@ -122,9 +137,10 @@ def plan_motion(
         configuration_of(mover, start, "--start"),
         configuration_of(mover, to, "--to"),
         limits_of(mover, limits, velocity, effort),
+        clear_of(obstacles, srdf, margin) if collision_free or obstacles or srdf or margin is not None else (),
     )
     if not as_json:
-        say(f"{phase}\n")
+        say_rows(phase, rows)
     mesh = None
     if intervals is not None:
         # Controls of least duration jump. Linear ones keep their limits between the points, parabolas would not.

@@ -39,7 +39,7 @@ def ur5() -> Demo:
         constraints=[GroundClearance(["forearm_link", "wrist_1_link", "tool0"], 0.05)],
         name="pick to place",
     )
-    return Demo(move, (Mesh(50, HermiteSimpson()),))
+    return Demo(move)
 
 
 def moving_goal() -> Demo:

@@ -14,8 +14,8 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.load import load
 from robotraj.solution.solution import Solution
-from robotraj.transcription.schemes.control import ConstantControl, LinearControl
-from robotraj.transcription.schemes.lobatto import FifthDegree, HermiteSimpson
+from robotraj.transcription.schemes.control import ConstantControl
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
 
 
@@ -45,7 +45,7 @@ def pendulum() -> Demo:
         limits=robot.limits.with_(effort=0.5),
         name="swing-up with a weak motor",
     )
-    return Demo(swing_up, (Mesh(60, HermiteSimpson(control=LinearControl())),))
+    return Demo(swing_up)
 
 
 def cartpole() -> Demo:
@@ -58,7 +58,7 @@ def cartpole() -> Demo:
         objective=Effort(),
         name="swing-up",
     )
-    return Demo(swing_up, (Mesh(40, FifthDegree()),))
+    return Demo(swing_up)
 
 
 def multistart() -> Demo:
@@ -87,8 +87,4 @@ def acrobot() -> Demo:
     )
     half = np.pi / 2
     poses: list[list[float]] = [[0, 0], [-half, half], [half, half], [np.pi, 0]]
-    return Demo(
-        swing_up,
-        (Mesh(20, HermiteSimpson()), Mesh(100, FifthDegree())),
-        Keyframes([0, 0.25, 0.75, 1], [State(q=pose, v=0) for pose in poses]),
-    )
+    return Demo(swing_up, guess=Keyframes([0, 0.25, 0.75, 1], [State(q=pose, v=0) for pose in poses]))

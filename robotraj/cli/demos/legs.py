@@ -40,7 +40,7 @@ def solo12_trot() -> Demo:
     robot, foot = _small("solo12"), partial(PointContact, friction=0.5)
     cost = gait_objective(robot, stand(robot, contact=foot)) + _calm(1e-5)
     stride = trot(robot, step_length=0.06, duration=0.2, clearance=0.04, contact=foot, objective=cost)
-    return Demo(stride, (Mesh(5, LobattoIIIA(4)),), periods=4)
+    return Demo(stride, periods=4)
 
 
 def solo12_jump() -> Demo:
@@ -71,7 +71,7 @@ def talos_walking() -> Demo:
     pace = partial(walk, step_length=0.2, duration=0.8, clearance=0.04, double_support=0.2)
     # Both steps are planned, since the inertias of its legs are not symmetric.
     steps = pace(robot, feet=feet, contact=sole, objective=cost, repeat=Periodic())
-    return Demo(steps, ([Mesh(n, LobattoIIIA(4)) for n in (5, 7, 5, 7)],), periods=3)
+    return Demo(steps, periods=3)
 
 
 def humanoid_stands_up() -> Demo:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import os
-import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.system.regular_files import contents
+from robotraj._util.errors import unknown_name
 from robotraj.planning.plan import plan
-from robotraj.planning.problem_files.bounds import MOST_BYTES, MOST_PHASES, check_bounds
+from robotraj.planning.problem_files.bounds import MOST_PHASES
 from robotraj.planning.problem_files.kinds import GAITS
-from robotraj.planning.problem_files.lines import Data, Misplaced, Place, line_of, lines_of, named
+from robotraj.planning.problem_files.lines import Data, Misplaced, Place
 from robotraj.planning.problem_files.narrowing import narrowed
 from robotraj.planning.problem_files.parameters import parameters_of
 from robotraj.planning.problem_files.problem_file import ProblemFile
 from robotraj.planning.problem_files.reader import Reader
 from robotraj.planning.problem_files.robots import robots_of
+from robotraj.planning.problem_files.toml_file import read_toml
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.replay_page.options import ReplayOptions, check_options
@@ -29,16 +27,9 @@ from robotraj.robot.robot import Robot
 from robotraj.solvers.checks import above_zero
 from robotraj.witness.validation import ValidationOptions, validate
 
-if TYPE_CHECKING or sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 if TYPE_CHECKING:
     from robotraj.planning.many.options import PlanOptions
     from robotraj.problem.links.base import Link
-
-_PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 
 TABLES = ("robot", "robots", "define", "phases", "links", "gait", "plan", "validate", "replay", "output")
 OUTPUTS = ("html", "save", "plot")
@@ -72,27 +63,9 @@ def load_problem(path: str | os.PathLike[str]) -> ProblemFile:
     >>> file = load_problem("problem.toml")
     >>> solution = file.plan()
     """
-    source = Path(path).expanduser().absolute()
-    content = contents(source, MOST_BYTES, "The problem file")
-    try:
-        text = content.decode("utf-8")
-    except UnicodeDecodeError as error:
-        number = 1 + content[: error.start].count(b"\n")
-        raise InputError(f"{source.name}, line {number}: this is no UTF-8 text; save the file as UTF-8.") from error
-    text = text.replace("\r\n", "\n")
-    try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # numbers of thousands of digits are ValueErrors
-        found = _PLACE.search(str(error))
-        at = f", line {found[1]}" if found else ""
-        raise InputError(f"{source.name}{at}: this is no TOML: {_PLACE.sub('', str(error))}.") from error
-    check_bounds(data, source.name)
-    try:
-        return _read(source, data)
-    except Misplaced as error:
-        line = line_of(error.place, lines_of(text))
-        where = [source.name, f"line {line}" if line else "", named(error.place)]
-        raise InputError(f"{', '.join(part for part in where if part)}: {error}") from error
+    file = read_toml(path, "The problem file")
+    with file.placed():
+        return _read(file.source, file.data)
 
 
 def _read(source: Path, data: Mapping[str, Data]) -> ProblemFile:

@@ -22,8 +22,12 @@ ASKED_LIMITS = "# limits = { velocity = 2.0 } # in place of the URDF's [rad/s, m
 GIVEN_LIMITS = "\n[robot.limits] # the URDF's limits lock these joints; inf lifts a limit\n"
 STRIDE = {"rad": 0.6, "m": 0.2}
 """Distance that a joint moves at most in the first motion, by its unit."""
+TURNS = 2
+"""Most of these distances that a joint moves to a side, for a start above the base."""
 SHARE = 0.4
 """Largest part of the way to a limit that a joint moves."""
+MUCH = 100.0
+"""Room to a limit that counts as unlimited [rad, m]."""
 PACE = 3.0
 """Duration of the first motion, relative to that at the velocity limits."""
 LOAD = 0.8
@@ -120,9 +124,10 @@ def starter(
 ) -> str:
     """Write a problem file that plans as it stands.
 
-    A robot with a fixed root moves from its neutral configuration to one nearby, from rest to rest. Joints without
-    motors start at their neutral position and end anywhere. A robot with a moving root walks on two feet, trots on
-    four, and jumps on another number.
+    A robot with a fixed root moves from rest to rest, from its neutral configuration to one nearby. Where the
+    neutral one reaches below the base, it starts higher; joints move to the side on which the lowest link is higher.
+    Joints without motors start at their neutral position and end anywhere. A robot with a moving root walks on two
+    feet, trots on four, and jumps on another number.
 
     Parameters
     ----------
@@ -172,10 +177,11 @@ def _limit(quantity: str, values: Mapping[str, object]) -> str:
 
 
 def _motion(robot: Robot, joint: str) -> str:
-    end, moved = _nearby(robot)
-    duration = math.ceil(10.0 * _duration(robot, end, moved)) / 10.0
     names = robot.position_names
     driven = [i for i, each in enumerate(names) if each in robot.actuated]
+    home = _home(robot, driven)
+    end = _nearby(robot, home, driven)
+    duration = math.ceil(10.0 * _duration(robot, home, end, driven)) / 10.0
     frame = robot.end_effector or robot.frame_names[-1]
     return MOTION.format(
         label=json.dumps(f"first motion of {robot.name}"),
@@ -183,52 +189,84 @@ def _motion(robot: Robot, joint: str) -> str:
         least=0.5 * duration,
         most=5.0 * duration,
         joint=joint,
-        start=_pairs(names, robot.neutral, range(len(names))),
+        start=_pairs(names, home, range(len(names))),
         end=_pairs(names, end, driven),
         frame=json.dumps(frame),
     )
 
 
-def _nearby(robot: Robot) -> tuple[Array, list[int]]:
-    """Return a configuration whose driven joints are moved towards the farther limit, and the moved joints.
+def _home(robot: Robot, driven: Sequence[int]) -> Array:
+    """Return the neutral configuration, or one near it whose links stand higher where those reach below the base.
 
-    The strides are halved until the motors can hold the configuration.
+    Joints turn one after the other, each to the nearest of a few positions at which the lowest frame is highest.
     """
-    limits, neutral = robot.limits, robot.neutral
-    driven = [i for i, name in enumerate(robot.position_names) if name in robot.actuated]
-    end = neutral.copy()
-    data = robot.model.createData()
+    q, limits, data = robot.neutral.copy(), robot.limits, robot.model.createData()
+    if _lowest(robot, data, q) >= 0.0:
+        return q
+    for i in driven:
+        stride = STRIDE.get(robot.units[i], STRIDE["m"])
+        heights: list[tuple[float, float, float]] = []
+        for k in range(-TURNS, TURNS + 1):
+            there = q.copy()
+            there[i] = np.clip(q[i] + k * stride, limits.position_lower[i], limits.position_upper[i])
+            heights.append((round(_lowest(robot, data, there), 3), -abs(k), there[i]))
+        q[i] = max(heights)[2]
+    return q
+
+
+def _lowest(robot: Robot, data: pin.Data, q: Array) -> float:
+    """Return the height of the lowest frame that a joint moves, above the root link [m]."""
+    pin.framesForwardKinematics(robot.model, data, q)
+    return min(
+        (float(data.oMf[i].translation[2]) for i, frame in enumerate(robot.model.frames) if frame.parentJoint > 0),
+        default=0.0,
+    )
+
+
+def _nearby(robot: Robot, home: Array, driven: Sequence[int]) -> Array:
+    """Return a configuration whose driven joints are moved, each to the side on which the lowest frame is higher.
+
+    Where both sides are as high, a joint moves towards its farther limit. The strides are halved until the motors can
+    hold the configuration.
+    """
+    limits, data = robot.limits, robot.model.createData()
     for halved in range(6):
+        end = home.copy()
         for i in driven:
-            up, down = limits.position_upper[i] - neutral[i], neutral[i] - limits.position_lower[i]
-            way = min(STRIDE.get(robot.units[i], STRIDE["m"]), SHARE * max(up, down)) / 2.0**halved
-            end[i] = round(neutral[i] + (way if up >= down else -way), 4)
+            up, down = limits.position_upper[i] - home[i], home[i] - limits.position_lower[i]
+            stride = STRIDE.get(robot.units[i], STRIDE["m"]) / 2.0**halved
+            sides: list[tuple[float, float, float]] = []
+            for room, sign in ((up, 1.0), (down, -1.0)):
+                there = end.copy()
+                there[i] = round(home[i] + sign * min(stride, SHARE * room), 4)
+                sides.append((round(_lowest(robot, data, there), 3), min(room, MUCH) + sign * 1e-6, there[i]))
+            end[i] = max(sides)[2]
         held = pin.computeGeneralizedGravity(robot.model, data, end) + robot.resistance(end, np.zeros(robot.nv))
         if _can_push(robot, held, driven):
             break
-    return end, driven
+    return end
 
 
-def _duration(robot: Robot, end: Array, moved: list[int]) -> float:
+def _duration(robot: Robot, home: Array, end: Array, moved: Sequence[int]) -> float:
     """Return a duration of at least 1 s in which a smooth motion stays well within the limits [s]."""
-    way, speeds, data = end - robot.neutral, robot.limits.sides("velocity"), robot.model.createData()
+    way, speeds, data = end - home, robot.limits.sides("velocity"), robot.model.createData()
     duration = 1.0
     for i in moved:
         speed = float(speeds[1][i] if way[i] > 0.0 else -speeds[0][i])
         if 0.0 < speed < math.inf:
             duration = max(duration, PACE * abs(way[i]) / speed)
-    while duration < LONGEST and not _within(robot, data, way, duration, moved):
+    while duration < LONGEST and not _within(robot, data, home, way, duration, moved):
         duration *= 1.25
     return duration
 
 
-def _within(robot: Robot, data: pin.Data, way: Array, duration: float, moved: list[int]) -> bool:
+def _within(robot: Robot, data: pin.Data, home: Array, way: Array, duration: float, moved: Sequence[int]) -> bool:
     """Whether the motors can follow the path q0 + way (10 s^3 - 15 s^4 + 6 s^5), s = t / duration."""
     for s in np.linspace(0.0, 1.0, 21):
         place = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
         rate = 30.0 * s**2 * (1.0 - s) ** 2 / duration
         second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration**2
-        q, v = robot.neutral + place * way, rate * way
+        q, v = home + place * way, rate * way
         tau = pin.rnea(robot.model, data, q, v, second * way) + robot.resistance(q, np.zeros(robot.nv))
         tau = tau + robot.damping * v + robot.friction * np.sign(way)
         if not _can_push(robot, tau, moved):
@@ -236,7 +274,7 @@ def _within(robot: Robot, data: pin.Data, way: Array, duration: float, moved: li
     return True
 
 
-def _can_push(robot: Robot, tau: Array, joints: list[int]) -> bool:
+def _can_push(robot: Robot, tau: Array, joints: Sequence[int]) -> bool:
     """Whether torques (nv,) of some joints are well within their limits; joints without an effort do not count."""
     lower, upper = robot.limits.sides("effort")
     return all(LOAD * lower[i] <= tau[i] <= LOAD * upper[i] for i in joints if lower[i] < upper[i])
