@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "docs" / "_extensions")]
 
 import check_links  # noqa: E402
+import check_search  # noqa: E402
 import mirror  # noqa: E402
 
 PAGE = ROOT / "docs" / "how-to" / "arms.md"
@@ -97,3 +98,22 @@ def test_nothing_but_entries_stands_in_the_sections_of_a_docstring() -> None:
                 section = line
             elif section in ("Parameters", "Attributes") and line[:1] not in ("", " ", "-"):
                 assert " : " in line or len(line.split()) <= 6, f"{name}: {line}"
+
+
+def test_the_glossary_knows_the_words_that_users_type() -> None:
+    terms = check_search.terms((ROOT / "docs" / "glossary.md").read_text())
+    assert len(terms) >= 60
+    asked = (
+        "ros2_control", "safe", "cluster", "slurm", "suction", "gripper", "rail", "elbow up", "payload", "cobot",
+        "emergency stop", "limit tool speed", "no effort limits", "not proved", "stop waypoint", "ROS 2", "collision",
+    )  # fmt: skip
+    assert set(asked) <= set(terms)
+    assert all((ROOT / "docs" / f"{page}.md").is_file() for page in terms.values())
+
+
+def test_a_query_that_finds_another_page_first_is_a_fault() -> None:
+    wanted = {"rail": "how-to/rail", "walk": "how-to/gaits", "slurm": "how-to/cluster", "lift": "how-to/rail"}
+    found = {"rail": "glossary#term-rail", "walk": "how-to/gaits", "slurm": "how-to/arms#goals", "lift": ""}
+    wrong = check_search.faults(wanted, found)
+    assert len(wrong) == 2 and "'slurm' finds how-to/arms#goals first, not how-to/cluster" in wrong[0]
+    assert "'lift' finds nothing first" in wrong[1]

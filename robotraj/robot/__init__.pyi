@@ -9,7 +9,7 @@ from .join import join
 from .known_robots.catalogue import catalogue
 from .limits import Limits
 from .load import load
-from .mobile import on_wheels
+from .mobile import on_rail, on_wheels
 from .robot import Robot
 
 __all__ = [
@@ -21,5 +21,6 @@ __all__ = [
     "collision",
     "join",
     "load",
+    "on_rail",
     "on_wheels",
 ]

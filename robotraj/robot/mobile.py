@@ -1,7 +1,8 @@
-"""``on_wheels``: a robot on a base that moves on level ground."""
+"""``on_wheels`` and ``on_rail``: a robot on a base that moves on level ground, or on a carriage."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,8 @@ from robotraj.robot.robot import Robot
 
 JOINTS = ("base_x", "base_y", "base_yaw")
 """Joints of the base."""
+AXES = {"x": pin.JointModelPX, "y": pin.JointModelPY, "z": pin.JointModelPZ}
+"""Joints of a rail by their axes in the world."""
 
 
 def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
@@ -43,29 +46,87 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
     InputError
         The robot has a moving root or a joint or frame of these names, or the mass or inertia is not above 0.
     """
-    if robot.root != "fixed":
-        raise InputError(f"{robot.name!r} has a {robot.root} root; rt.robot.on_wheels takes a robot with a fixed one.")
     if not (0.0 < mass < np.inf and 0.0 < inertia < np.inf):
         raise InputError(f"The base has mass {mass!r} kg and inertia {inertia!r} kg m^2; both must be above 0.")
-    taken = [name for name in JOINTS if name in robot.joint_names or name in robot.frame_names]
-    if taken:
-        raise InputError(f"{robot.name!r} has a joint or frame {taken[0]!r} already; rename it in the URDF.")
-    kinds = (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ())
-    model = coupled(rebuilt(robot.model, tuple(zip(JOINTS, kinds, strict=True))), robot.followers)
+    joints = dict(zip(JOINTS, (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ()), strict=True))
     # The base turns about the vertical only, so its moments about the other axes have no effect.
     body = pin.Inertia(float(mass), np.zeros(3), np.diag([inertia, inertia, inertia]))
-    model.appendBodyToJoint(len(JOINTS), body, pin.SE3.Identity())
-    model.lowerPositionLimit[: len(JOINTS)] = -np.inf
-    model.upperPositionLimit[: len(JOINTS)] = np.inf
-    limits = concatenated((*JOINTS, *robot.limits.joints), (Limits.none(JOINTS), robot.limits))
-    zeros = np.zeros(len(JOINTS))
+    return _on_joints(robot, joints, body, Limits.none(JOINTS), "on wheels")
+
+
+def on_rail(
+    robot: Robot,
+    mass: float,
+    travel: tuple[float, float],
+    velocity: float,
+    effort: float,
+    axis: str = "x",
+    name: str = "rail",
+) -> Robot:
+    """Put a robot on a carriage that slides along a rail, or on a lift.
+
+    The carriage has one joint before those of the robot [m], along an axis of the world through the root link. At 0 the
+    robot stands where it stood without the rail. Its effort is the force of the drive [N]; that of a lift carries the
+    weights of carriage and robot as well.
+
+    Parameters
+    ----------
+    robot : Robot
+        Robot with a fixed root; it keeps its shapes.
+    mass : float
+        Mass of the carriage [kg].
+    travel : (float, float)
+        Least and greatest position [m].
+    velocity, effort : float
+        Limits of the drive [m/s, N].
+    axis : str
+        ``"x"``, ``"y"`` or, for a lift, ``"z"``.
+    name : str
+        Name of the joint.
+
+    Raises
+    ------
+    InputError
+        The robot has a moving root, or a joint or frame of that name. The mass or a limit is not above 0, or the travel
+        is reversed or infinite.
+
+    Examples
+    --------
+    >>> cell = rt.robot.on_rail(rt.load("ur5"), mass=20.0, travel=(-1.0, 1.0), velocity=1.5, effort=500.0)
+    """
+    if axis not in AXES:
+        raise InputError(f"The axis of the rail is {axis!r}; give one of {', '.join(map(repr, AXES))}.")
+    for what, value in (("mass", mass), ("velocity", velocity), ("effort", effort)):
+        if not 0.0 < value < np.inf:
+            raise InputError(f"The {what} of the rail's carriage is {value!r}; give a number above 0.")
+    if len(travel) != 2 or not -np.inf < travel[0] < travel[1] < np.inf:
+        raise InputError(f"The travel of the rail is {travel!r}; give (least, greatest) [m].")
+    body = pin.Inertia(float(mass), np.zeros(3), np.zeros((3, 3)))
+    limits = Limits.none((name,)).with_(position=travel, velocity=velocity, effort=effort)
+    return _on_joints(robot, {name: AXES[axis]()}, body, limits, "on a rail")
+
+
+def _on_joints(
+    robot: Robot, joints: Mapping[str, pin.JointModel], body: pin.Inertia, limits: Limits, where: str
+) -> Robot:
+    """Put a robot on a body that a chain of driven joints moves."""
+    if robot.root != "fixed":
+        raise InputError(f"{robot.name!r} has a {robot.root} root; only a robot with a fixed root is put {where}.")
+    taken = [name for name in joints if name in robot.joint_names or name in robot.frame_names]
+    if taken:
+        raise InputError(f"{robot.name!r} has a joint or frame {taken[0]!r} already; rename it in the URDF.")
+    n, zeros = len(joints), np.zeros(len(joints))
+    model = coupled(rebuilt(robot.model, tuple(joints.items())), robot.followers)
+    model.appendBodyToJoint(n, body, pin.SE3.Identity())
+    model.lowerPositionLimit[:n] = limits.position_lower
+    model.upperPositionLimit[:n] = limits.position_upper
     return replace(
         robot,
-        name=f"{robot.name} on wheels",
+        name=f"{robot.name} {where}",
         model=model,
-        limits=limits,
-        actuated=(*JOINTS, *robot.actuated),
+        limits=concatenated((*joints, *robot.limits.joints), (limits, robot.limits)),
+        actuated=(*joints, *robot.actuated),
         damping=np.append(zeros, robot.damping),
         friction=np.append(zeros, robot.friction),
-        neutral=np.append(zeros, robot.neutral),
+        neutral=np.append(np.clip(zeros, limits.position_lower, limits.position_upper), robot.neutral),
     )

@@ -90,3 +90,48 @@ def test_bad_input(base):
         rt.constraints.DifferentialDrive(radius=0.1, track=0.0)
     with pytest.raises(rt.InputError, match="on_wheels"):
         rt.Phase(rt.load("ur5"), 1.0, constraints=[rt.constraints.DifferentialDrive(radius=0.1, track=0.4)])
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_carriage_slides_the_whole_arm_and_feels_its_weight(axis):
+    arm = rt.load("ur5")
+    cell = rt.robot.on_rail(arm, 20.0, (-1.0, 1.5), velocity=1.5, effort=900.0, axis=axis)
+    assert cell.limits.joints[0] == "rail" and cell.nu == 7
+    assert cell.mass == pytest.approx(arm.mass + arm.model.inertias[0].mass + 20.0)  # the root link moves now
+    assert [side[0] for side in cell.limits.sides("position")] == [-1.0, 1.5]
+    assert len(cell.visual_model.geometryObjects) == len(arm.visual_model.geometryObjects)
+    q = np.random.default_rng(3).normal(size=6)
+    places = []
+    for robot, there in ((arm, q), (cell, np.append(0.7, q))):
+        data = robot.model.createData()
+        pin.framesForwardKinematics(robot.model, data, there)
+        places.append(data.oMf[robot.frame("tool0")].copy())
+    along = {"x": 0, "y": 1, "z": 2}[axis]
+    np.testing.assert_allclose(places[1].translation - places[0].translation, 0.7 * np.eye(3)[along], atol=1e-12)
+    np.testing.assert_allclose(places[1].rotation, places[0].rotation, atol=1e-12)
+    still = pin.computeGeneralizedGravity(cell.model, cell.model.createData(), np.append(0.7, q))
+    assert still[0] == pytest.approx(9.81 * cell.mass if axis == "z" else 0.0, abs=1e-9)
+
+
+def test_a_carriage_takes_its_least_time():
+    """Bang-bang: 2 sqrt(d (m + M) / F) for an arm whose joints stay."""
+    arm = rt.load("two_link_arm")
+    cell = rt.robot.on_rail(arm, 10.0, (0.0, 2.0), velocity=50.0, effort=25.0)
+    cell = rt.load(cell.model, locked={"shoulder": 0.0, "elbow": 0.0}, limits={"effort": 25.0, "velocity": 50.0})
+    move = rt.Phase(cell, (0.1, 9.0), rt.State(q=0, v=0), rt.State(q=1.0, v=0), rt.Duration())
+    assert rt.plan(move).duration == pytest.approx(2.0 * np.sqrt(cell.mass / 25.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"axis": "w"}, "'x', 'y', 'z'"),
+        ({"mass": 0.0}, "mass of the rail"),
+        ({"travel": (1.0, -1.0)}, "least, greatest"),
+        ({"name": "tool0"}, "'tool0' already"),
+    ],
+)
+def test_a_rail_that_cannot_be_is_refused(changes, message):
+    given = {"mass": 5.0, "travel": (-1.0, 1.0), "velocity": 1.0, "effort": 100.0} | changes
+    with pytest.raises(rt.InputError, match=message):
+        rt.robot.on_rail(rt.load("ur5"), **given)

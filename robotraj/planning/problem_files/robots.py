@@ -14,10 +14,10 @@ from robotraj.planning.problem_files.reader import Reader
 from robotraj.robot.carried_body import CarriedBody, carrying
 from robotraj.robot.join import join
 from robotraj.robot.load import load
-from robotraj.robot.mobile import on_wheels
+from robotraj.robot.mobile import on_rail, on_wheels
 from robotraj.robot.robot import Robot
 
-MAKERS: Mapping[str, Maker] = {"load": load, "join": join, "on_wheels": on_wheels}
+MAKERS: Mapping[str, Maker] = {"load": load, "join": join, "on_wheels": on_wheels, "on_rail": on_rail}
 """Functions of ``rt.robot`` that ``type = "..."`` of a robot may name; ``load`` is the default."""
 
 _BODIES = parameters_of(KINDS["PayloadScenarios"])["payloads"].accepted

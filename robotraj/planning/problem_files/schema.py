@@ -116,6 +116,7 @@ def _tables() -> list[SchemaEntry]:
         ("[robot]", MAKERS["load"], ()),
         ('[robots.NAME] type = "join"', MAKERS["join"], ()),
         ('[robots.NAME] type = "on_wheels"', MAKERS["on_wheels"], ()),
+        ('[robots.NAME] type = "on_rail"', MAKERS["on_rail"], ()),
         ("[[phases]]", Phase, ("subject",)),
         ("[phases.limits]", Limits.with_, ()),
         ("[plan]", plan, OF_CALLERS),
