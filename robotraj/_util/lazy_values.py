@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 if TYPE_CHECKING:
-    from functools import cached_property
+    # A property for type checkers: all of them accept it for the attribute of a protocol.
+    from builtins import property as cached_property
 else:
 
     class cached_property:

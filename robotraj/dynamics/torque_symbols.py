@@ -87,7 +87,7 @@ def separate_torques(point: Point) -> Torques | None:
         return None
     model = point.symbolic
     if point.robot.root == "fixed" and set(point.robot.units) == {"m"}:
-        point.inverse_dynamics = _sliding(point.robot.model, point.a)
+        point.__dict__["inverse_dynamics"] = _sliding(point.robot.model, point.a)
         return None
     whole = _of_all_joints(point.robot) if point.robot.followers else model
     try:
@@ -95,11 +95,12 @@ def separate_torques(point: Point) -> Torques | None:
     except ValueError:
         return None
     if whole is model:
-        point.inverse_dynamics = ca.SX.sym("r", point.robot.nv)
-        return Torques(point.inverse_dynamics, model, ca.vertcat(point.q, point.v, point.a))
+        torques = ca.SX.sym("r", point.robot.nv)
+        point.__dict__["inverse_dynamics"] = torques
+        return Torques(torques, model, ca.vertcat(point.q, point.v, point.a))
     places, offsets, rates = coordinates(point.robot.model)
     shares, positions, symbols = ca.sparsify(ca.DM(rates)), ca.sparsify(ca.DM(places)), ca.SX.sym("r", len(rates))
-    point.inverse_dynamics = ca.mtimes(shares.T, symbols)
+    point.__dict__["inverse_dynamics"] = ca.mtimes(shares.T, symbols)
     every = (ca.mtimes(positions, point.q) + offsets, ca.mtimes(shares, point.v), ca.mtimes(shares, point.a))
     return Torques(symbols, whole, ca.vertcat(*every))
 

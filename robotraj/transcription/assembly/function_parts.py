@@ -19,7 +19,7 @@ def restricted(stage: PointFunctions, kept: Sequence[int]) -> PointFunctions:
     costed = kept.index(stage.costed) if stage.costed in kept else None
     made = PointFunctions(stage.v, stage.c, stage.y[list(kept)], costed, stage.torques, as_tapes=stage.as_tapes)
     if made.torques is stage.torques:
-        made.graph = stage.graph.selected(np.array(kept, dtype=np.int64))
+        made.__dict__["graph"] = stage.graph.selected(np.array(kept, dtype=np.int64))
     return made
 
 
