@@ -21,6 +21,7 @@ from robotraj.cli.commands.schema import print_schema
 from robotraj.cli.commands.show import show
 from robotraj.cli.commands.sweep import sweep_study
 from robotraj.cli.commands.validate import validate_file
+from robotraj.cli.doctor import doctor
 from robotraj.cli.exits import EXIT_CODES, Group
 from robotraj.cli.terminal import say
 
@@ -68,5 +69,6 @@ app.command("schema", short_help="Show what problem files may state.")(print_sch
 app.command("compile", short_help="Compile the functions of plans before they are made.")(compile_functions)
 app.command("cache", short_help="Show or clear the compiled functions.")(cache)
 app.command("profile", short_help="Show where a saved solution's time went.")(profile)
+app.command("doctor", short_help="Show versions, compiler and cache, and what is missing.")(doctor)
 app.command("robots")(robots)
 app.command("show")(show)
