@@ -25,6 +25,7 @@ from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import has_motion, solve, solve_relaxed
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.links.unlinked_phases import warn_of_unlinked_phases
+from robotraj.problem.objectives.duration import warn_of_fixed_durations
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
@@ -231,6 +232,7 @@ def plan(
 
         warn_of_mesh(problem, settings)
     warn_of_unlinked_phases(problem)
+    warn_of_fixed_durations(problem.phases)
     first = problem.phases[0]
     if any(each.avoids_collisions for each in first.constraints):
         from robotraj.problem.clearance.end_checks import check_moving_obstacles

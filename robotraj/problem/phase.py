@@ -31,7 +31,6 @@ from robotraj.problem.feasibility import Ends, check_equations, check_limits, ch
 from robotraj.problem.footing_checks import check_contacts
 from robotraj.problem.least_durations import check_durations
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
-from robotraj.problem.objectives.duration import fixed_duration_note
 from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts, check_kinds
 from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows, phase_table
 from robotraj.problem.rows import RowTable
@@ -143,9 +142,6 @@ class Phase(OneLine):
         if isinstance(self.limits, Limits) and self.robot is not None:
             check_limits(self.name, self.limits, self.robot)
         known, (_, longest) = self.parameter_bounds, self.duration_bounds
-        same = fixed_duration_note(self.objective.terms if self.objective else (), self.duration_bounds)
-        if same:
-            warn(f"Phase {self.name!r}: {same}")
         if self.system is not None:
             check_equations(self.rows, self.system)
         check_rows(self.rows, self._ends, self.constraints)

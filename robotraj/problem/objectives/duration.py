@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from robotraj._util.errors import warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
 from robotraj.problem.objectives.base import EndCost
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
+    from robotraj.problem.phase import Phase
     from robotraj.problem.scalars import Scalar
 
 
@@ -31,12 +33,14 @@ class Duration(EndCost):
         """Accept any dynamics."""
 
 
-def fixed_duration_note(terms: Sequence[tuple[float, object]], bounds: tuple[float, float]) -> str:
-    """Doubt an objective of durations alone where the duration is fixed; empty otherwise."""
-    if bounds[0] < bounds[1] or not terms or not all(isinstance(term, Duration) for _, term in terms):
-        return ""
-    least, most = 0.1 * bounds[0], 5.0 * bounds[0]
-    return (
-        f"the objective is the duration alone, which is fixed at {bounds[0]:g} s, so every motion has the same "
-        f"objective. Give duration=({least:g}, {most:g}) for the least time, or minimise rt.Effort()."
-    )
+def warn_of_fixed_durations(phases: Sequence[Phase]) -> None:
+    """Doubt phases whose objective is the duration alone and whose duration is fixed."""
+    for phase in phases:
+        terms = phase.objective.terms if phase.objective is not None else ()
+        given, longest = phase.duration_bounds
+        if given == longest and terms and all(isinstance(term, Duration) for _, term in terms):
+            warn(
+                f"Phase {phase.name!r}: the objective is the duration alone, which is fixed at {given:g} s, so every "
+                f"motion has the same objective. Give duration=({0.1 * given:g}, {5.0 * given:g}) for the least time, "
+                "or minimise rt.Effort()."
+            )

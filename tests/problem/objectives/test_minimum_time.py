@@ -52,9 +52,10 @@ def test_the_torques_are_those_of_pontryagins_principle() -> None:
 def test_a_fixed_duration_that_is_minimised_is_told() -> None:
     robot = rt.load("block")
     ends = rt.State(q=0, v=0), rt.State(q=1, v=0)
+    mesh = rt.Mesh(4)
     with pytest.warns(UserWarning, match=r"duration alone, which is fixed at 2 s.*duration=\(0.2, 10\)"):
-        rt.Phase(robot, 2.0, *ends, rt.Duration())
+        rt.plan(rt.Phase(robot, 2.0, *ends, rt.Duration()), mesh)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        rt.Phase(robot, (0.5, 5.0), *ends, rt.Duration())
-        rt.Phase(robot, 2.0, *ends, rt.Duration() + rt.Effort())
+        rt.plan(rt.Phase(robot, (0.5, 20.0), *ends, rt.Duration()), mesh)
+        rt.plan(rt.Phase(robot, 2.5, *ends, rt.Duration() + rt.Effort()), mesh)
