@@ -24,6 +24,7 @@ from .guess.guess import Guess
 from .native import engines
 from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
+from .planning.paths.on_path import override, stop_on_path
 from .planning.paths.retime import retime
 from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
@@ -117,6 +118,7 @@ __all__ = [
     "multistart",
     "objectives",
     "obstacles",
+    "override",
     "plan",
     "planning",
     "refinement",
@@ -126,6 +128,7 @@ __all__ = [
     "schemes",
     "solution",
     "solvers",
+    "stop_on_path",
     "sweep",
     "symbolic",
     "terrain",

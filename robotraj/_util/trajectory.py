@@ -125,6 +125,22 @@ class PiecewisePolynomial(OneLine):
             values.append(rate / length if length > 0 else np.zeros_like(rate))
         return PiecewisePolynomial(self.breaks, self.sites, values)
 
+    def after(self, start: float) -> PiecewisePolynomial:
+        """Return the function from a time on, with the same polynomials.
+
+        Raises
+        ------
+        ValueError
+            The time is not before the end.
+        """
+        if not start < self.breaks[-1]:
+            raise ValueError(f"{start} is not before the end {self.breaks[-1]}.")
+        first = int(self.locate(start))
+        end = float(self.breaks[first + 1])
+        values = self(start + (end - start) * np.asarray(self.sites[first]), first)
+        breaks = np.append(start, self.breaks[first + 1 :])
+        return PiecewisePolynomial(breaks, self.sites[first:], [values, *self.values[first + 1 :]])
+
     def shifted(self, offset: float) -> PiecewisePolynomial:
         """Return the function delayed by ``offset`` [s]."""
         return PiecewisePolynomial(self.breaks + offset, self.sites, self.values)

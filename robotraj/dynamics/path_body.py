@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 
 PARAMETER, SPEED, ACCELERATION = "path.s", "path.speed", "path.acceleration"
 """Names of the states and of the control."""
+PLACES = np.linspace(0.0, 1.0, 17)
+"""Places of every piece of a path at which its extent is measured."""
 RESTING, BENDING = 1e-9, 1e-3
 """Largest p' at an end at which joints rest, and least p'' there with which s' is free.
 
@@ -96,11 +98,17 @@ class PathBody(RigidBody):
     start_speed, end_speed : float or None
         s' at both ends; None leaves it free. With 0 the joints rest. Where p' vanishes they rest at any s', which is
         then free: accelerations p'' s'^2 bound it. With s' = 0 they could not accelerate there at all.
+    whole : bool
+        Whether the motion ends at the end of the path; otherwise s is free there.
+    start_acceleration : float or None
+        s'' at the start, where it is a state; None leaves it free, except at rest.
     """
 
     path: PiecewisePolynomial | None = None
     start_speed: float | None = 0.0
     end_speed: float | None = 0.0
+    whole: bool = True
+    start_acceleration: float | None = None
     states: tuple[Variable, ...] = (
         Variable(PARAMETER, "", "path parameter"),
         Variable(SPEED, "1/s", "path speed"),
@@ -146,15 +154,22 @@ class PathBody(RigidBody):
     def ends(self, last: bool) -> tuple[Array, Array]:
         """Return lower and upper bounds of (s, s') at the start or at the end, (2,) each."""
         s, speed = self._end(last)
-        is_free = speed is None or (speed == 0.0 and self._rests_at(s))
+        anywhere = last and not self.whole
+        is_free = speed is None or (speed == 0.0 and not anywhere and self._rests_at(s))
         low, high = (0.0, np.inf) if is_free else (speed, speed)
-        return np.array([s, low]), np.array([s, high])
+        first = float(self.curve.breaks[0]) if anywhere else s
+        return np.array([first, low]), np.array([s, high])
 
     def joint_ends(self, last: bool) -> tuple[Array, Array]:
         """Return lower and upper bounds of (q, v) at the start or at the end, (nq + nv,) each."""
         s, speed = self._end(last)
+        free = np.full(self.curve.size, np.inf)
+        if last and not self.whole:
+            inside = self.curve.inside(PLACES)
+            bound = free if speed is None else np.where(speed == 0.0, 0.0, free)
+            low, high = inside.min(axis=(0, 1)), inside.max(axis=(0, 1))
+            return np.concatenate([low, -bound]), np.concatenate([high, bound])
         q, slope = self.curve(s), self.curve.derivative()(s)
-        free = np.full(len(q), np.inf)
         low, high = (-free, free) if speed is None else (slope * speed, slope * speed)
         return np.concatenate([q, low]), np.concatenate([q, high])
 

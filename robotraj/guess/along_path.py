@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,12 +13,13 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
 from robotraj.guess.ends import default_parameters
-from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
+from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.phase_row import Kind
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
+    from robotraj.problem.phase_row import PhaseRow
 
 Array = NDArray[np.float64]
 
@@ -24,56 +27,112 @@ PLACES = np.linspace(0.0, 1.0, 65)
 """Fractions of the motion at which rows are compared with their bounds."""
 SHORTEST, LONGER, TRIES = 0.05, 1.5, 24
 """First duration [s], factor by which it grows while rows are violated, and largest number of times."""
+QUICKEST = 1e-3
+"""First duration of a stop [s]."""
 
 
 @dataclass(frozen=True)
 class AlongPath(InitialGuess):
-    """The path of ``rt.constraints.FollowPath`` with s = s_0 + (s_1 - s_0) (3 f^2 - 2 f^3) at the fraction f.
+    """A cubic s(f) of the fraction f along the path of ``rt.constraints.FollowPath``.
 
-    The guessed duration satisfies the path rows, such as limits of speed and torque, where possible.
+    It has the path's ends and the given speeds there, and speed 0 where a speed is free. A start at speed whose end is
+    free keeps its speed. A motion that may end anywhere slows down evenly, s'' = -s'_0 / T. The guessed duration T
+    satisfies the path rows, such as limits of speed and torque, where possible.
     """
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Sample the path."""
-        path, dae, table = phase.path, phase.dae, phase.rows
+        cubic = _Cubic.of(phase)
+        duration = float(np.clip(_duration(phase, cubic), *phase.duration_bounds))
+        dae = phase.dae
+        states, algebraic, controls = (
+            partial(cubic.columns, kind, duration) for kind in (dae.states, dae.algebraic, dae.controls)
+        )
+        return PhaseGuess(duration, states, algebraic, controls, default_parameters(phase))
+
+
+def _duration(phase: Phase, cubic: _Cubic) -> float:
+    """Return the first duration [s] with which the cubic meets the path rows; a stop may only be nearest to that."""
+    dae, table = phase.dae, phase.rows
+    rows = tuple(row for row in table.throughout if row.kind is Kind.PATH)
+    tried = [float(each) for each in np.maximum(cubic.durations, phase.duration_bounds[0])]
+    if not rows:
+        return tried[0]
+    p = np.array(list(default_parameters(phase).values()), dtype=float)
+    least, nearest = np.inf, cubic.longest
+    for duration in tried:
+        if cubic.ends_beyond(duration):
+            break
+        x, z, u = (cubic.columns(kind, duration, PLACES) for kind in (dae.states, dae.algebraic, dae.controls))
+        values = table.sample(rows, duration * PLACES, x, z, u, p)
+        excess = max(_excess(row, column) for row, column in zip(rows, values.T, strict=True))
+        if excess <= 0.0:
+            return duration
+        if cubic.stops and excess < least:
+            least, nearest = excess, duration
+    return nearest
+
+
+def _excess(row: PhaseRow, values: Array) -> float:
+    """Return the largest excess over a bound, relative to the bound where that is not 0."""
+    sides = [(row.lower, row.lower - values), (row.upper, values - row.upper)]
+    return max(float(np.max(beyond)) / (abs(bound) or 1.0) for bound, beyond in sides if np.isfinite(bound))
+
+
+@dataclass(frozen=True)
+class _Cubic:
+    """s = s_0 + c_1 f + c_2 f^2 + c_3 f^3; entry and leaving are s' at the ends, and stops is for an end anywhere."""
+
+    first: float
+    span: float
+    entry: float
+    leaving: float
+    stops: bool
+
+    @classmethod
+    def of(cls, phase: Phase) -> _Cubic:
+        path = phase.path
         assert path is not None
-        breaks, parameters = path.curve.breaks, default_parameters(phase)
-        first, span = float(breaks[0]), float(breaks[-1] - breaks[0])
+        first, last = (float(path.curve.breaks[end]) for end in (0, -1))
+        (_, slow), (_, fast) = path.ends(last=True)
+        entry = path.start_speed or 0.0
+        leaving = float(slow) if slow == fast else entry
+        return cls(first, last - first, entry, leaving, not path.whole and entry > 0.0)
 
-        def columns(variables: tuple[Variable, ...], duration: float) -> Curve:
-            def values(f: Array) -> Array:
-                f = np.asarray(f, dtype=float)
-                known = {
-                    PARAMETER: first + span * f**2 * (3.0 - 2.0 * f),
-                    SPEED: span * 6.0 * f * (1.0 - f) / duration,
-                    ACCELERATION: span * (6.0 - 12.0 * f) / duration**2,
-                    f"rate.{ACCELERATION}": np.full_like(f, -12.0 * span / duration**3),
-                }
-                zero = np.zeros_like(f)
-                return np.column_stack([known.get(v.name, zero) for v in variables] or [np.zeros((len(f), 0))])
+    @property
+    def durations(self) -> Array:
+        """The durations that are tried, ascending [s]."""
+        kept = self.span / self.entry if self.entry and self.leaving else SHORTEST
+        growing: Array = LONGER ** np.arange(TRIES + 1.0)
+        return growing * (QUICKEST if self.stops else kept)
 
-            return values
+    @property
+    def longest(self) -> float:
+        """The duration where none meets the rows [s]; at twice span / entry an even deceleration ends at rest."""
+        return 2.0 * self.span / self.entry if self.entry else float(self.durations[-1])
 
-        rows = tuple(row for row in table.throughout if row.kind is Kind.PATH)
-        known = np.array(list(parameters.values()), dtype=float)
+    def ends_beyond(self, duration: float) -> bool:
+        """Whether a stop ends beyond the path."""
+        return self.stops and sum(self._coefficients(duration)) > self.span
 
-        def holds(duration: float) -> bool:
-            x, z, u = (columns(kind, duration)(PLACES) for kind in (dae.states, dae.algebraic, dae.controls))
-            values = table.sample(rows, duration * PLACES, x, z, u, known)
-            return all(
-                bool(np.all((row.lower <= column) & (column <= row.upper)))
-                for row, column in zip(rows, values.T, strict=True)
-            )
+    def _coefficients(self, duration: float) -> tuple[float, float, float]:
+        start, end, span = self.entry * duration, self.leaving * duration, self.span
+        if self.stops:
+            return start, -0.5 * start, 0.0
+        return start, 3.0 * span - 2.0 * start - end, start + end - 2.0 * span
 
-        low, high = phase.duration_bounds
-        duration = max(low, SHORTEST)
-        for _ in range(TRIES if rows else 0):
-            if holds(duration):
-                break
-            duration *= LONGER
-        duration = float(np.clip(duration, low, high))
-        states, algebraic, controls = (columns(kind, duration) for kind in (dae.states, dae.algebraic, dae.controls))
-        return PhaseGuess(duration, states, algebraic, controls, parameters)
+    def columns(self, variables: Sequence[Variable], duration: float, f: Array) -> Array:
+        """Return the values of variables at fractions f, (m, n)."""
+        c1, c2, c3 = self._coefficients(duration)
+        f = np.asarray(f, dtype=float)
+        known = {
+            PARAMETER: self.first + f * (c1 + f * (c2 + f * c3)),
+            SPEED: (c1 + f * (2.0 * c2 + 3.0 * f * c3)) / duration,
+            ACCELERATION: (2.0 * c2 + 6.0 * f * c3) / duration**2,
+            f"rate.{ACCELERATION}": np.full_like(f, 6.0 * c3 / duration**3),
+        }
+        zero = np.zeros_like(f)
+        return np.column_stack([known.get(v.name, zero) for v in variables] or [np.zeros((len(f), 0))])
 
 
 def check_no_path(phase: Phase, guess: str) -> None:

@@ -11,6 +11,7 @@ from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
 from .many.workers import Interrupted
 from .paths.joint_path import as_path
+from .paths.on_path import override, stop_on_path
 from .paths.retime import retime
 from .plan import plan
 from .problem_files.problem_file import ProblemFile
@@ -33,9 +34,11 @@ __all__ = [
     "as_path",
     "driven",
     "multistart",
+    "override",
     "plan",
     "precompile",
     "retime",
+    "stop_on_path",
     "sweep",
     "tightening",
 ]

@@ -100,8 +100,12 @@ class PathRates(ControlRates):
 
     @property
     def start(self) -> Mapping[str, float]:
-        """No acceleration at a start at rest."""
-        return {**super().start, **self._resting(last=False)}
+        """The acceleration that is given, and none at a start at rest."""
+        body = body_of(self.inner)
+        assert isinstance(body, PathBody)
+        given = body.start_acceleration
+        own = self._resting(last=False) if given is None else {PATH_ACCELERATION: given}
+        return {**super().start, **own}
 
     @property
     def end(self) -> Mapping[str, float]:

@@ -1,13 +1,14 @@
-"""Waypoints that a robot passes without a stop, as one problem of linked phases."""
+"""Waypoints that a robot passes, with stops and waits at some, as one problem of linked phases."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint
 from robotraj.problem.links.base import Link
@@ -29,10 +30,11 @@ Place: TypeAlias = "ArrayLike | Constraint"
 
 
 class Waypoints(Problem):
-    """A motion through places in their order, from rest to rest or periodic, without a stop in between.
+    """A motion through places in their order, from rest to rest or periodic, without a stop unless one is given.
 
-    Each leg from a place to the next is a phase with a free duration. Positions and velocities are continuous from leg
-    to leg. The objectives of the legs add up; by default the whole motion takes the least time.
+    Each leg from a place to the next is a phase with a free duration, and each dwell a phase of fixed duration in which
+    the joints rest. Positions and velocities are continuous from phase to phase. The objectives of the legs add up; by
+    default the whole motion takes the least time.
 
     Parameters
     ----------
@@ -51,11 +53,20 @@ class Waypoints(Problem):
         Constraints of every leg.
     limits : Limits, optional
         Those of the robot by default.
+    stop : bool or sequence of int
+        Numbers of the places, from 0, at which the motion comes to rest; True is every place.
+    dwell : mapping of int to float
+        Time [s] that the robot rests at a place after it arrived there, by number of the place.
 
     Raises
     ------
     InputError
-        There is no robot, there are fewer than two places, or a place is neither a configuration nor a constraint.
+        There is no robot, there are fewer than two places, or a place is neither a configuration nor a constraint. A
+        stop or a dwell is at no place where a leg ends, or a dwell is not above 0.
+
+    Examples
+    --------
+    >>> weld = rt.Waypoints(ur5, [home, above, seam, home], stop=[1], dwell={2: 0.5})  # doctest: +SKIP
     """
 
     def __init__(
@@ -68,40 +79,65 @@ class Waypoints(Problem):
         duration: Sequence[float] | Between = (0.01, 20.0),
         constraints: Sequence[Constraint] = (),
         limits: Limits | None = None,
+        stop: bool | Sequence[int] = False,
+        dwell: Mapping[int, float] | None = None,
     ) -> None:
         if not isinstance(robot, Robot):
             raise InputError(f"rt.Waypoints moves a robot of rt.load(...); got {type(robot).__name__}.")
         if len(places) < 2:
             raise InputError(f"rt.Waypoints needs two places at least; got {len(places)}.")
         every = [_place(robot, place, number) for number, place in enumerate(places)]
-        count = len(every) - (not cyclic)
-        phases = []
-        for k in range(count):
-            rows, start, end = list(constraints), None, None
-            if k == 0:
-                first = every[0]
-                still = {} if cyclic else {"v": 0}
-                start = State(**still) if isinstance(first, Constraint) else State(q=first, **still)
-                rows += [AtStart(first)] if isinstance(first, Constraint) else []
-            if k + 1 < len(every):
-                still = {"v": 0} if not cyclic and k == count - 1 else {}
-                last = every[k + 1]
-                end = State(**still) if isinstance(last, Constraint) else State(q=last, **still)
-                rows += [AtEnd(last)] if isinstance(last, Constraint) else []
-            phases.append(
-                Phase(
-                    robot,
-                    duration,
-                    start,
-                    end,
-                    Duration() if objective is None else objective,
-                    rows,
-                    limits=robot.limits if limits is None else limits,
-                    name=f"leg {k + 1}",
-                )
-            )
-        links: list[Link] = [Continuity(k, k + 1) for k in range(count - 1)]
+        arrivals = [*range(1, len(every)), *([0] if cyclic else [])]
+        waits = _waits({} if dwell is None else dwell, arrivals)
+        rests = _stops(stop, arrivals) | set(waits) | (set() if cyclic else {0, len(every) - 1})
+        given = robot.limits if limits is None else limits
+        phases: list[Phase] = []
+        for k, last in enumerate(arrivals):
+            start, at_start = _end(every[0] if k == 0 else None, k in rests)
+            end, at_end = _end(every[last] if last else None, last in rests)
+            rows = [*constraints, *map(AtStart, at_start), *map(AtEnd, at_end)]
+            each = Duration() if objective is None else objective
+            phases.append(Phase(robot, duration, start, end, each, rows, limits=given, name=f"leg {k + 1}"))
+            if last in waits:
+                still = {f"v.{joint}": 0.0 for joint in robot.velocity_names}
+                apart = [each for each in constraints if each.avoids_collisions]
+                name = f"dwell at {last}"
+                phases.append(Phase(robot, waits[last], constraints=apart, states=still, limits=given, name=name))
+        links: list[Link] = [Continuity(k, k + 1) for k in range(len(phases) - 1)]
         super().__init__(phases, [*links, Periodic()] if cyclic else links)
+
+
+def _end(place: np.ndarray | Constraint | None, rests: bool) -> tuple[State, list[Constraint]]:
+    """Return the state at an end of a leg, and the constraints there."""
+    still = {"v": 0.0} if rests else {}
+    if isinstance(place, Constraint):
+        return State(**still), [place]
+    return State(**still) if place is None else State(q=place, **still), []
+
+
+def _stops(stop: bool | Sequence[int], arrivals: Sequence[int]) -> set[int]:
+    if isinstance(stop, bool):
+        return set(arrivals) if stop else set()
+    return {_arrival(number, arrivals, "stop") for number in stop}
+
+
+def _waits(dwell: Mapping[int, float], arrivals: Sequence[int]) -> dict[int, float]:
+    if not isinstance(dwell, Mapping):
+        raise InputError(f"dwell of rt.Waypoints maps numbers of places to times [s], {{2: 0.5}}; got {dwell!r}.")
+    for number, wait in dwell.items():
+        _arrival(number, arrivals, "dwell")
+        if not (is_number(wait) and 0.0 < wait < np.inf):
+            raise InputError(f"The dwell at place {number} of rt.Waypoints is {wait!r}; give a time above 0 s.")
+    return {number: float(wait) for number, wait in dwell.items()}
+
+
+def _arrival(number: int, arrivals: Sequence[int], what: str) -> int:
+    if number not in arrivals:
+        raise InputError(
+            f"{what}= of rt.Waypoints names place {number!r}; the motion arrives at the places "
+            f"{', '.join(map(str, sorted(arrivals)))}."
+        )
+    return number
 
 
 def _place(robot: Robot, place: Place, number: int) -> np.ndarray | Constraint:

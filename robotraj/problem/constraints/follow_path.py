@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
@@ -39,21 +40,34 @@ class FollowPath(Constraint):
         s' at both ends; 0 is at rest, None leaves it free.
     deviation : float
         Largest distance of a joint between the path and another one that it replaces [rad, m], for information.
+    speed : float
+        Largest s'.
+    whole : bool
+        Whether the motion ends at the end of the path; otherwise it ends anywhere on it.
+    start_acceleration : float, optional
+        s'' at the start under limits of jerk or torque rate. None is 0 at rest and free otherwise.
     """
 
     path: PiecewisePolynomial
     start_speed: float | None = 0.0
     end_speed: float | None = 0.0
     deviation: float = 0.0
+    speed: float = np.inf
+    whole: bool = True
+    start_acceleration: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (is_number(self.speed) and self.speed > 0.0):
+            raise InputError(f"FollowPath's speed must be a number above 0, the largest ds/dt; got {self.speed!r}.")
 
     def bind(self, dynamics: Dynamics, parameters: Sequence[str] = ()) -> BoundConstraint:
-        """Write the bound of s'."""
+        """Write the bounds of s'."""
         robot_of(dynamics, "FollowPath")
 
         def expression(point: RobotPoint) -> list[Scalar]:
             return [point.extra[SPEED]]
 
-        return BoundConstraint("path", (Row("path speed", "1/s", 0.0, np.inf, None, SPEED),), expression)
+        return BoundConstraint("path", (Row("path speed", "1/s", 0.0, self.speed, None, SPEED),), expression)
 
     def reduce(self, dynamics: Dynamics) -> Dynamics:
         """Return the equations of motion on the path.
@@ -76,4 +90,6 @@ class FollowPath(Constraint):
             path=self.path,
             start_speed=self.start_speed,
             end_speed=self.end_speed,
+            whole=self.whole,
+            start_acceleration=self.start_acceleration,
         )
