@@ -100,9 +100,8 @@ def stop_on_path(
     """Plan a stop of least time that stays on the path of a plan, from the plan's motion at a time.
 
     The robot leaves the plan at that time with its position and speed, and comes to rest in the least time, which is a
-    local optimum like that of any plan. Under a
-    limit of jerk or torque rate its acceleration is continuous there too. Where no stop before the end of the plan is
-    found, the motion ends there. Time counts from the start of the stop.
+    local optimum like that of any plan. Under a limit of jerk or torque rate its acceleration is continuous there too.
+    Where no stop before the end of the plan is found, the motion ends there. Time counts from the start of the stop.
 
     Parameters
     ----------
