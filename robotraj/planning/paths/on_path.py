@@ -17,7 +17,7 @@ from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
 from robotraj.problem.constraints.bounds import BoundsLike, between
 from robotraj.problem.constraints.follow_path import FollowPath
-from robotraj.problem.constraints.joint_limits import JointEffort, JointVelocity
+from robotraj.problem.constraints.joint_limits import JointAcceleration, JointEffort, JointVelocity
 from robotraj.problem.constraints.motors.rates import JointJerk, RateLimit
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.objectives.duration import Duration
@@ -70,8 +70,7 @@ def override(solution: Solution, speed: float, **options: Unpack[PlanOptions]) -
     Raises
     ------
     InputError
-        The speed is outside its range, or a phase moves a System, or has contacts, another form of dynamics or bounds
-        on algebraic variables.
+        The speed is outside its range, or a phase moves a System, or has contacts or another form of dynamics.
     NoSolutionFound
         The limits forbid a lower speed, for example because a joint cannot hold its weight on the path.
 
@@ -198,10 +197,10 @@ def _remaining(solution: Solution, number: int) -> PiecewisePolynomial:
 
 def _on_path(phase: Phase, follow: FollowPath, longest: float, more: tuple[Constraint, ...] = ()) -> Phase:
     """Return the phase along the path, in least time."""
-    if not isinstance(phase.dynamics, InverseDynamics) or phase.algebraic:
+    if not isinstance(phase.dynamics, InverseDynamics):
         raise InputError(
-            f"Phase {phase.name!r} has bounds on algebraic variables or another form of dynamics, which do not exist "
-            "on a path. State limits by limits= and constraints, with rt.dynamics.InverseDynamics()."
+            f"Phase {phase.name!r} has {type(phase.dynamics).__name__}(), which do not exist on a path; plan it with "
+            "rt.dynamics.InverseDynamics()."
         )
     limits = phase.limits.with_(position=np.inf) if isinstance(phase.limits, Limits) else None
     alone = Phase(
@@ -218,7 +217,11 @@ def _on_path(phase: Phase, follow: FollowPath, longest: float, more: tuple[Const
     )
     own = [
         kind({name[len(prefix) :]: bound for name, bound in bounds.items() if name.startswith(prefix)})
-        for kind, prefix, bounds in ((JointVelocity, "v.", phase.states), (JointEffort, "tau.", phase.controls))
+        for kind, prefix, bounds in (
+            (JointVelocity, "v.", phase.states),
+            (JointAcceleration, "a.", phase.algebraic),
+            (JointEffort, "tau.", phase.controls),
+        )
     ]
     kept = [each for each in (*own, *phase.constraints) if _depends_on_timing(each, alone)]
     return alone.with_(constraints=[follow, *kept, *more])

@@ -99,10 +99,20 @@ class Waypoints(Problem):
             each = Duration() if objective is None else objective
             phases.append(Phase(robot, duration, start, end, each, rows, limits=given, name=f"leg {k + 1}"))
             if last in waits:
-                still = {f"v.{joint}": 0.0 for joint in robot.velocity_names}
+                # From rest, joints without acceleration stay at rest exactly.
+                still = {f"a.{joint}": 0.0 for joint in robot.velocity_names}
                 apart = [each for each in constraints if each.avoids_collisions]
-                name = f"dwell at {last}"
-                phases.append(Phase(robot, waits[last], constraints=apart, states=still, limits=given, name=name))
+                phases.append(
+                    Phase(
+                        robot,
+                        waits[last],
+                        State(v=0.0),
+                        constraints=apart,
+                        algebraic=still,
+                        limits=given,
+                        name=f"dwell at {last}",
+                    )
+                )
         links: list[Link] = [Continuity(k, k + 1) for k in range(len(phases) - 1)]
         super().__init__(phases, [*links, Periodic()] if cyclic else links)
 
