@@ -60,3 +60,14 @@ def test_shifting_moves_time_alone() -> None:
     curve = cubic_then_line()
     t = np.linspace(1, 4, 11)
     np.testing.assert_allclose(curve.shifted(2.5)(t + 2.5), curve(t), atol=1e-12)
+
+
+def test_the_rest_of_a_curve_is_the_same_polynomial():
+    breaks, sites = np.array([0.0, 1.0, 3.0]), np.linspace(0.0, 1.0, 4)
+    ends = zip(breaks, breaks[1:], strict=False)
+    curve = PiecewisePolynomial(breaks, [sites, sites], [((a + (b - a) * sites) ** 3)[:, None] for a, b in ends])
+    for start in (0.0, 0.4, 1.0, 2.5):
+        t = np.linspace(start, 3.0, 31)
+        assert np.allclose(curve.after(start)(t)[:, 0], t**3) and curve.after(start).breaks[0] == start
+    with pytest.raises(ValueError, match="not before the end"):
+        curve.after(3.0)

@@ -123,3 +123,11 @@ def test_other_speeds_and_times_are_refused(quick):
             rt.override(quick, speed)
     with pytest.raises(rt.InputError, match="time of a stop is within the plan, from 0 s"):
         rt.stop_on_path(quick, 9.0)
+
+
+def test_the_speed_along_a_path_is_a_number_above_0(arm):
+    path = rt.planning.as_path(np.array([A, B]))
+    assert rt.constraints.FollowPath(path, speed=0.5).speed == 0.5
+    for speed in (0.0, -1.0, "fast"):
+        with pytest.raises(rt.InputError, match="speed must be a number above 0"):
+            rt.constraints.FollowPath(path, speed=speed)
