@@ -65,7 +65,11 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
             f"{str(path)!r} is no {kind}: its root is <{root.tag}>, not <robot>. Convert it to {kind} first."
         )
     if xacro:
-        raise InputError(f"{str(path)!r} is a xacro macro, not a {kind}: expand it with the xacro command first.")
+        made = path.name.removesuffix(".xacro").removesuffix(".urdf") + "_expanded.urdf"
+        raise InputError(
+            f"{str(path)!r} is a xacro macro, not a {kind}: expand it first, with 'xacro {path.name} > {made}', and "
+            f"load {made!r}. The command comes with ROS, or with pip install xacro."
+        )
     return root
 
 

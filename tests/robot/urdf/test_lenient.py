@@ -86,3 +86,12 @@ def test_long_files_of_nonsense_end_soon(text, tmp_path):
     with pytest.raises(rt.InputError):
         rt.load(path)
     assert time.process_time() - begun < 2.0
+
+
+def test_a_xacro_macro_is_answered_by_the_command_that_expands_it_into_another_file(tmp_path):
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(ROBOT.replace('value="1"', 'value="${mass}"'))
+    with pytest.raises(
+        rt.InputError, match=r"'xacro arm.urdf.xacro > arm_expanded.urdf', and load 'arm_expanded.urdf'"
+    ):
+        rt.load(path)
