@@ -254,11 +254,6 @@ def proof_on(guess: InitialGuess | Solution | None, meshes: tuple[Mesh, ...]) ->
     return guess.proof if tuple(part.mesh for part in guess.phases) == meshes else None
 
 
-def is_motion(solution: Solution) -> bool:
-    """Whether a solution is a motion within its limits."""
-    return solution.proof is not None and solution.proof.motion_holds
-
-
 def _bends(part: PhaseSolution, bending: bool) -> Array:
     """Return the contribution to the objective of controls that the mesh does not resolve, (K,)."""
     if part.phase.path is not None:
