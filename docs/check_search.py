@@ -14,9 +14,7 @@ ENTRY = re.compile(r"\]\(([\w/.-]+)\.md(?:#[\w-]+)?\)")
 
 OTHER = {
     "walk": "how-to/gaits",
-    "obstacles": "how-to/obstacles",
     "gaits": "how-to/gaits",
-    "the replay": "how-to/replay",
     "problem files": "problem-files",
     "your own urdf": "how-to/own-robot",
 }
