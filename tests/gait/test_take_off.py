@@ -40,7 +40,9 @@ def test_the_rise_grows_with_torque_and_falls_with_the_margin() -> None:
 def test_a_jump_of_three_metres_is_refused_within_two_seconds() -> None:
     robot = rt.load("go2", root="floating")
     began = time.process_time()
-    with pytest.raises(rt.InputError, match=r"3 m, a take-off at 7.67 m/s.*effort and velocity limits.*height=0\.\d+ would do"):
+    with pytest.raises(
+        rt.InputError, match=r"3 m, a take-off at 7.67 m/s.*effort and velocity limits.*height=0\.\d+ would do"
+    ):
         rt.gait.jump(robot, height=3.0)
     assert time.process_time() - began < 2.0
 
