@@ -71,7 +71,7 @@ def doctor(as_json: JsonOption = False) -> None:
 def findings() -> list[Finding]:
     """Return what was found, in the order in which it is printed."""
     return [
-        Finding("Python", f"{platform.python_version()} at {sys.executable}"),
+        Finding("Python", f"{platform.python_version()} at {sys.prefix}"),
         Finding("system", f"{platform.system()} {platform.machine()}, {len(os.sched_getaffinity(0))} processors"),
         _itself(),
         *map(_library, LIBRARIES),

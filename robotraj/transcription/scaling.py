@@ -26,12 +26,12 @@ from robotraj.transcription.scalar_table import Entry, Scalars
 Array = NDArray[np.float64]
 
 LEAST, GREATEST = 1e-3, 1e24
-"""Range of the sizes of gradients; friction cones of 1e9 kg are squares of 1e10 N. The least is relative to the largest
-variable where all are small, as in motions of micrometres."""
+"""Range of the sizes of gradients, and size of variables whose guess is a rounding error; friction cones of 1e9 kg are
+squares of 1e10 N. The least is relative to the largest variable where all are small, as in motions of micrometres."""
 PLACEHOLDER = 1e3
 """Bounds above this multiple of the guess are placeholders that do not measure the motion."""
-ROUNDING = 1e-9
-"""Least size of a variable relative to the largest one in the guess: rounding errors of the guess are no sizes."""
+ROUNDING = 1e-10
+"""Guesses up to this share of the largest one, or of an SI unit, are rounding errors, and no sizes."""
 TIGHT = 1e3
 """Largest bound by which a variable is scaled."""
 PLAIN = 1e2
@@ -55,10 +55,12 @@ def variable_scale(variables: Scalars, guess: Array) -> Array:
     by_guess = _shared(entries, by_guess)
     durations = _durations(variables)
     bounded = (by_bounds > 0) & (by_bounds <= TIGHT) & ~durations
-    least = ROUNDING * by_guess[~durations].max(initial=0.0)
-    known = np.where(by_guess > least, PLACEHOLDER * by_guess, np.inf)
+    largest = min(1.0, float(by_guess[~durations].max(initial=0.0)))
+    noise = (by_guess > 0.0) & (by_guess <= ROUNDING * largest)
+    by_guess = np.where(noise, LEAST * largest, by_guess)
+    known = np.where((by_guess > 0.0) & ~noise, PLACEHOLDER * by_guess, np.inf)
     size = np.where(bounded, np.minimum(by_bounds, known), by_guess)
-    return np.where(size > 0, np.clip(size, least, GREATEST), 1.0)[meaning]
+    return np.where(size > 0, np.minimum(size, GREATEST), 1.0)[meaning]
 
 
 def scales(

@@ -323,7 +323,7 @@ FILES = {
     "MJCF": ("<mujoco/>", "its root is <mujoco>"),
     "xacro": (
         '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>',
-        "expand it with the xacro",
+        "expand it first, with 'xacro robot.urdf",
     ),
     "no links": ('<robot name="r"></robot>', "cannot read"),
     "two roots": (

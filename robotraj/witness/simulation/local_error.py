@@ -66,7 +66,7 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
         if before is not None:
             handed = handed_on(solution, i, plant, own, before)
             found.append(_seam(plant, handed, own, sizes[i], float(knots[0]), phase))
-        windows = cut_at_events(planned, windows_of(knots, longest), sizes[i])
+        windows = cut_at_events(planned, windows_of(knots, longest), plant.names, sizes[i])
         found.append(local_error_of(plant, windows, phase, sizes[i], rtol, atol, clock))
         image = None if mirror is None else mirror_image(realised(planned), mirror)
         if image is not None:

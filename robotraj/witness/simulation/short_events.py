@@ -7,6 +7,8 @@ span is cut into short pieces where the rates are not those of a polynomial thro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -28,15 +30,19 @@ PIECE = 4
 SEED = 20261128
 
 
-def cut_at_events(planned: PhaseSolutionLike, windows: list[list[Span]], sizes: Array) -> list[list[Span]]:
+def cut_at_events(
+    planned: PhaseSolutionLike, windows: list[list[Span]], names: Sequence[str], sizes: Array
+) -> list[list[Span]]:
     """Cut spans of a System's phase where its rates have short events.
 
     Parameters
     ----------
     planned : PhaseSolution
     windows : list of list of Span
+    names : sequence of str
+        The states of the System; an objective may add others.
     sizes : ndarray (n,)
-        Sizes of the states.
+        Their sizes.
     """
     if planned.phase.robot is not None or not isinstance(planned.phase, Phase):
         return windows
@@ -49,14 +55,15 @@ def cut_at_events(planned: PhaseSolutionLike, windows: list[list[Span]], sizes: 
     places = [np.concatenate([few, each]) for each in many]
     times = np.concatenate([span.inside(span.begin + span.length * at) for span, at in zip(spans, places, strict=True)])
     intervals = np.repeat([span.interval for span in spans], [len(at) for at in places])
-    rates = _rates(planned, times, intervals)
+    own = [[state.name for state in planned.phase.dae.states].index(name) for name in names]
+    rates = _rates(planned, times, intervals)[:, own]
     if not np.isfinite(rates).all():
         return windows
     ends = np.cumsum([len(at) for at in places])
     cut: dict[Span, list[Span]] = {}
-    for span, at, own in zip(spans, many, np.split(rates, ends[:-1]), strict=True):
-        smooth = chebyshev.chebval(2.0 * at - 1.0, chebyshev.chebfit(2.0 * few - 1.0, own[:FEW], FEW - 1)).T
-        missed = np.abs(own[FEW:] - smooth).mean(axis=0) * span.length
+    for span, at, found in zip(spans, many, np.split(rates, ends[:-1]), strict=True):
+        smooth = chebyshev.chebval(2.0 * at - 1.0, chebyshev.chebfit(2.0 * few - 1.0, found[:FEW], FEW - 1)).T
+        missed = np.abs(found[FEW:] - smooth).mean(axis=0) * span.length
         if np.any(missed > MISSED * sizes):
             pieces = np.linspace(span.begin, span.end, -(-len(at) // PIECE) + 1)
             cut[span] = [Span(float(a), float(b), span.interval) for a, b in zip(pieces, pieces[1:], strict=False)]
