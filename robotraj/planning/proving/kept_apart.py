@@ -126,7 +126,8 @@ class KeptApart:
             found = with_effort_of(each, found)
         if not any(self._open) or found.proof is None:
             return found
-        overlaps = self._overlaps.deepest(found)
+        stopped = self._is_stopped or found.status in STOPPED
+        overlaps = self._overlaps.at_known_times(found, self._open) if stopped else self._overlaps.deepest(found)
         movable = any(self._is_movable(each) for each in overlaps)
         status = Status.NOT_PROVED if movable and found.status is Status.SOLVED else found.status
         if self._is_stopped:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -68,6 +69,17 @@ class OwnOverlaps:
                 if each.overlaps and body is not None and part.phase.robot is not None:
                     depth, time = deepest_overlap(part.phase.robot, body, in_time(part), each)
                     overlaps.append(Overlap(number, each.pair, max(depth, LEAST), time))
+        return overlaps
+
+    def at_known_times(self, found: Solution, known: Sequence[Mapping[int, float]]) -> list[Overlap]:
+        """Return the overlaps of each phase's pairs at their known times [s], which takes no search."""
+        overlaps = []
+        for number, (part, body, times) in enumerate(zip(found.phases, self.bodies, known, strict=True)):
+            robot = part.phase.robot
+            if body is not None and robot is not None:
+                at = {pair: in_time(part)(np.array([time]))[0] for pair, time in times.items()}
+                depths = {pair: max(body.depth(robot, q, pair), LEAST) for pair, q in at.items()}
+                overlaps += [Overlap(number, pair, depth, times[pair]) for pair, depth in depths.items()]
         return overlaps
 
     def violation(self, each: Overlap) -> Violation:
