@@ -245,10 +245,7 @@ class RowTable(OneLine):
     @cached_property
     def symbols(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
         """Symbols of the table: columns t, x, z, u, p."""
-        dae = self.dae
-        sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(self.parameters))
-        t, x, z, u, p = (ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True))
-        return t, x, z, u, p
+        return phase_symbols(self.dae, self.parameters)
 
     @cached_property
     def point(self) -> Point:
@@ -275,3 +272,10 @@ class RowTable(OneLine):
 def evaluated(constraint: BoundConstraint, point: Point) -> list[ca.SX]:
     """Evaluate the expression of a constraint on a point of symbols, as a list of scalars."""
     return as_rows(constraint.expression(point), f"expression of {constraint.name!r}")
+
+
+def phase_symbols(dae: Dynamics, parameters: Sequence[str]) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Return fresh symbols of a phase: columns t (1,), x (nx,), z (nz,), u (nu,), p (np,)."""
+    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(parameters))
+    t, x, z, u, p = (ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True))
+    return t, x, z, u, p

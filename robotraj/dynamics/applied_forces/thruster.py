@@ -43,6 +43,15 @@ class Thruster(Contact):
         Moment about the direction per thrust [m]: that of a propeller's drag.
     name : str, optional
         The frame's name by default.
+
+    Raises
+    ------
+    InputError
+        The direction is no vector above 0, the limits are not in order, or the spin is not finite.
+
+    Notes
+    -----
+    With the unit axis d in world axes and the thrust f the force is f d and the moment ``spin`` f d.
     """
 
     frame: str

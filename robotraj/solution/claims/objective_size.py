@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics.point import AnyPoint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
+from robotraj.problem.rows import phase_symbols
 from robotraj.robot.size.state_sizes import state_sizes
 
 Array = NDArray[np.float64]
@@ -141,8 +142,5 @@ def _controls_that_matter(phase: Phase, sample: Any, sizes: Array, rows: Sequenc
 
 def _symbols(phase: Phase) -> tuple[list[ca.SX], AnyPoint]:
     """Return symbols t, x, z, u, p of a phase, and its point of these symbols."""
-    dae = phase.dae
-    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
-    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
-    t, x, z, u, p = symbols
-    return symbols, dae.point(t, x, z, u, p, phase.parameter_names)
+    symbols = phase_symbols(phase.dae, phase.parameter_names)
+    return list(symbols), phase.dae.point(*symbols, phase.parameter_names)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj.problem.objectives.base import Integral
+from robotraj.problem.rows import phase_symbols
 from robotraj.transcription.driven_motion import PlannedInputs
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.smoothness.smoothing import smoothing_weights
@@ -146,9 +147,7 @@ def _new_rate(phase: Phase, of_motion: bool) -> ca.Function | None:
     if not integrals:
         return None
     dae = phase.dae
-    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
-    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
-    t, x, z, u, p = symbols
-    point = dae.point(t, x, z, u, p, phase.parameter_names)
+    symbols = phase_symbols(dae, phase.parameter_names)
+    point = dae.point(*symbols, phase.parameter_names)
     rates = (weight * (term.rate_of_motion(point) if of_motion else term.rate(point)) for weight, term in integrals)
-    return ca.Function("rate", symbols, [ca.densify(ca.SX(sum(rates, ca.SX(0))))])
+    return ca.Function("rate", list(symbols), [ca.densify(ca.SX(sum(rates, ca.SX(0))))])

@@ -14,9 +14,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
+from robotraj.witness.checks.joint_error import JointError
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import Array, PhaseSolutionLike
@@ -29,27 +29,12 @@ STILL = 1e-2
 
 
 @dataclass(frozen=True)
-class FrictionGap(OneLine):
+class FrictionGap(JointError):
     """The largest mean difference of smoothed from Coulomb friction.
 
-    Attributes
-    ----------
-    joint, phase, unit : str
-    amount, size : float
-        Missing friction in the mean, and the largest force of the joint's motor in the phase, at least its friction
-        [unit].
+    ``amount`` is the missing friction in the mean, ``size`` the largest force of the joint's motor in the phase, at
+    least its friction.
     """
-
-    joint: str
-    phase: str
-    unit: str
-    amount: float
-    size: float
-
-    @property
-    def relative(self) -> float:
-        """``amount`` / ``size``."""
-        return self.amount / self.size
 
     def __str__(self) -> str:
         return (

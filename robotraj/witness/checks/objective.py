@@ -10,16 +10,16 @@ from collections.abc import Callable
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import AnyPoint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
+from robotraj.problem.rows import phase_symbols
 from robotraj.solution.claims.objective_size import objective_size
-from robotraj.witness.plants.system_plant import columns
-from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
+from robotraj.witness.plants.system_plant import arguments
+from robotraj.witness.protocols import PhaseSolutionLike, SolutionLike
 from robotraj.witness.sampling import interval_samples
 
 POINTS = 6
@@ -76,8 +76,8 @@ def _costs(planned: PhaseSolutionLike) -> list[tuple[float, float]]:
         sites, weights = np.polynomial.legendre.leggauss(POINTS)
         sums = np.zeros((2, len(integrals)))
         for part in interval_samples(planned, POINTS, 0.5 * (sites + 1.0)):
-            arguments = _arguments(planned, part.times, part.interval)
-            values = np.array(integrand.map(len(part.times))(*arguments))
+            given = arguments(planned, part.times, part.interval)
+            values = np.array(integrand.map(len(part.times))(*given))
             share = np.repeat(0.5 * (part.ends - part.begins), POINTS) * np.tile(weights, len(part.intervals))
             sums += np.array([values @ share, np.abs(values) @ share])
         found += [(float(value), float(scale)) for value, scale in sums.T]
@@ -89,7 +89,7 @@ def _costs(planned: PhaseSolutionLike) -> list[tuple[float, float]]:
         at_ends = [
             value
             for times, interval in ((knots[:1], 0), (knots[-1:], len(knots) - 2))
-            for value in _arguments(planned, times, interval)
+            for value in arguments(planned, times, interval)
         ]
         values = np.array(ca.Function("ends", [*first, *second], [ca.densify(costs)])(*at_ends)).ravel()
         found += [(float(value), abs(float(value))) for value in values]
@@ -98,17 +98,5 @@ def _costs(planned: PhaseSolutionLike) -> list[tuple[float, float]]:
 
 def _symbols(phase: Phase) -> tuple[list[ca.SX], AnyPoint]:
     """Return symbols t, x, z, u, p of a phase, and its point of these symbols."""
-    dae = phase.dae
-    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
-    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
-    t, x, z, u, p = symbols
-    return symbols, dae.point(t, x, z, u, p, phase.parameter_names)
-
-
-def _arguments(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]) -> list[Array]:
-    """Return the values of the symbols at times (m,) of intervals, one column a time."""
-    sample, dae, count = planned.at(times, interval=interval), planned.phase.dae, len(times)
-    kinds = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
-    values = [columns(named, tuple(v.name for v in kind), count).T for named, kind in kinds]
-    parameters = np.array([planned.parameters[name] for name in planned.phase.parameter_names], dtype=float)
-    return [times[None, :], *values, np.tile(parameters[:, None], count)]
+    symbols = phase_symbols(phase.dae, phase.parameter_names)
+    return list(symbols), phase.dae.point(*symbols, phase.parameter_names)

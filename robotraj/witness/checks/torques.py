@@ -33,6 +33,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.size.error_window import error_window
 from robotraj.robot.tangent import velocities
+from robotraj.witness.checks.joint_error import JointError
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
@@ -49,31 +50,18 @@ ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
-class TorqueError(OneLine):
+class TorqueError(JointError):
     """The largest mean error of a generalised force over a window.
+
+    ``amount`` is what the motion needs and the plan does not give, ``size`` the joint's load in the motion.
 
     Attributes
     ----------
-    joint, phase, unit : str
     time : float
         Middle of the window [s].
-    amount : float
-        Mean over the window of what the motion needs and the plan does not give [unit].
-    size : float
-        The joint's load in the motion [unit].
     """
 
-    joint: str
-    phase: str
-    unit: str
     time: float
-    amount: float
-    size: float
-
-    @property
-    def relative(self) -> float:
-        """``amount`` / ``size``."""
-        return self.amount / self.size
 
     def __str__(self) -> str:
         return (
@@ -83,29 +71,18 @@ class TorqueError(OneLine):
 
 
 @dataclass(frozen=True)
-class RateError(OneLine):
+class RateError(JointError):
     """The largest mean difference over a window of a planned velocity from the derivative of the planned position.
+
+    ``amount`` is the mean of dq/dt - v, ``size`` that of the velocity in the motion.
 
     Attributes
     ----------
-    joint, phase, unit : str
     time : float
-        [s].
-    amount, size : float
-        The mean of dq/dt - v, and the size of the velocity in the motion [unit].
+        End of the mean [s].
     """
 
-    joint: str
-    phase: str
-    unit: str
     time: float
-    amount: float
-    size: float
-
-    @property
-    def relative(self) -> float:
-        """``amount`` / ``size``."""
-        return self.amount / self.size
 
 
 @dataclass(frozen=True)
@@ -160,9 +137,9 @@ def _rate_error(planned: PhaseSolutionLike, sizes: Array) -> RateError | None:
             robot.velocity_names[j],
             str(planned.phase.name),
             RATE_UNITS[robot.units[j]],
-            float(places[first + k, i]),
             float(mean[k, i, j]),
             float(own[j]),
+            float(places[first + k, i]),
         )
         worst = found if worst is None or found.relative > worst.relative else worst
     return worst
@@ -208,7 +185,7 @@ def _errors(part: _Missing, parts: Sequence[_Missing]) -> list[TorqueError]:
         worst, times = np.where(better, mean, worst), np.where(better, part.begins[first] + 0.5 * length, times)
     phase = str(part.planned.phase.name)
     return [
-        TorqueError(name, phase, TORQUE_UNITS[units[i]], float(times[i]), float(worst[i]), float(sizes[i]))
+        TorqueError(name, phase, TORQUE_UNITS[units[i]], float(worst[i]), float(sizes[i]), float(times[i]))
         for i, name in enumerate(names)
     ]
 

@@ -94,6 +94,15 @@ def columns(named: Mapping[str, float | Array], names: tuple[str, ...], count: i
     return np.column_stack([np.asarray(named[name], dtype=float) for name in names])
 
 
+def arguments(planned: PhaseSolutionLike, times: Array, interval: int | NDArray[np.int_]) -> list[Array]:
+    """Return the values of a phase's symbols t, x, z, u, p at times (m,) of intervals, one column a time."""
+    sample, dae, count = planned.at(times, interval=interval), planned.phase.dae, len(times)
+    kinds = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
+    values = [columns(named, tuple(v.name for v in kind), count).T for named, kind in kinds]
+    parameters = np.array([planned.parameters[name] for name in planned.phase.parameter_names], dtype=float)
+    return [times[None, :], *values, np.tile(parameters[:, None], count)]
+
+
 def _solve_algebraic(
     system: SystemLike, t: float, x: Array, z: Array, u: Array, parameters: Mapping[str, float]
 ) -> Array:

@@ -15,7 +15,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from robotraj.problem.phase import Phase
-from robotraj.witness.plants.system_plant import columns
+from robotraj.problem.rows import phase_symbols
+from robotraj.witness.plants.system_plant import arguments
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 from robotraj.witness.simulation.spans import Span
 
@@ -73,14 +74,7 @@ def cut_at_events(
 def _rates(planned: PhaseSolutionLike, times: Array, intervals: NDArray[np.int_]) -> Array:
     """Evaluate the rates of the states along the plan, (m, n)."""
     phase, dae = planned.phase, planned.phase.dae
-    sizes = (1, len(dae.states), len(dae.algebraic), len(dae.controls), len(phase.parameter_names))
-    symbols = [ca.SX.sym(name, size) for name, size in zip("txzup", sizes, strict=True)]
-    t, x, z, u, p = symbols
-    rates = ca.densify(ca.SX(dae.rates(dae.point(t, x, z, u, p, phase.parameter_names))))
-    sample = planned.at(times, interval=intervals)
-    kinds = ((sample.x, dae.states), (sample.z, dae.algebraic), (sample.u, dae.controls))
-    values = [columns(named, tuple(v.name for v in kind), len(times)).T for named, kind in kinds]
-    parameters = np.array([planned.parameters[name] for name in phase.parameter_names], dtype=float)
-    along = ca.Function("along", symbols, [rates]).map(len(times))
-    found = np.array(along(times[None], *values, np.tile(parameters[:, None], len(times))))
-    return np.asarray(found.T)
+    symbols = phase_symbols(dae, phase.parameter_names)
+    rates = ca.densify(ca.SX(dae.rates(dae.point(*symbols, phase.parameter_names))))
+    along = ca.Function("along", list(symbols), [rates]).map(len(times))
+    return np.asarray(np.array(along(*arguments(planned, times, intervals))).T)
