@@ -9,7 +9,7 @@ from pathlib import Path
 
 import typer
 
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj._util.values import dataclass
 from robotraj.cli.exits import ExitCode
 from robotraj.cli.terminal import notes, say, say_json
@@ -37,7 +37,7 @@ class Files:
         if self.save is not None:
             written.append(solution.save(self.save))
         if self.plot is not None:
-            with whole_file(self.plot) as file:
+            with WholeFile(self.plot) as file:
                 _draw(solution, file, self.plot.suffix[1:])
             written.append(self.plot)
         if self.html is not None:

@@ -12,7 +12,7 @@ import numpy as np
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.paths import output_path
 from robotraj._util.system.interrupts import heeded
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
@@ -111,7 +111,7 @@ def replay(
         check_options(_one_robot(each), speed=speed, fps=fps, traces=traces)
     reports = _reports(solutions, report)
     text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports)
-    with whole_file(target) as file:
+    with WholeFile(target) as file:
         # Names from file names that are no UTF-8 hold letters which UTF-8 cannot encode.
         file.write_text(text, encoding="utf-8", errors="backslashreplace")
     return target

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
+from types import CodeType, FrameType
 from typing import NoReturn, ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -73,6 +74,48 @@ def stop_if_noted() -> None:
     start = _before.get()
     if start is not None and _presses > start:
         raise KeyboardInterrupt
+
+
+class HeldBack:
+    """Between ``begin`` and ``end``, a press of Ctrl-C waits while one of the functions runs, and is heeded elsewhere.
+
+    A press that waited is heeded at the end. The running functions are found on the stack of the press, so that no
+    instant lies between them and the block that they surround.
+
+    Parameters
+    ----------
+    *codes : types.CodeType
+        The ``__code__`` of Python functions, such as ``__enter__`` and ``__exit__`` of a context manager.
+    """
+
+    def __init__(self, *codes: CodeType) -> None:
+        self._codes = codes
+        self._handler: Callable[[int, FrameType | None], object] | None = None
+        self._waiting: tuple[int, FrameType | None] | None = None
+
+    def begin(self) -> None:
+        """Take the place of the handler, where there is one and this is the main thread."""
+        handler = signal.getsignal(signal.SIGINT)
+        if callable(handler) and threading.current_thread() is threading.main_thread():
+            self._handler = handler
+            signal.signal(signal.SIGINT, self._heed)
+
+    def end(self) -> None:
+        """Put the handler back, and hand it the press that waited."""
+        if self._handler is not None:
+            signal.signal(signal.SIGINT, self._handler)
+            if self._waiting is not None:
+                self._handler(*self._waiting)
+
+    def _heed(self, number: int, frame: FrameType | None) -> None:
+        running = frame
+        while running is not None:
+            if running.f_code in self._codes:
+                self._waiting = number, frame
+                return
+            running = running.f_back
+        assert self._handler is not None
+        self._handler(number, frame)
 
 
 def _note_and_raise(*_: object) -> NoReturn:

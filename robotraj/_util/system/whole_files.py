@@ -7,11 +7,10 @@ import os
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from robotraj._util.errors import InputError
+from robotraj._util.system.interrupts import HeldBack
 
 _ADVICE = {
     errno.ENOSPC: "free space or choose another place",
@@ -25,41 +24,65 @@ _ADVICE = {
 }
 
 
-@contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
-    """Yield a path to write to; the file takes its place at ``target`` once it is complete and on the disk.
+class WholeFile:
+    """A path to write to; the file takes its place at ``target`` once it is complete and on the disk.
 
     An older file at ``target`` stays unchanged until then, and the new one has its permissions. A symbolic link stays
     one; the file that it names is replaced. The path lies in a folder that only its owner can open, so nobody else can
-    have put a link there. If writing fails, nothing is left of it.
+    have put a link there. If writing fails or is interrupted, nothing is left of it: a press of Ctrl-C stops the block,
+    and waits while the folder is made, moved or removed.
 
     Raises
     ------
     InputError
         The operating system refuses to write, as on a full disk, or ``target`` is a device or pipe.
     """
-    folder: str | None = None
-    try:
-        place = target.resolve() if target.is_symlink() else target
-        older = place.stat() if place.exists() else None
-        if older is not None and not stat.S_ISREG(older.st_mode):
-            raise InputError(f"{str(target)!r} is no regular file; choose another name.")
-        folder = tempfile.mkdtemp(prefix=".robotraj-", dir=place.parent)
-        partial = Path(folder) / "partial"
-        yield partial
-        if older is not None:
-            partial.chmod(stat.S_IMODE(older.st_mode))
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+        self._place = target
+        self._older: os.stat_result | None = None
+        self._folder = ""
+        self._held = HeldBack(WholeFile.__enter__.__code__, WholeFile.__exit__.__code__)
+
+    def __enter__(self) -> Path:
+        self._held.begin()
+        try:
+            self._place = self._target.resolve() if self._target.is_symlink() else self._target
+            self._older = self._place.stat() if self._place.exists() else None
+            if self._older is not None and not stat.S_ISREG(self._older.st_mode):
+                raise InputError(f"{str(self._target)!r} is no regular file; choose another name.")
+            self._folder = tempfile.mkdtemp(prefix=".robotraj-", dir=self._place.parent)
+        except OSError as error:
+            raise self._refused(error) from error
+        finally:
+            if not self._folder:
+                self._held.end()
+        return Path(self._folder) / "partial"
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        try:
+            if isinstance(error, OSError):
+                raise self._refused(error) from error
+            if error is None:
+                self._finish(Path(self._folder) / "partial")
+        except OSError as refusal:
+            raise self._refused(refusal) from refusal
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._held.end()
+
+    def _finish(self, partial: Path) -> None:
+        if self._older is not None:
+            partial.chmod(stat.S_IMODE(self._older.st_mode))
         _to_disk(partial)
-        os.replace(partial, place)
-        _to_disk(place.parent)
-    except OSError as error:
+        os.replace(partial, self._place)
+        _to_disk(self._place.parent)
+
+    def _refused(self, error: OSError) -> InputError:
         advice = _ADVICE.get(error.errno or 0, "choose another place")
-        raise InputError(
-            f"{str(target)!r} could not be written: {error.strerror or error}. Nothing of it was kept; {advice}."
-        ) from error
-    finally:
-        if folder is not None:
-            shutil.rmtree(folder, ignore_errors=True)
+        reason = error.strerror or error
+        return InputError(f"{str(self._target)!r} could not be written: {reason}. Nothing of it was kept; {advice}.")
 
 
 def _to_disk(path: Path) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj.cli.options import JsonOption, PackageDirsOption, RobotArgument, TrustPathsOption
 from robotraj.cli.terminal import say, say_json
 
@@ -41,7 +41,7 @@ def write_problem(
     folders = [str(folder.expanduser().resolve()) for folder in package_dirs or ()]
     mover = load(robot, root=root, package_dirs=folders, trust_paths=trust_paths)
     text = starter(mover, source, out.name, folders, trust_paths)
-    with whole_file(target) as partial:
+    with WholeFile(target) as partial:
         partial.write_text(text, encoding="utf-8")
     if as_json:
         say_json({"written": [str(target)]})

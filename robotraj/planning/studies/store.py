@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from robotraj._util.errors import InputError
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj.planning.studies.rows import CASE, Row, arrow, schema_of
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Store:
         if known is not None and known.schema.names == table.schema.names:
             table = _distinct(pa.concat_tables([table, known], promote_options="permissive"))
         self._write(table, self.folder / CASES)
-        with whole_file(self.folder / FACTS) as partial:
+        with WholeFile(self.folder / FACTS) as partial:
             partial.write_text(json.dumps(facts, indent=1, sort_keys=True))
 
     def facts(self) -> dict[str, Any]:
@@ -116,7 +116,7 @@ class Store:
     def _write(self, table: pa.Table, path: Path) -> None:
         import pyarrow.parquet as parquet
 
-        with whole_file(path) as partial:
+        with WholeFile(path) as partial:
             parquet.write_table(table, partial, compression="zstd")
 
 

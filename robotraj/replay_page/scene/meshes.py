@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.paths import cache_folder
 from robotraj._util.system.limited import LimitedProcess, NoAnswer
 from robotraj._util.system.regular_files import contents
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj.replay_page.scene.part import Part, unpacked
 from robotraj.robot.meshes.reading import LARGEST, SUFFIXES
 
@@ -67,7 +67,7 @@ def _read(path: Path, process: LimitedProcess) -> Parts:
     if alone and len(answer) <= MOST_BYTES:
         try:
             kept.parent.mkdir(parents=True, exist_ok=True)
-            with whole_file(kept) as partial:
+            with WholeFile(kept) as partial:
                 partial.write_bytes(answer)
         except (OSError, InputError):
             pass  # If the cache cannot be written, the next process reads the mesh again.

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import cache_folder
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj.robot.collision.enclosing_spheres import Fit, enclose
 
 Array = npt.NDArray[np.float64]
@@ -30,7 +30,7 @@ def fitted(triangles: Array) -> Fit:
     fit = enclose(triangles)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as partial, partial.open("wb") as stream:
+        with WholeFile(path) as partial, partial.open("wb") as stream:
             np.savez(stream, **fit._asdict())
     except (OSError, InputError):
         pass  # If the cache cannot be written, the next process fits the mesh again.

@@ -14,7 +14,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj.solution.export.set_points import SetPoints, set_points
 from robotraj.solution.export.texts import cell, yaml_text
 
@@ -64,7 +64,7 @@ def to_controller(solution: Planned, path: str | os.PathLike[str], rate: float =
     if write is None:
         raise InputError(f"to_controller writes {', '.join(_WRITERS)}; got {str(path)!r}.")
     points = set_points(solution, rate)
-    with whole_file(target) as partial:
+    with WholeFile(target) as partial:
         write(points, partial)
     return target
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.paths import output_path
 from robotraj._util.printing import OneLine
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
 from robotraj.solution.export.texts import cell
@@ -110,7 +110,7 @@ def to_csv(
     """
     target = output_path(path, (), "the export")
     columns = table(solution, samples, gains, rate)
-    with whole_file(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+    with WholeFile(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([cell(column.heading) for column in columns])
         for row in zip(*(column.values for column in columns), strict=True):
@@ -160,7 +160,7 @@ def to_json(
         "units": {column.name: column.unit for column in columns},
         "columns": {column.name: [_number(value) for value in column.values] for column in columns},
     }
-    with whole_file(target) as partial:
+    with WholeFile(target) as partial:
         partial.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return target
 

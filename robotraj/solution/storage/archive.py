@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, warn
 from robotraj._util.paths import output_path
 from robotraj._util.printing import OneLine
-from robotraj._util.system.whole_files import whole_file
+from robotraj._util.system.whole_files import WholeFile
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
@@ -93,7 +93,7 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
         "settings": _packed_settings(contents.settings, packer),
     }
     about = {"format": FORMAT, "version": VERSION, "robotraj": _own_version(), "classes": layout()}
-    with whole_file(target) as partial, partial.open("wb") as file:
+    with WholeFile(target) as partial, partial.open("wb") as file:
         np.savez_compressed(file, about=_text(about), solution=_text(data), **packer.arrays)  # type: ignore[arg-type]
     return target
 
