@@ -23,6 +23,7 @@ import numpy as np
 import robotraj as rt
 from robotraj.planning.many import sweep as sweep_module
 from robotraj.solution.errors import PlanInterrupted
+from robotraj.solvers.status import Status
 
 LONGEST = 1.0
 """Processor time between the press and the end [s]."""
@@ -64,7 +65,7 @@ class Interrupts:
         @wraps(plan)
         def counted(*arguments: object, **options: object) -> rt.Solution:
             found = plan(*arguments, **options)
-            self._planned += 1
+            self._planned += found.status is not Status.INTERRUPTED
             return found
 
         sweep_module.plan = counted

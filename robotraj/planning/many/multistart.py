@@ -200,11 +200,12 @@ def multistart(
     try:
         limits = CaseLimits(options.get("time_limit"), options.get("memory_limit"))
         search, enough = _Search(problem, first, options), _patience_reached(patience, objective_tolerance)
-        found = dict(enumerate(run(_plan, search, guesses, executor, enough, limits)))
+        entries = run(_plan, search, guesses, executor, enough, limits, _detached)
     except Interrupted as stopped:
         found = dict(stopped.found)
         result = _result(problem, found, starts - len(found), objective_tolerance, trajectory_tolerance)
         raise Interrupted(found, starts, stopped.running, result) from stopped
+    found = dict(enumerate(entries))
     _require_posed(found)
     return _result(problem, found, 0, objective_tolerance, trajectory_tolerance)
 
@@ -264,6 +265,10 @@ def _plan(search: _Search, guess: InitialGuess) -> Solution:
     found = plan(search.problem, guess=start, check=False, progress=False, **search.options)
     if found.status is Status.INTERRUPTED:
         raise KeyboardInterrupt
+    return found
+
+
+def _detached(search: _Search, _: InitialGuess, found: Solution) -> Solution:
     return detached(found, search.problem)
 
 

@@ -169,7 +169,7 @@ def sweep(
         return _chained(posed, options)
     limits = CaseLimits(options.get("time_limit"), options.get("memory_limit"))
     try:
-        found = run(_plan, options, posed, executor, limits=limits)
+        found = run(_planned, options, posed, executor, limits=limits, sent=_detached)
     except Interrupted as stopped:
         whole = {i: _whole(entry, posed[i]) for i, entry in stopped.found.items()}
         raise Interrupted(whole, len(posed), stopped.running) from stopped
@@ -237,8 +237,8 @@ def check_options(caller: str, options: Mapping[str, object]) -> None:
             raise unknown_name("option of rt.plan", name, known)
 
 
-def _plan(options: GuessedChoices, problem: Problem) -> Solution:
-    return detached(_planned(options, problem), problem)
+def _detached(_: GuessedChoices, problem: Problem, found: Solution) -> Solution:
+    return detached(found, problem)
 
 
 def _planned(options: GuessedChoices, problem: Problem, *, keep_program: bool = False) -> Solution:

@@ -14,8 +14,9 @@ import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 import cloudpickle
 
@@ -73,6 +74,21 @@ class Interrupted(KeyboardInterrupt):
         return type(self), (self.found, self.count, self.running, self.result)
 
 
+def _whole(shared: object, task: object, result: object) -> object:
+    return result
+
+
+@dataclass(frozen=True)
+class _Sent(Generic[S, T, R]):
+    """Work whose results are made ready to be sent."""
+
+    work: Callable[[S, T], R]
+    sent: Callable[[S, T, R], object]
+
+    def __call__(self, shared: S, task: T) -> object:
+        return self.sent(shared, task, self.work(shared, task))
+
+
 def run(
     work: Callable[[S, T], R],
     shared: S,
@@ -80,6 +96,7 @@ def run(
     executor: Executor | None,
     enough: Callable[[Sequence[R | Failure]], bool] | None = None,
     limits: CaseLimits = NO_LIMITS,
+    sent: Callable[[S, T, R], object] = _whole,
 ) -> list[R | Failure]:
     """Return ``[work(shared, task) for task in tasks]``, computed by an executor.
 
@@ -98,6 +115,9 @@ def run(
     limits : CaseLimits
         Limits on each task. The operating system enforces them in processes of this machine; with another executor the
         process of the executor starts one of its own.
+    sent : callable
+        ``sent(shared, task, result)``, a function defined in a module, returns what a process sends in place of a
+        result, such as a smaller one. It is not called in this process: Ctrl-C during such a call would lose a result.
 
     Returns
     -------
@@ -121,7 +141,7 @@ def run(
     packer, first = TaskPacker(), len(results)
     packed = [_packed(packer, task) for task in tasks[first:]]
     try:
-        common = cloudpickle.dumps((work, shared, packer.robots))
+        common = cloudpickle.dumps((_Sent(work, sent), shared, packer.robots))
     except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
         raise InputError(f"The options cannot be sent to workers, because a part cannot be pickled: {error}") from error
     own = kept() if executor is None else None
@@ -172,7 +192,7 @@ def _first_here(
             results.append(_here(work, shared, number, task))
         except KeyboardInterrupt as pressed:
             found = cast("dict[int, Solution | Failure]", dict(enumerate(results)))
-            raise Interrupted(found, len(tasks), [number]) from pressed
+            raise Interrupted(found, len(tasks), [number] if number not in found else ()) from pressed
         if enough is not None and enough(results):
             break
         took = time.perf_counter() - began - (FIRST if number == 0 else 0.0)
