@@ -40,7 +40,10 @@ LONGEST = 1e3
 SLOWEST = 1e-3
 """Least share of the speed."""
 RESTING = 1e-6
-"""Largest dq/ds at the end of a path over time at which its joints rest there [rad/s, m/s]."""
+"""Largest dq/ds at the end of a path over time at which its joints rest there [rad/s, m/s].
+
+Also the largest share of a plan's speeds at which it rests, and a stop has no duration.
+"""
 WIDER = 1.0 + Goals().excess
 """Factor of the limits of a stop: a proof lets a plan exceed its limits by this, so a stop must begin there."""
 
@@ -125,7 +128,7 @@ def stop_on_path(
     Raises
     ------
     InputError
-        The time is outside the plan, or the phase cannot follow a path, as for ``rt.override``.
+        The time is outside the plan or at an instant of rest, or the phase cannot follow a path as in ``rt.override``.
     NoSolutionFound
         The limits allow no stop on the path.
 
@@ -139,6 +142,9 @@ def stop_on_path(
     number = max(i for i, part in enumerate(solution.phases) if part.t0 <= time)
     part = solution.phases[number]
     path = _remaining(solution, number).after(float(time))
+    speeds = np.abs([path.derivative()(at) for at in path.breaks]).max(axis=-1)
+    if speeds[0] <= RESTING * speeds.max():
+        raise InputError(f"At {time:g} s the plan is at rest, and there is nothing to stop; choose another time.")
     given = part.phase if limits is None else part.phase.with_(limits=limits)
     more = () if jerk is None else (JointJerk(jerk),)
     follow = FollowPath(path, 1.0, 0.0, whole=False, start_acceleration=0.0)
@@ -150,7 +156,7 @@ def stop_on_path(
     if found.success:
         return found
     # The rest of the plan itself is a motion to the end, where the path over time rests at any ds/dt.
-    resting = np.abs(path.derivative()(path.breaks[-1])).max() < RESTING
+    resting = speeds[-1] < RESTING
     to_the_end = replace(follow, whole=True, end_speed=None if resting else 0.0)
     return plan(_followed(anywhere, to_the_end), **options)
 

@@ -123,6 +123,8 @@ def test_other_speeds_and_times_are_refused(quick):
             rt.override(quick, speed)
     with pytest.raises(rt.InputError, match="time of a stop is within the plan, from 0 s"):
         rt.stop_on_path(quick, 9.0)
+    with pytest.raises(rt.InputError, match="at rest"):
+        rt.stop_on_path(quick, 0.0)
 
 
 def test_the_speed_along_a_path_is_a_number_above_0(arm):
