@@ -16,7 +16,7 @@ from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, 
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.leg_reach import check_step
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
-from robotraj.gait.mirroring.heading import check_heading
+from robotraj.gait.mirroring.heading import check_heading, check_up
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
 from robotraj.gait.phase_sequence import sequence
@@ -64,7 +64,7 @@ def repeating(
     check_step(robot, phases, length)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     if repeat is None:
-        repeat = _symmetric_repeat(robot)
+        repeat = _symmetric_repeat(robot, tuple(sides))
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
@@ -79,12 +79,12 @@ def repeating(
     return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)), parts)
 
 
-def _symmetric_repeat(robot: Robot) -> Mirror | Periodic:
+def _symmetric_repeat(robot: Robot, feet: Sequence[str]) -> Mirror | Periodic:
     """Return the mirror of a robot, or ``Periodic`` with a warning where its shape, inertia or limits have none."""
     try:
         found = mirror_by_geometry(robot)
     except InputError as error:
-        check_heading(robot)
+        check_heading(robot, feet)
         fault = str(error).split(": left and right")[0].rstrip(".")
         warn(f"{fault}. Hence both halves of the gait are planned, with rt.Periodic.")
         return Periodic()
@@ -174,9 +174,10 @@ def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, what: str
     Raises
     ------
     InputError
-        The robot has another number of feet than ``count``.
+        The robot has another number of feet than ``count``, or another axis than z is up.
     """
     names = feet_of(robot, feet)
+    check_up(robot, names)
     if len(names) != count:
         other = " or ".join(f"rt.gait.{gait}" for gait in GAITS.get(len(names), ()))
         raise InputError(

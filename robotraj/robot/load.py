@@ -13,7 +13,7 @@ from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.assembly import assemble
 from robotraj.robot.loading.source import describe
-from robotraj.robot.mounting import Base, mounted
+from robotraj.robot.mounting import Base, mounted, placed
 from robotraj.robot.robot import Robot
 from robotraj.robot.springs.sprung import sprung
 
@@ -59,7 +59,8 @@ def load(
     gravity : array (3,), optional
         [m/s^2] in the world; (0, 0, -9.81) by default.
     base : pinocchio.SE3 or (position, quaternion), optional
-        Pose of the root link in the world [m], quaternion (x, y, z, w); for robots with a fixed root.
+        Pose of the URDF's root link in the world [m], quaternion (x, y, z, w). With a moving root it is the pose in the
+        axes of that root, such as a quarter turn about x for files whose y axis is up.
     rotors : mapping of str to (float, float), optional
         Inertia of the rotor [kg m^2] and gear ratio by joint, ``{"elbow": (1e-5, 100)}``.
     springs : mapping, optional
@@ -96,7 +97,8 @@ def load(
         raise InputError(
             f"rt.load got {source.name!r}, a robot that is loaded. Load its file or name with all options."
         )
-    robot = assemble(describe(source, package_dirs, trust_paths), actuated, locked, limits, root)
-    if gravity is not None or base is not None or rotors is not None:
-        robot = mounted(robot, gravity, base, rotors)
+    about = describe(source, package_dirs, trust_paths)
+    robot = assemble(about if base is None else placed(about, base), actuated, locked, limits, root)
+    if gravity is not None or rotors is not None:
+        robot = mounted(robot, gravity, rotors)
     return robot if springs is None else sprung(robot, springs)

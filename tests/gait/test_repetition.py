@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
 import robotraj as rt
@@ -17,8 +20,14 @@ JOINT = (
 )
 
 
-def quadruped(folder, wider=0.0, rpy="0 0 0"):
-    """Return a robot of four bent legs; the left front hip stands further out, and the trunk is turned in the root."""
+FEET = ("fl_foot", "fr_foot", "rl_foot", "rr_foot")
+
+
+def quadruped(folder, wider=0.0, rpy="0 0 0", base=None, hands=False):
+    """Return a robot of four bent legs; the left front hip stands further out, and the trunk is turned in the root.
+
+    Hands are two fingers on each side, of which one follows the other; their names come before those of the legs.
+    """
     parts = [
         '<link name="base"/><joint name="mount" type="fixed"><parent link="base"/><child link="trunk"/>'
         f'<origin rpy="{rpy}"/></joint>',
@@ -33,13 +42,27 @@ def quadruped(folder, wider=0.0, rpy="0 0 0"):
             f'<link name="{leg}_foot"/><joint name="{leg}_tip" type="fixed"><parent link="{leg}_shank"/>'
             f'<child link="{leg}_foot"/><origin xyz="0 0 -0.25"/></joint>',
         ]
+    for side, y in (("l", 0.05), ("r", -0.05)) if hands else ():
+        first, second = f"arm_{side}_finger", f"arm_{side}_thumb"
+        follows = JOINT.format(f"{second}_joint", "trunk", second, f"0.3 {y} 0", "0 0 1", -1, 1)
+        parts += [LINK.format(name, 0.05) for name in (first, second)]
+        parts += [
+            JOINT.format(f"{first}_joint", "trunk", first, f"0.3 {y} 0", "0 1 0", -1, 1),
+            follows.replace("</joint>", f'<mimic joint="{first}_joint" multiplier="{np.sign(y) * 2}"/></joint>'),
+        ]
     path = folder / "quadruped.urdf"
     path.write_text(f'<robot name="quadruped">{"".join(parts)}</robot>')
-    return rt.load(path, root="floating")
+    return rt.load(path, root="floating", base=base)
 
 
 def test_a_robot_that_is_its_own_mirror_image_plans_one_half(tmp_path):
-    assert isinstance(_symmetric_repeat(quadruped(tmp_path)), rt.Mirror)
+    assert isinstance(_symmetric_repeat(quadruped(tmp_path), FEET), rt.Mirror)
+
+
+def test_hands_whose_fingers_follow_each_other_leave_a_robot_its_own_mirror_image(tmp_path):
+    robot = quadruped(tmp_path, hands=True)
+    assert len(robot.followers) == 2
+    assert isinstance(_symmetric_repeat(robot, FEET), rt.Mirror)
 
 
 def test_a_robot_with_one_wider_hip_plans_both_halves_and_trots(tmp_path):
@@ -50,6 +73,24 @@ def test_a_robot_with_one_wider_hip_plans_both_halves_and_trots(tmp_path):
     assert rt.plan(gait, time_limit=60).proof.holds
 
 
-def test_a_robot_that_faces_sideways_is_named_with_the_remedy(tmp_path):
-    with pytest.raises(rt.InputError, match="faces along y: .*a fixed joint to the old one"):
-        rt.gait.trot(quadruped(tmp_path, rpy="0 0 1.5707963267948966"), step_length=0.06, duration=0.25)
+@pytest.mark.parametrize(
+    ("rpy", "words"),
+    [
+        ("0 0 1.5707963267948966", "faces along y: 8 joints of its legs turn about x and 4 about y"),
+        ("-1.5707963267948966 0 0", "legs .* point against its y axis"),
+        ("0 1.5707963267948966 0", "legs .* point against its x axis"),
+        ("3.141592653589793 0 0", "legs .* point against its -z axis"),
+    ],
+)
+def test_the_call_of_the_refusal_turns_a_robot_of_other_axes_to_walk_along_x(tmp_path, rpy, words):
+    with pytest.raises(rt.InputError, match=words) as refused:
+        rt.gait.trot(quadruped(tmp_path, rpy=rpy), step_length=0.06, duration=0.25)
+    numbers = re.search(r"base=\(\(0, 0, 0\), \((.*?)\)\)", str(refused.value)).group(1)
+    base = ((0.0, 0.0, 0.0), tuple(float(each) for each in numbers.split(",")))
+    turned, plain = quadruped(tmp_path, rpy=rpy, base=base), quadruped(tmp_path)
+    heights = []
+    for robot in (turned, plain):
+        gait = rt.gait.trot(robot, step_length=0.06, duration=0.25)
+        assert isinstance(gait.links[-1].repeat, rt.Mirror)
+        heights.append(rt.gait.stand(robot)[2])
+    assert heights[0] == pytest.approx(heights[1], abs=1e-6)

@@ -1,33 +1,85 @@
-"""The direction that a legged robot faces, from the axes of its joints."""
+"""The direction that a legged robot faces, and the one that is up, from its legs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
+from robotraj.robot.root import root_of
 
 ALONG = 0.9
 """Least component of an axis along a direction."""
+DOWN = 0.3
+"""Least component of the legs' direction along -z; crouched and sprawled legs have more than half."""
 
 
-def check_heading(robot: Robot) -> None:
+def check_up(robot: Robot, feet: Sequence[str]) -> None:
+    """Check that the legs of a robot point down in its neutral configuration.
+
+    Raises
+    ------
+    InputError
+        They point along another axis, as in files whose y axis is up; the message has the call that turns the robot.
+    """
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, robot.neutral)
+    legs = [np.zeros(3)]
+    for foot in feet:
+        chain = _joints_of_leg(robot, foot)
+        if chain:
+            legs.append(data.oMf[robot.frame(foot)].translation - data.oMi[chain[0]].translation)
+    down = np.sum(legs, axis=0)
+    if robot.root == "fixed" or not np.any(down) or -down[2] > DOWN * np.linalg.norm(down):
+        return
+    axis = int(np.argmax(np.abs(down)))
+    if abs(down[axis]) < ALONG * np.linalg.norm(down):
+        return
+    side = np.sign(down[axis]) * np.eye(3)[axis]
+    up = f"{'-' if down[axis] > 0 else ''}{'xyz'[axis]}"
+    turn = pin.Quaternion.FromTwoVectors(side, np.array([0.0, 0.0, -1.0]))
+    raise InputError(
+        f"The legs of {robot.name!r} point against its {up} axis, so that axis is up in its file. Gaits need z up: "
+        f"{_call(robot, turn.coeffs())}."
+    )
+
+
+def check_heading(robot: Robot, feet: Sequence[str]) -> None:
     """Check that a floating robot does not face sideways: knees and most hips turn about the axis from left to right.
 
     Raises
     ------
     InputError
-        Of the joints that turn, more have axes along x than along y; the message names the remedy.
+        Of the joints of its legs, more have axes along x than along y; the message has the call that turns the robot.
     """
     if robot.root != "floating":
         return
     model, data = robot.model, robot.model.createData()
-    jacobians = pin.computeJointJacobians(model, data, robot.neutral)
-    axes = np.abs(jacobians[3:, 6:])
+    legs = {joint for foot in feet for joint in _joints_of_leg(robot, foot)}
+    columns = [model.joints[joint].idx_v for joint in sorted(legs) if model.joints[joint].nv]
+    axes = np.abs(joint_axes(model, data, robot.neutral)[3:, columns])
     along_x, along_y = (int(np.sum(axes[k] > ALONG)) for k in (0, 1))
     if along_x > along_y:
+        other = "(0, 0, 0.7071068, 0.7071068)"
         raise InputError(
-            f"{robot.name!r} faces along y: {along_x} of its joints turn about x and {along_y} about y. Gaits move "
-            "along x. Give its URDF a new root link, with a fixed joint to the old one of yaw 1.5708 or -1.5708."
+            f"{robot.name!r} faces along y: {along_x} joints of its legs turn about x and {along_y} about y. Gaits "
+            f"move along x. If it faces +y: {_call(robot, (0.0, 0.0, -0.7071068, 0.7071068))}. If it faces -y, with "
+            f"{other}."
         )
+
+
+def _joints_of_leg(robot: Robot, foot: str) -> list[int]:
+    """Return the joints between the root and a foot, the hip first."""
+    model, first = robot.model, len(root_of(robot.root).joints)
+    return [i for i in model.supports[model.frames[robot.frame(foot)].parentJoint] if i > first]
+
+
+def _call(robot: Robot, quaternion: Sequence[float] | NDArray[np.float64]) -> str:
+    """Return the call that turns the robot in its root."""
+    numbers = ", ".join(f"{value + 0.0:.7g}" for value in np.round(quaternion, 7))
+    return f"rt.load(..., root={robot.root!r}, base=((0, 0, 0), ({numbers})))"

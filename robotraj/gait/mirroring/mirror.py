@@ -13,6 +13,7 @@ from robotraj.gait.mirroring.imbalance import IMBALANCE
 from robotraj.gait.mirroring.imbalance import imbalance as imbalance_of
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.periodic import Mirror
+from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
 from robotraj.robot.sides.images import REFLECTION, frames_across
 from robotraj.robot.sides.other_side import other_side
@@ -117,13 +118,13 @@ def mirror_by_geometry(
 def _signs(robot: Robot, partner: Mapping[str, str]) -> dict[str, float]:
     """Return the sign of every joint but the root, from the axes where all joints are zero."""
     model, data, joints = robot.model, robot.model.createData(), set(robot.joint_names)
-    pin.computeJointJacobians(model, data, pin.neutral(model))
+    axes = joint_axes(model, data, pin.neutral(model))
     signs = {}
     for index in range(1, model.njoints):
         name = model.names[index]
         if name not in joints or (name.startswith("root_") and robot.root != "fixed"):
             continue  # its followers move with their leader
-        axis, other = (data.J[:, model.joints[model.getJointId(n)].idx_v] for n in (name, partner[name]))
+        axis, other = (axes[:, model.joints[model.getJointId(n)].idx_v] for n in (name, partner[name]))
         turns = np.linalg.norm(axis[3:]) > 0.5
         part, rule = (slice(3, 6), AXIAL) if turns else (slice(0, 3), REFLECTION)
         along = float(other[part] @ (rule * axis[part]))
@@ -157,14 +158,14 @@ def _gaps(
         here, there = model.createData(), model.createData()
         pin.framesForwardKinematics(model, here, q)
         pin.framesForwardKinematics(model, there, image)
-        pin.computeJointJacobians(model, there, image)
+        axes = joint_axes(model, there, image)
         for pairs, places in ((joints, "oMi"), (frames, "oMf")):
             first, second = getattr(here, places), getattr(there, places)
             for a, b, name in pairs:
                 gap = second[b].translation - REFLECTION * first[a].translation
                 if places == "oMi" and model.joints[b].nv == 1:
                     # Axes of rotation are lines: where a joint lies along its axis has no effect.
-                    axis = there.J[3:, model.joints[b].idx_v]
+                    axis = axes[3:, model.joints[b].idx_v]
                     gap = gap - (axis @ gap) * axis
                 worst[name] = max(worst[name], float(np.linalg.norm(gap)))
     return worst

@@ -1,4 +1,4 @@
-"""Forward dynamics and energies of models with or without followers.
+"""Forward dynamics, energies and axes of models with or without followers.
 
 Pinocchio's ABA and energies do not accept mimic joints; its RNEA and centre of mass do.
 """
@@ -48,3 +48,15 @@ def potential_energy(model: pin.Model, data: pin.Data, q: Array) -> float:
     """Return minus the sum of m_i g' c_i [J], zero for centres at the world's origin."""
     mass = sum(body.mass for body in model.inertias.tolist()[1:])
     return -float(mass * model.gravity.linear @ pin.centerOfMass(model, data, q))
+
+
+def joint_axes(model: pin.Model, data: pin.Data, q: Array) -> Array:
+    """Return the world Jacobian's columns of the independent joints themselves (6, nv), linear part first.
+
+    Followers are left out. ``pin.computeJointJacobians`` returns columns of all joints in the order of the tree.
+    """
+    columns = np.asarray(pin.computeJointJacobians(model, data, q))
+    if not len(model.mimicking_joints):
+        return columns
+    own = [joint for joint in model.joints.tolist()[1:] if joint.nv]
+    return columns[:, [joint.idx_vExtended + k for joint in own for k in range(joint.nv)]]
