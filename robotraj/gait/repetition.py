@@ -18,6 +18,7 @@ from robotraj.gait.leg_reach import check_step
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.heading import check_heading, check_up
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
+from robotraj.gait.mirroring.leg_joints import leg_pairs
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.supports import GaitTerms, Support
@@ -64,7 +65,7 @@ def repeating(
     check_step(robot, phases, length)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     if repeat is None:
-        repeat = _symmetric_repeat(robot, tuple(sides))
+        repeat = _symmetric_repeat(robot, sides)
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
@@ -79,12 +80,45 @@ def repeating(
     return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)), parts)
 
 
-def _symmetric_repeat(robot: Robot, feet: Sequence[str]) -> Mirror | Periodic:
-    """Return the mirror of a robot, or ``Periodic`` with a warning where its shape, inertia or limits have none."""
+def whole_stride(
+    robot: Robot,
+    phases: Sequence[Support],
+    parts: Sequence[float],
+    terms: GaitTerms,
+    repeat: Mirror | Periodic | None,
+    length: float,
+) -> Problem:
+    """Return a gait of a whole stride without a mirrored half, closed by ``Periodic``.
+
+    Parameters are those of ``repeating``; ``phases`` and ``length`` are those of the stride.
+
+    Raises
+    ------
+    InputError
+        ``repeat`` is a mirror, the ground does not repeat, or a step is longer than the legs reach.
+    """
+    check_options(repeat, terms.upright)
+    if isinstance(repeat, Mirror):
+        raise InputError(
+            "repeat= is a mirror, but the second half of groups= is not the first half on the other side; give "
+            "rt.Periodic(), or groups of which it is."
+        )
+    check_step(robot, phases, length)
+    terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
+    feet = dict.fromkeys(foot for phase in phases for foot in phase.feet)
+    moved = _moved(robot, feet, repeat or Periodic(), length, terms.ground)
+    return _in_shares(sequence(robot, phases, terms, moved, passes={}), parts)
+
+
+def _symmetric_repeat(robot: Robot, sides: Mapping[str, str]) -> Mirror | Periodic:
+    """Return the mirror of a robot, or ``Periodic`` with a warning where its shape, inertia or limits have none.
+
+    The legs of feet on both sides are partners, joint by joint.
+    """
     try:
-        found = mirror_by_geometry(robot)
+        found = mirror_by_geometry(robot, partners=leg_pairs(robot, sides))
     except InputError as error:
-        check_heading(robot, feet)
+        check_heading(robot, tuple(sides))
         fault = str(error).split(": left and right")[0].rstrip(".")
         warn(f"{fault}. Hence both halves of the gait are planned, with rt.Periodic.")
         return Periodic()
@@ -164,7 +198,7 @@ def on_ground(kind: FootKind, ground: Ground | GroundFunction) -> FootKind:
     return on
 
 
-GAITS = {2: ("walk", "run"), 4: ("trot", "crawl")}
+GAITS = {2: ("walk", "run"), 4: ("trot", "crawl"), 6: ("walk",)}
 """Gaits by the number of feet that they move."""
 
 

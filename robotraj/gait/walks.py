@@ -15,9 +15,10 @@ from robotraj.gait.bounds.margins import MARGIN
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import TimeSpan, fraction
-from robotraj.gait.feet import FootKind
+from robotraj.gait.feet import FootKind, feet_of
+from robotraj.gait.mirroring.foot_groups import foot_groups, halves
 from robotraj.gait.phase_sequence import split_duration
-from robotraj.gait.repetition import checked_feet, repeating, step_timing
+from robotraj.gait.repetition import checked_feet, repeating, step_timing, whole_stride
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective
@@ -37,6 +38,7 @@ def walk(
     duration: TimeSpan | None = None,
     speed: float | None = None,
     feet: Sequence[str] | None = None,
+    groups: Sequence[Sequence[str]] | None = None,
     contact: FootKind = PointContact,
     double_support: float = 0.0,
     clearance: float | None = 0.0,
@@ -47,12 +49,16 @@ def walk(
     margin: float = MARGIN,
     repeat: Mirror | Periodic | None = None,
 ) -> Problem:
-    """Return one step of a biped that repeats mirrored: the first foot stands, the other one swings and lands.
+    """Return steps of a walk that repeats: the feet of each group swing together and land while all others stand.
 
-    Without double support the step is one phase, "single support", closed by a ``Touchdown`` onto its mirror image.
-    With double support, the step begins with the phase "double support", which ends with the ``Liftoff`` of the rear
-    foot. With ``repeat=rt.Periodic(...)``, and for robots whose inertia or limits are not symmetric, both steps of a
+    A biped plans one step: the first foot stands and the other one swings. The step is one phase, "single support",
+    closed by a ``Touchdown`` onto its mirror image. Robots with six feet or more walk with alternate feet, such as the
+    two tripods of a hexapod. The second half of the groups is planned as the mirror image of the first half where it
+    is one. With ``repeat=rt.Periodic(...)``, and for robots whose inertia or limits are not symmetric, all groups of a
     stride are planned.
+
+    With double support, each step begins with a phase in which all feet stand, which ends with the ``Liftoff`` of the
+    next group.
 
     ``rt.plan`` starts from ``rt.guess.InvertedPendulum`` by default. The problem can be edited:
     ``dataclasses.replace(problem, phases=[dataclasses.replace(problem.phases[0], ...)])``.
@@ -62,15 +68,18 @@ def walk(
     robot : Robot
         With ``root="planar"`` or ``"floating"``.
     step_length, duration, speed : float
-        Two of: displacement of the root in one step [m], its duration [s] (or (least, greatest) beside a step length),
-        speed [m/s].
+        Two of: displacement of the root in one step [m], in which one group swings, its duration [s] (or (least,
+        greatest) beside a step length), speed [m/s].
     feet : sequence of str, optional
-        Two frames, the standing foot first; by default those named foot, sole or toe.
+        The frames of the feet, one that stands first in front; by default those named foot, sole or toe.
+    groups : sequence of sequences of str, optional
+        Feet that swing together, in the order in which the groups swing. By default each foot of a biped, and alternate
+        feet of both sides of robots with six feet or more.
     contact : Contact or callable
         Contact of every foot: ``rt.PointContact``, a contact to copy to the other foot, or a function of the frame,
         such as ``functools.partial(rt.FlatFoot, length=0.2, width=0.1)``.
     double_support : float
-        Fraction of the step with both feet on the ground, 0 to less than 1.
+        Fraction of the step with all feet on the ground, 0 to less than 1.
     clearance : float or None
         Height [m] at which the swing foot passes the standing one. 0 keeps it above the ground. None adds no row, which
         walkers without knees need.
@@ -90,20 +99,33 @@ def walk(
     Raises
     ------
     InputError
-        The robot does not have two feet, or is not its own mirror image. The ground does not repeat. Not exactly two
-        of length, duration and speed are given.
+        The robot has another number of feet and no groups are given, or a group names other feet. The ground does not
+        repeat. Not exactly two of length, duration and speed are given.
     """
-    names = checked_feet(robot, feet, 2, "walk")
+    names = feet_of(robot, feet)
+    order = foot_groups(robot, names, groups) if groups is not None or len(names) != 4 else ()
+    if not order:
+        names = checked_feet(robot, feet, 2, "walk")
     length, time = step_timing(step_length, duration, speed, "walk")
     fraction(double_support, "rt.gait.walk(double_support)")
-    first, second = names
+    across = frames_across(robot, names)
+    if len(names) == 2:
+        across = {names[0]: names[1], names[1]: names[0]}
+    mirrored = halves(order, across)
     parts = [double_support, 1.0 - double_support] if double_support > 0.0 else [1.0]
-    spans = split_duration(time, parts)
-    phases = [Support((first,), spans[-1], "single support")]
-    if double_support > 0.0:
-        phases.insert(0, Support((first, second), spans[0], "double support"))
+    *together, alone = split_duration(time, parts)
+    phases: list[Support] = []
+    planned = order[: len(order) // 2] if mirrored else order
+    for group in planned:
+        title = "single support" if len(names) == 2 else f"{' and '.join(group)} swing"
+        full = "double support" if len(names) == 2 else f"all stand before {group[0]} swings"
+        phases += [Support(names, span, full) for span in together]
+        phases.append(Support(tuple(name for name in names if name not in group), alone, title))
     terms = GaitTerms(contact, clearance, objective, upright, ground, sides, margin)
-    return repeating(robot, phases, parts, {first: second, second: first}, terms, repeat, length)
+    shares, far = parts * len(planned), length * len(planned)
+    if mirrored:
+        return repeating(robot, phases, shares, across, terms, repeat, far)
+    return whole_stride(robot, phases, shares, terms, repeat, far)
 
 
 def run(

@@ -50,9 +50,10 @@ def load(
     locked : mapping, optional
         Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them.
     root : str
-        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the plane y = 0 and turns about y.
-        ``"floating"``: it moves freely, with a quaternion. A moving root has no motors, limits or damping; see
-        ``Robot``. A model whose first joint is a free-flyer needs ``"floating"``.
+        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the vertical plane y = 0 and turns
+        about y. ``"floating"``: it moves freely, with a quaternion. A moving root has no motors, limits or damping; see
+        ``Robot``. A model whose first joint is a free-flyer needs ``"floating"``. A base that drives on level ground is
+        a planar joint of the URDF, or ``rt.robot.on_wheels(robot, mass, inertia)``.
     limits : mapping or Limits, optional
         Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
         20}}``; see ``Limits.with_``.
@@ -65,7 +66,7 @@ def load(
         Inertia of the rotor [kg m^2] and gear ratio by joint, ``{"elbow": (1e-5, 100)}``.
     springs : mapping, optional
         Springs at joints: stiffness [N m/rad, N/m], or stiffness and position without torque [rad, m],
-        ``{"knee": (20.0, -0.5)}``.
+        ``{"knee": (20.0, -0.5)}``. By default those of an MJCF file.
 
     Returns
     -------
@@ -101,4 +102,6 @@ def load(
     robot = assemble(about if base is None else placed(about, base), actuated, locked, limits, root)
     if gravity is not None or rotors is not None:
         robot = mounted(robot, gravity, rotors)
-    return robot if springs is None else sprung(robot, springs)
+    moving = {*robot.velocity_names, *(mimic.follower for mimic in robot.followers)}
+    own = {joint: spring for joint, spring in about.springs.items() if joint in moving}
+    return robot if springs is None and not own else sprung(robot, own if springs is None else springs)

@@ -70,7 +70,9 @@ def root_of(name: str) -> Root:
         There is no such root.
     """
     if not isinstance(name, str) or name not in ROOTS:
-        raise unknown_name("root", name, ROOTS, "Plan with root='fixed', 'planar' or 'floating'.")
+        raise unknown_name(
+            "root", name, ROOTS, "'planar' is the vertical plane y = 0; rt.robot.on_wheels drives on level ground."
+        )
     return ROOTS[name]
 
 

@@ -20,7 +20,7 @@ JOINT = (
 )
 
 
-FEET = ("fl_foot", "fr_foot", "rl_foot", "rr_foot")
+FEET = {"fl_foot": "fr_foot", "fr_foot": "fl_foot", "rl_foot": "rr_foot", "rr_foot": "rl_foot"}
 
 
 def quadruped(folder, wider=0.0, rpy="0 0 0", base=None, hands=False):

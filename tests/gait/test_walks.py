@@ -16,6 +16,7 @@ from robotraj import gait
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.bounds.swing_clearance import SwingArc
+from tests.robots.many_legs import FOUR, SIX, legged
 
 
 def held(problem: rt.Problem) -> list[list[str]]:
@@ -152,6 +153,43 @@ def test_contacts_may_be_copied_or_made(biped: rt.Robot) -> None:
     assert by_copy.phases[0].contacts[0].friction == 1.3
     with pytest.raises(rt.InputError, match="contact= returned 'left_foot'"):
         gait.walk(biped, step_length=0.3, duration=0.6, contact=lambda frame: frame)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*Implausible effort limit")
+def test_a_hexapod_walks_on_tripods_and_both_halves_cost_twice_one(tmp_path: Path) -> None:
+    hexapod = legged(tmp_path, SIX)
+    half, whole = (
+        gait.walk(hexapod, step_length=0.06, duration=0.3, repeat=repeat) for repeat in (None, rt.Periodic())
+    )
+    assert [set(feet) for feet in held(half)] == [{"FL_foot", "MR_foot", "HL_foot"}]
+    assert isinstance(half.links[0].repeat, rt.Mirror)
+    plans = [rt.plan(problem) for problem in (half, whole)]
+    assert all(plan.proof.holds for plan in plans)
+    assert rt.validate(plans[0]).passed
+    assert plans[1].objective == pytest.approx(2.0 * plans[0].objective, rel=4e-3)
+
+
+def test_groups_that_are_no_mirrored_halves_swing_in_turn_through_a_whole_stride(tmp_path: Path) -> None:
+    hexapod = legged(tmp_path, SIX)
+    pairs = [("ML_foot", "MR_foot"), ("FL_foot", "HR_foot"), ("FR_foot", "HL_foot")]
+    problem = gait.walk(hexapod, step_length=0.05, duration=0.3, groups=pairs, double_support=0.25)
+    swings = [set(gait.feet_of(hexapod, None)) - set(feet) for feet in held(problem)]
+    assert swings == [each for pair in pairs for each in (set(), set(pair))]
+    assert problem.links[-1].displacement["q.root_x"] == pytest.approx(3 * 0.05)
+    assert isinstance(problem.links[-1], rt.Periodic)
+    with pytest.raises(rt.InputError, match="repeat= is a mirror, but the second half of groups="):
+        gait.walk(hexapod, step_length=0.05, duration=0.3, groups=pairs, repeat=gait.mirror(hexapod))
+
+
+def test_a_quadruped_paces_where_both_feet_of_a_side_are_a_group(tmp_path: Path) -> None:
+    problem = gait.walk(
+        legged(tmp_path, FOUR),
+        step_length=0.05,
+        duration=0.3,
+        groups=[("FL_foot", "HL_foot"), ("FR_foot", "HR_foot")],
+    )
+    assert held(problem) == [["FR_foot", "HR_foot"]]
 
 
 def test_robots_that_cannot_fly_or_walk_are_refused(biped: rt.Robot) -> None:

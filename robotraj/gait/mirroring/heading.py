@@ -9,9 +9,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.gait.mirroring.leg_joints import joints_of_leg
 from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
-from robotraj.robot.root import root_of
 
 ALONG = 0.9
 """Least component of an axis along a direction."""
@@ -31,7 +31,7 @@ def check_up(robot: Robot, feet: Sequence[str]) -> None:
     pin.framesForwardKinematics(model, data, robot.neutral)
     legs = [np.zeros(3)]
     for foot in feet:
-        chain = _joints_of_leg(robot, foot)
+        chain = joints_of_leg(robot, foot)
         if chain:
             legs.append(data.oMf[robot.frame(foot)].translation - data.oMi[chain[0]].translation)
     down = np.sum(legs, axis=0)
@@ -60,7 +60,7 @@ def check_heading(robot: Robot, feet: Sequence[str]) -> None:
     if robot.root != "floating":
         return
     model, data = robot.model, robot.model.createData()
-    legs = {joint for foot in feet for joint in _joints_of_leg(robot, foot)}
+    legs = {joint for foot in feet for joint in joints_of_leg(robot, foot)}
     columns = [model.joints[joint].idx_v for joint in sorted(legs) if model.joints[joint].nv]
     axes = np.abs(joint_axes(model, data, robot.neutral)[3:, columns])
     along_x, along_y = (int(np.sum(axes[k] > ALONG)) for k in (0, 1))
@@ -71,12 +71,6 @@ def check_heading(robot: Robot, feet: Sequence[str]) -> None:
             f"move along x. If it faces +y: {_call(robot, (0.0, 0.0, -0.7071068, 0.7071068))}. If it faces -y, with "
             f"{other}."
         )
-
-
-def _joints_of_leg(robot: Robot, foot: str) -> list[int]:
-    """Return the joints between the root and a foot, the hip first."""
-    model, first = robot.model, len(root_of(robot.root).joints)
-    return [i for i in model.supports[model.frames[robot.frame(foot)].parentJoint] if i > first]
 
 
 def _call(robot: Robot, quaternion: Sequence[float] | NDArray[np.float64]) -> str:

@@ -16,7 +16,6 @@ from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
 from robotraj.robot.sides.images import REFLECTION, frames_across
-from robotraj.robot.sides.other_side import other_side
 
 Array = NDArray[np.float64]
 
@@ -41,11 +40,11 @@ def mirror(
 ) -> Mirror:
     """Return the ``rt.Mirror`` that swaps left and right, for a robot that is its own image about the plane y = 0.
 
-    Joints and frames are paired by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...). Those without
-    another side are their own partners. The axes with all joints at zero determine the signs. A rotation axis (a_x,
-    a_y, a_z) has the image (-a_x, a_y, -a_z), and one of translation (a_x, -a_y, a_z). The sign of a joint is negative
-    if the partner's axis is opposite to the image. A floating root keeps x, z and pitch and negates y, roll and yaw:
-    the states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
+    Joints and frames are paired by their names (``left_``/``right_``, ``FL``/``FR``, ``l_``/``r_`` ...), else by their
+    places. Those without another side are their own partners. The axes with all joints at zero determine the signs. A
+    rotation axis (a_x, a_y, a_z) has the image (-a_x, a_y, -a_z), and one of translation (a_x, -a_y, a_z). The sign of
+    a joint is negative if the partner's axis is opposite to the image. A floating root keeps x, z and pitch and negates
+    y, roll and yaw: the states q.root_y, q.root_qx, q.root_qz, v.root_vy, v.root_wx and v.root_wz.
 
     Geometry and inertia are then compared in seeded random configurations. In the mirrored configuration the partner of
     every joint must be at (x, -y, z). The moment of gravity about the root must be the mirrored one. Pairs of frames
@@ -96,7 +95,7 @@ def mirror_by_geometry(
             raise InputError(
                 f"mirror(partners=...): {robot.name!r} has no joint or frame named {name!r}; correct the name."
             )
-    partner = {name: given.get(name, other_side(name, joints)) for name in joints}
+    partner = frames_across(robot, joints, pin.neutral(robot.model)) | {k: v for k, v in given.items() if k in joints}
     signs = _signs(robot, partner)
     sides = frames_across(robot, frames, pin.neutral(robot.model)) | {k: v for k, v in given.items() if k in frames}
     off = _gaps(robot, partner, signs, sides)
@@ -109,7 +108,7 @@ def mirror_by_geometry(
             )
     sides = {name: other for name, other in sides.items() if off.get(name, 0.0) <= tolerance}
     own = set(ROOT[robot.root]) | {name for name, sign in signs.items() if sign < 0}
-    pairs = {a: b for a, b in (partner | sides).items() if a != b}
+    pairs = {a: b for a, b in (sides | partner).items() if a != b}
     once = {a: b for a, b in pairs.items() if a <= b or pairs.get(b) != a}
     labels = (*robot.position_names, *robot.velocity_names)
     return Mirror(once, tuple(n for n in dict.fromkeys(labels) if n in own), dict(displacement or {}))

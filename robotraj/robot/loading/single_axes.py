@@ -24,16 +24,21 @@ CHAINS = {
 ANGULAR = ("JointModelPlanar", "JointModelSpherical")
 """Joints whose angles are cosines, sines or quaternions in q, without position limits of their own."""
 
+HELICAL = {"JointModelHX": (1.0, 0.0, 0.0), "JointModelHY": (0.0, 1.0, 0.0)}
+"""Screws whose symbolic functions are not finite in Pinocchio 4.1; the one about any axis has the same motion."""
+
 
 def single_axes(model: pin.Model) -> tuple[pin.Model, str]:
     """Return a model whose joints have one velocity each, except a free-flyer at its root, and a note on new joints.
 
     A planar joint ``base`` becomes ``base_x``, ``base_y`` and ``base_yaw``. A ball joint becomes ``_yaw``, ``_pitch``
     and ``_roll``, whose rates are not defined where the pitch is a quarter turn. A universal joint and a composite one
-    become ``_1``, ``_2`` and so on. The model itself is returned if it has no such joints, or another kind.
+    become ``_1``, ``_2`` and so on. Screws about x or y become screws about an axis. The model itself is returned if it
+    has no such joints, or another kind.
     """
     first = 2 if has_free_flyer(model) else 1
-    parts = {i: _parts(model.joints[i]) for i in range(first, model.njoints) if model.joints[i].nv > 1}
+    kinds = {i: model.joints[i] for i in range(first, model.njoints)}
+    parts = {i: _parts(joint) for i, joint in kinds.items() if joint.nv > 1 or joint.shortname() in HELICAL}
     if not parts or not all(parts.values()):
         return model, ""
     copy, moved, notes = pin.Model(), {0: 0}, []
@@ -61,14 +66,14 @@ def single_axes(model: pin.Model) -> tuple[pin.Model, str]:
         moved[i] = parent
         own += list(v)
         chains[i] = names
-        if i in parts:
+        if len(chain) > 1:
             notes.append(f"{name!r} moves by {', '.join(names)}")
     for i, inertia in enumerate(model.inertias):
         copy.appendBodyToJoint(moved[i], inertia, pin.SE3.Identity())
     _add_frames(model, copy, moved, {model.names[i]: chains[i] for i in parts})
     for field in (*PER_VELOCITY, "lowerEffortLimit", "lowerVelocityLimit"):
         getattr(copy, field)[:] = getattr(model, field)[own]
-    return copy, f"Joints of several degrees of freedom are chains of single ones: {'; '.join(notes)}."
+    return copy, f"Joints of several degrees of freedom are chains of single ones: {'; '.join(notes)}." if notes else ""
 
 
 def _add_frames(model: pin.Model, copy: pin.Model, moved: dict[int, int], chains: dict[str, list[str]]) -> None:
@@ -90,6 +95,8 @@ def _parts(joint: pin.JointModel) -> list[Part]:
     kind, still = joint.shortname(), pin.SE3.Identity()
     if kind in CHAINS:
         return [(ending, made(), still) for ending, made in CHAINS[kind]]
+    if kind in HELICAL:
+        return [("", pin.JointModelHelicalUnaligned(np.array(HELICAL[kind]), joint.extract().pitch), still)]
     if kind == "JointModelUniversal":
         universal = joint.extract()
         axes = (universal.axis1, universal.axis2)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import field
 from pathlib import Path
 
 import pinocchio as pin
@@ -56,6 +57,8 @@ class Description:
         Limits of the URDF beside those of the model.
     known : bool
         Whether the catalogue lists it. Its findings are notes without a warning.
+    springs : mapping of str to (float, float)
+        Stiffness and position without torque by joint [N m/rad, rad; N/m, m].
     """
 
     name: str
@@ -70,6 +73,7 @@ class Description:
     findings: tuple[str, ...] = ()
     stated: StatedLimits = StatedLimits({})
     known: bool = False
+    springs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def describe(
@@ -135,6 +139,7 @@ def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
         actuated=found.actuated,
         findings=found.findings,
         stated=StatedLimits({"effort": found.efforts}),
+        springs=found.springs,
     )
 
 

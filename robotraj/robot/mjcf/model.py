@@ -1,4 +1,4 @@
-"""Read a model of MuJoCo with Pinocchio's reader, and what that leaves out: motors and their limits."""
+"""Read a model of MuJoCo with Pinocchio's reader, and what that leaves out: motors, their limits, and springs."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.packages import is_inside
 from robotraj.robot.meshes.reading import read_meshes
+from robotraj.robot.mjcf.defaults import Attributes, Defaults
+from robotraj.robot.mjcf.defaults import joints as joints_of
+from robotraj.robot.mjcf.springs import joint_springs
 from robotraj.robot.urdf.lenient import parsed
 from robotraj.robot.urdf.numbers import numbers
 from robotraj.robot.urdf.xml import MAX_BYTES
@@ -35,6 +38,8 @@ class MjcfModel:
         Joints with an actuator; None if the file has none at all.
     efforts : mapping by joint
         Lower and upper limits of the motors [N m, N].
+    springs : mapping by joint
+        Stiffness and position without torque [N m/rad, rad; N/m, m].
     findings : tuple of str
     """
 
@@ -42,6 +47,7 @@ class MjcfModel:
     shapes: tuple[pin.GeometryModel, pin.GeometryModel]
     actuated: tuple[str, ...] | None
     efforts: dict[str, tuple[float, float]]
+    springs: dict[str, tuple[float, float]]
     findings: tuple[str, ...]
 
 
@@ -83,20 +89,28 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             f"Pinocchio cannot read the MJCF {str(path)!r}: {error}. Give a URDF, or a pin.Model of your own."
         ) from error
     joints = [model.names[i] for i in range(1, model.njoints)]
-    actuators = [each for group in root.findall("actuator") for each in group if each.get("joint") in joints]
-    efforts = {each.get("joint", ""): pair for each in actuators if (pair := _effort(each)) is not None}
+    defaults = Defaults(root)
+    every = [(each.tag, defaults.of(each)) for group in root.findall("actuator") for each in group]
+    actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
+    efforts = {own.get("joint", ""): pair for tag, own in actuators if (pair := _effort(tag, own)) is not None}
+    springs, unread = joint_springs(root, joints_of(root, defaults), joints)
     findings = []
+    if unread:
+        findings.append(
+            f"Springs of the MJCF that are not read: {', '.join(map(repr, unread))}. Set them with springs={{joint: "
+            "(stiffness, rest)}."
+        )
     constraining = [tag for tag in CONSTRAINING if any(len(group) for group in root.findall(tag))]
     if constraining:
         findings.append(f"Sections of the MJCF that are not read: {', '.join(f'<{tag}>' for tag in constraining)}.")
-    without = [each.get("joint", "") for each in actuators if each.get("joint") not in efforts]
+    without = [own.get("joint", "") for _, own in actuators if own.get("joint") not in efforts]
     if without:
         findings.append(
             f"Motors without a limit of effort in the MJCF: {', '.join(map(repr, without))}. Set them with "
             "limits={'effort': {joint: largest}}."
         )
-    driven = tuple(joint for joint in joints if joint in {each.get("joint") for each in actuators})
-    return MjcfModel(model, (visual, collision), driven if actuators else None, efforts, tuple(findings))
+    driven = tuple(joint for joint in joints if joint in {own.get("joint") for _, own in actuators})
+    return MjcfModel(model, (visual, collision), driven if actuators else None, efforts, springs, tuple(findings))
 
 
 def _root(path: Path) -> Element:
@@ -120,9 +134,9 @@ def _check_meshes(root: Element, path: Path, folders: Sequence[Path] | None) -> 
             raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {read}.")
 
 
-def _effort(actuator: Element) -> tuple[float, float] | None:
+def _effort(tag: str, actuator: Attributes) -> tuple[float, float] | None:
     """Return the range of force of an actuator: its ``forcerange``, or the ``ctrlrange`` of a motor, times its gear."""
-    given = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
+    given = actuator.get("forcerange") or (actuator.get("ctrlrange") if tag == "motor" else None)
     ends, gear = numbers(given or "", 2), numbers((actuator.get("gear") or "1").split()[0], 1)
     if ends is None or gear is None or not math.isfinite(gear[0]):
         return None

@@ -7,42 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-
-FOUR = {"FL": (0.25, 0.12), "FR": (0.25, -0.12), "HL": (-0.25, 0.12), "HR": (-0.25, -0.12)}
-SIX = FOUR | {"ML": (0.0, 0.12), "MR": (0.0, -0.12)}
-
-
-def _link(name, mass, height=0.0):
-    return (
-        f'<link name="{name}"><inertial><origin xyz="0 0 {height}"/><mass value="{mass}"/>'
-        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    )
-
-
-def _joint(name, parent, child, axis, place, limit, tilt="0 0 0"):
-    return (
-        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{place}" rpy="{tilt}"/><axis xyz="{axis}"/>'
-        f'<limit lower="{-limit}" upper="{limit}" velocity="10" effort="15"/></joint>'
-    )
-
-
-def robot(folder, legs, folded=False, right_axis="0 1 0"):
-    """Legs of two links of 0.16 m below a hip that abducts; at zero they hang straight, or are folded."""
-    parts = [_link("trunk", 6.0)]
-    for leg, (x, y) in legs.items():
-        axis, side = right_axis if y < 0 else "0 1 0", np.sign(y)
-        parts += [
-            *(_link(f"{leg}_hip", 0.3), _link(f"{leg}_up", 0.3, -0.08), _link(f"{leg}_low", 0.1, -0.08)),
-            _joint(f"{leg}_haa", "trunk", f"{leg}_hip", "1 0 0", f"{x} {y} 0", 1.0),
-            _joint(f"{leg}_hfe", f"{leg}_hip", f"{leg}_up", axis, f"0 {0.05 * side} 0", 3.0),
-            _joint(f"{leg}_kfe", f"{leg}_up", f"{leg}_low", axis, "0 0 -0.16", 3.0, "0 3.1 0" if folded else "0 0 0"),
-            f'<link name="{leg}_foot"/><joint name="{leg}_ankle" type="fixed"><parent link="{leg}_low"/>'
-            f'<child link="{leg}_foot"/><origin xyz="0 0 -0.16"/></joint>',
-        ]
-    path = folder / "legged.urdf"
-    path.write_text(f'<robot name="legged">{"".join(parts)}</robot>')
-    return rt.load(path, root="floating")
+from tests.robots.many_legs import FOUR, SIX, legged
 
 
 def stands(made, height):
@@ -58,7 +23,7 @@ def stands(made, height):
 @pytest.mark.parametrize("legs", [FOUR, SIX], ids=["four", "six"])
 @pytest.mark.parametrize("height", [0.28, 0.24, 0.18])
 def test_straight_legs_bend_to_a_height(tmp_path, legs, height):
-    made = robot(tmp_path, legs)
+    made = legged(tmp_path, legs)
     q, found = stands(made, height)
     assert found == pytest.approx(height, abs=2e-3)
     knees = q[[7 + made.joint_names.index(f"{leg}_kfe") - 1 for leg in legs]]
@@ -66,26 +31,26 @@ def test_straight_legs_bend_to_a_height(tmp_path, legs, height):
 
 
 def test_mirrored_axes_bend_to_mirrored_sides(tmp_path):
-    made = robot(tmp_path, FOUR, right_axis="0 -1 0")
+    made = legged(tmp_path, FOUR, right_axis="0 -1 0")
     q, _ = stands(made, 0.24)
     left, right = (q[7 + made.joint_names.index(f"F{side}_kfe") - 1] for side in "LR")
     assert left == pytest.approx(-right, abs=1e-3) and abs(left) > 0.5
 
 
 def test_legs_are_bent_where_no_height_is_given(tmp_path):
-    made = robot(tmp_path, FOUR)
+    made = legged(tmp_path, FOUR)
     q, found = stands(made, None)
     _, full = stands(made, 0.27)
     assert np.abs(q[7 + made.joint_names.index("FL_kfe") - 1]) > 0.4 and found > full
 
 
 def test_folded_legs_extend(tmp_path):
-    _, found = stands(robot(tmp_path, FOUR, folded=True), 0.2)
+    _, found = stands(legged(tmp_path, FOUR, folded=True), 0.2)
     assert found == pytest.approx(0.2, abs=2e-3)
 
 
 def test_six_feet_carry_a_crouch(tmp_path):
-    made = robot(tmp_path, SIX)
+    made = legged(tmp_path, SIX)
     feet = [f"{leg}_foot" for leg in SIX]
     q = rt.gait.stand(made, feet)
     lower = rt.AtEnd(rt.constraints.FramePosition("trunk", q[:3] + [0.02, 0.01, -0.04]))

@@ -123,3 +123,22 @@ def test_a_fixed_joint_with_a_name_of_the_root_is_no_obstacle(urdf):
         robot = rt.load(urdf.text(text), root="floating")
     assert robot.nq == 8
     assert "root_joint_fixed" in robot.frame_names
+
+
+@pytest.mark.parametrize("kind", [pin.JointModelHX, pin.JointModelHY, pin.JointModelHZ])
+def test_a_screw_takes_the_energy_that_its_plan_states(kind):
+    """Work of the motor equals the gain of potential energy, which Pinocchio computes for the model as given."""
+    model = pin.Model()
+    turn = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.9, 0.4), np.zeros(3))
+    joint = model.addJoint(0, kind(0.05), turn, "screw")
+    model.appendBodyToJoint(joint, pin.Inertia(1.0, np.array([0.1, 0.2, -0.3]), 0.02 * np.eye(3)), pin.SE3.Identity())
+    robot = rt.load(model)
+    assert not any("chains" in note for note in robot.notes)
+    ends = rt.State(q=0.0, v=0.0), rt.State(q=1.5, v=0.0)
+    solution = rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort(), limits=None), rt.Mesh(20))
+    t = np.linspace(0.0, 1.0, 2001)
+    samples = solution.at(t)
+    work = np.trapezoid(samples.tau[:, 0] * samples.v[:, 0], t)
+    gained = np.diff([pin.computePotentialEnergy(model, model.createData(), np.array([q])) for q in (0.0, 1.5)])[0]
+    assert abs(gained) > 0.1
+    assert work == pytest.approx(gained, rel=1e-3)
