@@ -23,7 +23,8 @@ def leg_pairs(robot: Robot, sides: Mapping[str, str]) -> dict[str, str]:
     sides : mapping of str to str
         Foot on the other side of each foot.
     """
-    names, joints, pairs = robot.model.names, robot.joint_names, {}
+    names, joints = robot.model.names, robot.joint_names
+    pairs: dict[str, str] = {}
     for foot, other in sides.items():
         legs = [[names[i] for i in joints_of_leg(robot, each) if names[i] in joints] for each in (foot, other)]
         if foot != other and len(legs[0]) == len(legs[1]):
