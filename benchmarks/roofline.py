@@ -36,7 +36,7 @@ from robotraj.solvers.attempts import AHEAD, FACTOR
 from robotraj.solvers.formulation import BARRIER, BARRIER_OF_LEGS
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
-from robotraj.solvers.stagewise.program import Program
+from robotraj.solvers.stagewise.program import StageProgram
 from robotraj.solvers.stagewise.reduction import reduce
 
 HERE = Path(__file__).resolve().parent
@@ -103,7 +103,7 @@ def points(nlp: rt.transcription.Nlp) -> float:
     return total
 
 
-def factorisation(program: Program) -> float:
+def factorisation(program: StageProgram) -> float:
     """Operations of one sparse factorisation, with inequalities of few entries eliminated."""
     rows, columns = program.jacobian
     n, equal = int(program.nu.sum()), int(program.equalities.sum())

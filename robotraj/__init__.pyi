@@ -29,6 +29,8 @@ from .planning.paths.retime import retime
 from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
 from .planning.problem_files.load import load_problem
+from .planning.programs.moves import MoveC, MoveJ, MoveL
+from .planning.programs.program import Program
 from .planning.replanning.replanner import Replanner
 from .planning.studies.study import Study
 from .problem import constraints, links, objectives
@@ -83,12 +85,16 @@ __all__ = [
     "Mayer",
     "Mesh",
     "Mirror",
+    "MoveC",
+    "MoveJ",
+    "MoveL",
     "NoSolutionFound",
     "PathConstraint",
     "Periodic",
     "Phase",
     "PointContact",
     "Problem",
+    "Program",
     "Replanner",
     "Robot",
     "RobotrajError",

@@ -119,8 +119,9 @@ class PathRates(ControlRates):
         return {PATH_ACCELERATION: 0.0} if speed == 0.0 else {}
 
     def point(self, t: ca.SX, x: ca.SX, z: ca.SX | None, u: ca.SX | None, p: ca.SX, names: Sequence[str]) -> Point:
-        """Put the jerks and the rates of the torques into ``point.extra``."""
+        """Put s'', the jerks and the rates of the torques into ``point.extra``."""
         point, body = super().point(t, x, z, u, p, names), body_of(self.inner)
+        point.extra[PATH_ACCELERATION] = x[len(self.inner.states)]
         if u is not None:
             assert isinstance(body, PathBody) and isinstance(point, PathPoint)
             jerks, rates = body.jerk(point, u[0]), body.torque_rate(point, u[0])

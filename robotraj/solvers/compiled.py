@@ -17,7 +17,7 @@ from robotraj.solvers.nearby_multipliers import interpolated
 
 if TYPE_CHECKING:
     from robotraj.native import Program
-    from robotraj.solvers.stagewise.program import Program as Written
+    from robotraj.solvers.stagewise.program import StageProgram as Written
 
 WARM_BARRIER, WARM_SHARE = 1e-4, 1e-2
 """Smallest first barrier parameter of a solve that starts from multipliers, and its ratio to the largest violation."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from robotraj.native import Program as NativeProgram
-    from robotraj.solvers.stagewise.program import Program
+    from robotraj.solvers.stagewise.program import StageProgram
     from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ def objective_scale(objective: float, bounds: int, stages: int, barrier: float) 
     return float(np.clip(bounds * barrier / (SHARE * abs(objective)), LEAST, max(1.0, stages / FINE)))
 
 
-def of_program(native: NativeProgram, start: Array, program: Program, barrier: float, nlp: Nlp) -> float:
+def of_program(native: NativeProgram, start: Array, program: StageProgram, barrier: float, nlp: Nlp) -> float:
     """Return the scale of the compiled program of an NLP; ``Nlp.objective_scale`` chooses a unit first."""
     first = native.objective(start)
     unit = nlp.objective_scale(first)

@@ -23,6 +23,10 @@ HIGHEST = 5
 """Degree of the spline through configurations, which has continuous jerks; lower with fewer than six of them."""
 NEARLY_A_TURN = 1.5 * np.pi
 """Jump between two configurations above which an angle was wrapped [rad]."""
+PLACES = np.linspace(0.0, 1.0, 17)
+"""Places of every piece of a path at which positions are compared with their limits."""
+ROUNDING = 1e-6
+"""Largest violation of a limit of position that is rounding [rad, m]."""
 PIECES = 32
 """Number of pieces by which a function of the parameter is approximated."""
 
@@ -87,6 +91,22 @@ def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
     if jumped:
         warn(f"The path jumps by nearly a turn, which was read as the short way: {', '.join(jumped)}.")
     return found
+
+
+def check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
+    """Raise an InputError that names the joint and the parameter s at which a path exceeds a limit of position."""
+    q = path.inside(PLACES)
+    if q.shape[-1] != len(limits.joints):
+        raise InputError(f"The path has {q.shape[-1]} joints, but the robot {len(limits.joints)}.")
+    beyond = np.maximum(limits.position_lower - q, q - limits.position_upper)
+    piece, place, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
+    if beyond[piece, place, joint] > ROUNDING:
+        s = path.breaks[piece] + PLACES[place] * (path.breaks[piece + 1] - path.breaks[piece])
+        low, high = (float(side[joint]) for side in limits.positions)
+        raise InputError(
+            f"The path has {limits.joints[joint]!r} at {q[piece, place, joint]:.6g} at s = {s:.4g}, outside its "
+            f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=."
+        )
 
 
 def _through(points: Array, parameters: ArrayLike | None) -> PiecewisePolynomial:

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
-from robotraj._util.trajectory import PiecewisePolynomial
-from robotraj.planning.paths.joint_path import JointPath, as_path, unwrapped
+from robotraj.planning.paths.joint_path import JointPath, as_path, check_positions, unwrapped
 from robotraj.planning.paths.smooth_path import smoothed
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import Constraint
@@ -33,10 +32,6 @@ if TYPE_CHECKING:
 
 LONGEST = 1e3
 """Upper bound of the duration [s]."""
-PLACES = np.linspace(0.0, 1.0, 17)
-"""Places of every piece of a path at which positions are compared with their limits."""
-ROUNDING = 1e-6
-"""Largest violation of a limit of position that is rounding [rad, m]."""
 DEVIATION = 1e-3
 """Largest distance between the path of a plan and the smooth path of a motion of bounded jerk [rad, m]."""
 
@@ -121,7 +116,7 @@ def retime(
     if isinstance(path, list | tuple | np.ndarray):
         path = unwrapped(path, robot, given)
     joints = as_path(path, parameters)
-    _check_positions(joints, given)
+    check_positions(joints, given)
     if deviation is None:
         limited = jerk is not None or torque_rate is not None or bool(np.isfinite(given.jerk).any())
         abrupt = isinstance(path, Solution) and limited
@@ -144,19 +139,3 @@ def retime(
         name="path",
     )
     return plan(phase, **options)
-
-
-def _check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
-    """Raise an InputError that names the joint and the parameter s at which a path exceeds a limit of position."""
-    q = path.inside(PLACES)
-    if q.shape[-1] != len(limits.joints):
-        raise InputError(f"The path has {q.shape[-1]} joints, but the robot {len(limits.joints)}.")
-    beyond = np.maximum(limits.position_lower - q, q - limits.position_upper)
-    piece, place, joint = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
-    if beyond[piece, place, joint] > ROUNDING:
-        s = path.breaks[piece] + PLACES[place] * (path.breaks[piece + 1] - path.breaks[piece])
-        low, high = (float(side[joint]) for side in limits.positions)
-        raise InputError(
-            f"The path has {limits.joints[joint]!r} at {q[piece, place, joint]:.6g} at s = {s:.4g}, outside its "
-            f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=."
-        )

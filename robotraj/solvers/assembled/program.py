@@ -19,7 +19,7 @@ from robotraj.native.build import load_native
 from robotraj.solvers.assembled import chain_rule
 from robotraj.solvers.assembled.elimination_order import elimination_groups
 from robotraj.solvers.stagewise.matrices import Entries, array, entries, native, summed
-from robotraj.solvers.stagewise.program import BlockProgram, Program
+from robotraj.solvers.stagewise.program import BlockProgram, StageProgram
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import scaled
 
@@ -45,7 +45,7 @@ class Assembled:
     Attributes
     ----------
     nlp : Nlp
-    program : Program
+    program : StageProgram
         A program of one stage without states.
     free : ndarray of int (n_y,)
         Columns of w that are unknowns.
@@ -54,7 +54,7 @@ class Assembled:
     """
 
     nlp: Nlp
-    program: Program
+    program: StageProgram
     free: Indices
     values: Array
 
@@ -162,7 +162,7 @@ def assemble(nlp: Nlp) -> Assembled:
         BlockProgram(block, offset, jacobian, load_native().Stacked(hessian), _gradient(block))
         for block, offset, jacobian, hessian in zip(blocks, shifts, first.parts, second.parts, strict=True)
     ]
-    program = Program(
+    program = StageProgram(
         np.array([free.size]),
         np.array([0]),
         np.array([rows.equalities]),

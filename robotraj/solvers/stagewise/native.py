@@ -9,19 +9,19 @@ import numpy as np
 from robotraj.native.build import load_native
 from robotraj.native.engines.base import Engine
 from robotraj.solvers.stagewise.matrices import native
-from robotraj.solvers.stagewise.program import BlockProgram, Program
+from robotraj.solvers.stagewise.program import BlockProgram, StageProgram
 
 if TYPE_CHECKING:
     from robotraj.native import Program as NativeProgram
     from robotraj.native import Term
 
 
-def native_program(program: Program, engine: Engine, threads: int) -> NativeProgram:
+def native_program(program: StageProgram, engine: Engine, threads: int) -> NativeProgram:
     """Copy a program into C++, its point functions evaluated by ``engine``.
 
     Parameters
     ----------
-    program : Program
+    program : StageProgram
     engine : Engine
     threads : int
         Number of threads that evaluate points; solutions are the same for any number.
@@ -45,7 +45,7 @@ def native_program(program: Program, engine: Engine, threads: int) -> NativeProg
     return made
 
 
-def refresh(native: NativeProgram, program: Program) -> None:
+def refresh(native: NativeProgram, program: StageProgram) -> None:
     """Write the numbers of a refreshed program (``Reduction.refreshed``) to the compiled one."""
     native.set_offsets(program.shift, program.constant)
     for number, part in enumerate(program.blocks):

@@ -54,7 +54,7 @@ class BlockProgram:
 
 
 @dataclass(frozen=True, eq=False)
-class Program:
+class StageProgram:
     """A problem in stages; see the module.
 
     Attributes
@@ -111,7 +111,7 @@ class _Rows:
     upper: Array
 
 
-def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> Program:
+def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> StageProgram:
     """Write the program of a form whose columns have slots.
 
     Parameters
@@ -157,7 +157,7 @@ def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) ->
     row, column, data = entries_of(slots.matrix, slots.carried[:, 1])
     cost, base = _cost(form, slots, known, values)
     stages = order.stages
-    return Program(
+    return StageProgram(
         slots.nu,
         slots.nx,
         np.bincount(path.stages[path.equal], minlength=stages),
@@ -177,7 +177,9 @@ def build(form: Form, order: Order, slots: Slots, known: Mask, values: Array) ->
     )
 
 
-def with_values(program: Program, form: Form, order: Order, slots: Slots, known: Mask, values: Array) -> Program | None:
+def with_values(
+    program: StageProgram, form: Form, order: Order, slots: Slots, known: Mask, values: Array
+) -> StageProgram | None:
     """Return the program of a form that differs only in bounds, offsets, constants and known values.
 
     Combinations and patterns are those of ``program``. None is returned where its rows differ.

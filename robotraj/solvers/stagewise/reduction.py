@@ -18,7 +18,7 @@ from robotraj.solvers.stagewise.form import Form, Mask
 from robotraj.solvers.stagewise.free_durations import Stretch, stretch
 from robotraj.solvers.stagewise.linear import extract_linear
 from robotraj.solvers.stagewise.order import Order, allowed_stages, order
-from robotraj.solvers.stagewise.program import Program, build
+from robotraj.solvers.stagewise.program import StageProgram, build
 from robotraj.solvers.stagewise.program import with_values as program_with_values
 from robotraj.solvers.stagewise.redundant_rows import remove_repeated_rows, remove_satisfied_rows
 from robotraj.solvers.stagewise.slots import Slots, make_slots
@@ -43,7 +43,7 @@ class Reduction:
     ----------
     nlp : Nlp
     form, order, slots : Form, Order, Slots
-    program : Program
+    program : StageProgram
     known : ndarray of bool (n_w,)
         Whether a column is replaced by a number.
     values : ndarray (n_w,)
@@ -56,7 +56,7 @@ class Reduction:
     form: Form
     order: Order
     slots: Slots
-    program: Program
+    program: StageProgram
     known: Mask
     values: Array
     stretched: Stretch | None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 import robotraj as rt
-from robotraj.solvers.stagewise.program import Program
+from robotraj.solvers.stagewise.program import StageProgram
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.row_places import AddedRow
@@ -37,7 +37,7 @@ def reduced(problem: str, mesh: str, interval_limits: rt.interval_limits.Constra
     return reduce(nlp_of(EVERY[problem](), MESHES[mesh], None, interval_limits))
 
 
-def columns_of_states(program: Program) -> NDArray[np.bool_]:
+def columns_of_states(program: StageProgram) -> NDArray[np.bool_]:
     """Return which entries of y are states, (n_y,)."""
     return np.concatenate([np.arange(u + x) >= u for u, x in zip(program.nu, program.nx, strict=True)])
 

@@ -1,0 +1,1 @@
+"""Programs of robots' controllers: joint moves, straight lines and circular arcs with blended corners."""
