@@ -16,13 +16,15 @@ from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.gait.bounds.margins import MARGIN, checked_margin
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
+from robotraj.gait.capability.leg_samples import greatest_friction
+from robotraj.gait.capability.take_off import check_take_off
+from robotraj.gait.capability.weight import check_rest
 from robotraj.gait.checks import check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.posture import posture_objective
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.gait.take_off import check_height
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time, standing
 from robotraj.problem.constraints.bounds import Between
@@ -85,8 +87,8 @@ def jump(
     Raises
     ------
     InputError
-        The height is not positive, or half as much again as the torques and speeds of the legs allow. Or the robot has
-        no feet.
+        The height is not positive, or the jump needs a take-off for half as much again as the torques and speeds of the
+        legs allow. The legs cannot carry the robot, or it has no feet.
     """
     names = feet_of(robot, feet)
     check_options(None, upright)
@@ -98,8 +100,9 @@ def jump(
     kind = on_ground(contact, ground)
     standing_robot = BalancedStance(robot, tuple(foot_contact(kind, name).bound_to(robot) for name in names))
     q = standing(standing_robot)
-    friction = max(contact.contact.friction for contact in standing_robot.contacts)
-    check_height(robot, names, q, height, min(friction, 1.0), checked_margin(margin))
+    friction = greatest_friction(standing_robot)
+    check_rest(robot, names, q, friction, checked_margin(margin))
+    check_take_off(robot, names, q, height, length, friction, checked_margin(margin))
     landed = np.array(q)
     landed[0] += length
     data = robot.model.createData()

@@ -12,9 +12,13 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.dynamics.variable import Scalar
+from robotraj.gait.bounds.margins import checked_margin
+from robotraj.gait.capability.leg_reach import check_step
+from robotraj.gait.capability.leg_samples import greatest_friction
+from robotraj.gait.capability.leg_speed import check_speed
+from robotraj.gait.capability.weight import check_weight
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.gait.leg_reach import check_step
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.heading import check_heading, check_up
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
@@ -22,6 +26,8 @@ from robotraj.gait.mirroring.leg_joints import leg_pairs
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.supports import GaitTerms, Support
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.links.base import Ends
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -69,7 +75,9 @@ def repeating(
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
-        return _in_shares(sequence(robot, [*phases, *other], terms, moved, passes=sides), [*parts, *parts])
+        problem = sequence(robot, [*phases, *other], terms, moved, passes=sides)
+        _check_legs(robot, problem, phases, parts, sides, terms, length)
+        return _in_shares(problem, [*parts, *parts])
     both = repeat.partner_of
     for foot in sides:
         if both.get(foot, foot) != sides[foot]:
@@ -77,7 +85,26 @@ def repeating(
                 f"The mirror image of foot {foot!r} is {both.get(foot, foot)!r}, not {sides[foot]!r}; name the pair in "
                 "rt.gait.mirror(robot, partners=...)."
             )
-    return _in_shares(sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground)), parts)
+    problem = sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground))
+    _check_legs(robot, problem, phases, parts, sides, terms, length)
+    return _in_shares(problem, parts)
+
+
+def _check_legs(
+    robot: Robot,
+    problem: Problem,
+    phases: Sequence[Support],
+    parts: Sequence[float],
+    sides: Mapping[str, str],
+    terms: GaitTerms,
+    length: float,
+) -> None:
+    """Refuse a gait whose phases in one half are too fast for the legs, or in which they cannot carry the robot."""
+    stance = BalancedStance(robot, tuple(foot_contact(terms.contact, foot).bound_to(robot) for foot in sides))
+    posture, margin = standing(stance), checked_margin(terms.margin)
+    spans = [phase.duration_bounds for phase in problem.phases[: len(phases)]]
+    check_speed(robot, phases, parts, sides, length, sum(longest for _, longest in spans), posture, margin)
+    check_weight(robot, phases, spans, list(sides), posture, greatest_friction(stance), margin)
 
 
 def whole_stride(

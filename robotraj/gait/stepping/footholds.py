@@ -27,9 +27,10 @@ from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.gait.stepping.foothold_arcs import step_clearances
+from robotraj.gait.stepping.stances import check_footholds
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import height_above, mean_ground, pendulum_time, standing
+from robotraj.guess.legs.standing_posture import mean_ground, pendulum_time, standing
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
@@ -116,7 +117,7 @@ def steps(
     ------
     InputError
         There are no steps, a foot is unknown, a foothold is no pair of numbers, or all feet swing at once. A duration
-        is not positive. The robot cannot stand on the last footholds.
+        is not positive. The robot cannot stand on the footholds before or after a step.
     """
     names = feet_of(robot, feet)
     check_options(None, upright)
@@ -140,7 +141,7 @@ def steps(
     if held:
         for k, after in enumerate(places[1:]):
             _keep_planes(robot, places[0], after, k)
-    last, turn = _standing_on(robot, stance, first, places[0], places[-1])
+    last, turn = check_footholds(stance, first, places, [tuple(step) for step in footholds])
     if held:
         last = _levelled(robot, stance, last, places[-1])
     bounds = Upright(tilt=min(TILT + abs(turn), 3.1)) if upright is None else upright
@@ -212,45 +213,6 @@ def _anchors(foot: str, foothold: Sequence[float], first: Mapping[str, float]) -
     values = dict(zip(("x", "y", "yaw"), (float(v) for v in foothold), strict=False))
     axes = {name: name.rpartition(".")[2] for name in _names(foot, first)}
     return {n: values[axis] + (first[n] if axis == "yaw" else 0.0) for n, axis in axes.items() if axis in values}
-
-
-def _standing_on(
-    robot: Robot, stance: BalancedStance, first: Array, before: Mapping[str, float], after: Mapping[str, float]
-) -> tuple[Array, float]:
-    """Return the standing configuration (nq,) on the last footholds, and the turn of the robot [rad]."""
-    data = robot.model.createData()
-    com = np.array(pin.centerOfMass(robot.model, data, first))
-    axes = "x" if robot.root == "planar" else "xy"
-    old, new = (
-        np.array([[side[f"{c.name}.{axis}"] for axis in axes] for c in stance.contacts]) for side in (before, after)
-    )
-    shift = np.zeros(3)
-    shift[: len(axes)] = new.mean(axis=0) - old.mean(axis=0)
-    shift[2] = height_above(stance, before, com) - height_above(stance, after, com)
-    angle = 0.0
-    near = np.array(first)
-    if robot.root == "floating":
-        a, b = old - old.mean(axis=0), new - new.mean(axis=0)
-        angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
-        turned = pin.AngleAxis(angle, np.array([0.0, 0.0, 1.0])).toRotationMatrix()
-        middle = np.append(old.mean(axis=0), 0.0)
-        x, y, z, w = first[QUATERNION]
-        near[QUATERNION] = (pin.Quaternion(turned) * pin.Quaternion(w, x, y, z)).coeffs()
-        near[:3] = turned @ (first[:3] - middle) + middle + shift
-        com = turned @ (com - middle) + middle + shift
-    else:
-        near[:2] += shift[[0, 2]]
-        com = com + shift
-        com[1] = np.nan
-    # The joints keep their standing posture; the root is placed above the new footholds.
-    last = stance.reach(near, after, com, {}, near)
-    rows, _ = stance.places(last, after)
-    if np.max(np.abs(rows), initial=0.0) > FOOT_TOLERANCE:
-        raise InputError(
-            f"{robot.name!r} cannot stand on the last footholds: a foot is {np.max(np.abs(rows)):.2g} off its foothold "
-            "in the best configuration found. Move the last footholds closer together."
-        )
-    return last, angle
 
 
 def _keep_planes(robot: Robot, before: Mapping[str, float], after: Mapping[str, float], k: int) -> None:

@@ -114,7 +114,10 @@ WRONG: dict[str, tuple[Callable[[rt.Robot], rt.Problem], str]] = {
         lambda b: rt.gait.steps(b, [{"FL_FOOT": (0, 0)}], **(BOLT | {"swing": 0})),
         "swing.* is 0; give",
     ),
-    "out of reach": (lambda b: rt.gait.steps(b, [{"FL_FOOT": (9, 0.1)}], **BOLT), "cannot stand on the last footholds"),
+    "out of reach": (
+        lambda b: rt.gait.steps(b, [{"FL_FOOT": (9, 0.1)}], **BOLT),
+        "cannot stand on the footholds after step 1",
+    ),
     "one step": (lambda b: rt.gait.start_stop(b, step_length=0.1, count=1, **BOLT), "at least 2 steps"),
     "three steps": (lambda b: rt.gait.sidestep(b, distance=0.1, count=3, **BOLT), "an even number of steps"),
     "half a turn": (lambda b: rt.gait.turn(b, angle=4.0, **BOLT), "less than half a turn"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import robotraj as rt
-from robotraj.gait.leg_reach import leg_length
+from robotraj.gait.capability.leg_reach import leg_length
 
 
 def test_the_length_of_a_leg_is_that_of_its_links() -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import time
 
 import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.gait.take_off import greatest_rise
+from robotraj.gait.capability.take_off import greatest_rise
 
 
 def hopper(effort: float, velocity: float) -> rt.Robot:
@@ -50,3 +51,18 @@ def test_a_jump_of_three_metres_is_refused_within_two_seconds() -> None:
 def test_motors_without_limits_are_not_judged() -> None:
     robot = rt.load("hopper", root="planar", limits={"effort": np.inf})
     assert rise(robot) == np.inf
+
+
+def test_a_jump_of_four_metres_is_refused_with_one_that_would_do() -> None:
+    robot = rt.load("go2", root="floating")
+    with pytest.raises(rt.InputError, match=r"length\) is -4 m.*length=-0\.\d+ with height=0\.\d+ would do"):
+        rt.gait.jump(robot, length=-4.0)
+
+
+@pytest.mark.slow
+def test_the_stated_jump_is_planned() -> None:
+    robot = rt.load("go2", root="floating")
+    with pytest.raises(rt.InputError) as refusal:
+        rt.gait.jump(robot, length=4.0)
+    length, height = re.search(r"length=(\S+) with height=(\S+) would", str(refusal.value)).groups()  # type: ignore[union-attr]
+    assert rt.plan(rt.gait.jump(robot, length=float(length), height=float(height))).success

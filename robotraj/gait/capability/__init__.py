@@ -1,0 +1,1 @@
+"""What legs can do at most, estimated before a solve: reach, speed, push and load."""

@@ -1,0 +1,115 @@
+"""Loads that legs cannot carry: an estimate from the torques of the legs.
+
+Over a motion that repeats, the mean vertical force of the ground is the weight. So
+
+    m g <= sum over feet of b F,
+
+where b is the share of the time in which a foot stands, and F its greatest vertical force by the effort limits of its
+leg, in the best of seeded random configurations (``leg_samples``). Straight and folded legs, which carry any load, are
+left out. At rest, the same holds for the forces in that configuration. Inertia and dry friction are omitted, so that
+weights far above the estimate are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.gait.capability.leg_samples import LegSamples, sample_legs
+from robotraj.gait.supports import Support
+from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+BENT = (0.5, 0.95)
+"""Least and greatest height of the root above a foot, relative to that of a straight leg."""
+BEYOND = 1.5
+"""Multiple of the estimate above which a weight is refused."""
+EASY = 0.5
+"""Part of the load of the standing legs up to which nothing is estimated."""
+MODEST = 0.5
+"""Part of the estimate that a message names as one that would do."""
+
+
+def check_rest(robot: Robot, feet: Sequence[str], standing: Array, friction: float, margin: float) -> None:
+    """Refuse a motion from a standing configuration in which the legs cannot carry the robot.
+
+    The parameters are those of ``sample_legs``.
+
+    Raises
+    ------
+    InputError
+        The message has the weight, the estimate, and a mass that would do.
+    """
+    at_rest = sample_legs(robot, feet, standing, friction, margin, 0)
+    if at_rest is not None:
+        _compare(robot, float(at_rest.forces[:, 0].sum()), "in the configuration in which it stands")
+
+
+def check_weight(
+    robot: Robot,
+    supports: Sequence[Support],
+    spans: Sequence[tuple[float, float]],
+    feet: Sequence[str],
+    standing: Array,
+    friction: float,
+    margin: float,
+) -> None:
+    """Refuse a motion in which the legs cannot carry the robot.
+
+    Parameters
+    ----------
+    robot : Robot
+    supports : sequence of Support
+        Phases of a motion that repeats.
+    spans : sequence of (float, float)
+        Least and greatest durations of the phases [s].
+    feet : sequence of str
+    standing, friction, margin
+        As for ``sample_legs``.
+
+    Raises
+    ------
+    InputError
+        The message has the weight, the estimate, and a mass that would do.
+    """
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    at_rest = sample_legs(robot, feet, standing, friction, margin, 0)
+    if at_rest is None or robot.mass * gravity <= EASY * _carried(at_rest.forces[:, 0], supports, spans, feet):
+        return
+    samples = sample_legs(robot, feet, standing, friction, margin)
+    assert samples is not None
+    _compare(robot, _carried(_bent(samples), supports, spans, feet), "in this gait")
+
+
+def _compare(robot: Robot, most: float, where: str) -> None:
+    """Refuse a robot that weighs more than the greatest load [N]."""
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    if robot.mass * gravity <= BEYOND * most:
+        return
+    raise InputError(
+        f"{robot.name!r} weighs {robot.mass * gravity:.3g} N ({robot.mass:.3g} kg with what it carries). By the effort "
+        f"limits of its legs, it carries about {most:.2g} N at most {where}. {MODEST * most / gravity:.2g} kg would "
+        f"do, or effort limits {robot.mass * gravity / (MODEST * most):.2g} times as large."
+    )
+
+
+def _carried(
+    forces: Array, supports: Sequence[Support], spans: Sequence[tuple[float, float]], feet: Sequence[str]
+) -> float:
+    """Return the greatest mean of the forces [N]; with free durations, that of the phase that carries most."""
+    loads = [sum(float(forces[f]) for f, foot in enumerate(feet) if foot in support.feet) for support in supports]
+    if any(least < greatest for least, greatest in spans):
+        return max(loads)
+    return sum(load * time for load, (time, _) in zip(loads, spans, strict=True) if load) / sum(t for t, _ in spans)
+
+
+def _bent(samples: LegSamples) -> Array:
+    """Return the greatest force of each foot with a bent leg [N]."""
+    heights = -samples.places[:, :, 2]
+    least, greatest = (share * heights.max(axis=1, keepdims=True) for share in BENT)
+    bent = (heights >= least) & (heights <= greatest)
+    return np.asarray(np.max(samples.forces, axis=1, where=bent, initial=0.0))

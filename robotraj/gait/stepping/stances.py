@@ -1,0 +1,123 @@
+"""Stances between steps: configurations on given footholds, and footholds that no configuration reaches.
+
+Before and after a step, all feet are on their footholds. Inverse kinematics within the position limits find a
+configuration for each such stance. A step to which there is none is refused, with the greatest part of it that inverse
+kinematics reach: the least distance by which a foot is off its foothold grows with that part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.gait.standing import FOOT_TOLERANCE
+from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.standing_posture import height_above, mean_ground
+from robotraj.robot.root import QUATERNION
+
+Array = NDArray[np.float64]
+
+OFF = 0.01
+"""Greatest distance of a foot from its foothold in a stance between steps, relative to the reach of the robot."""
+HALVINGS = 8
+"""Number of bisections for the part of a step that is reached."""
+MODEST = 0.25
+"""Part of the greatest step that a message names as one that would do."""
+
+
+def check_footholds(
+    stance: BalancedStance, first: Array, places: Sequence[Mapping[str, float]], moved: Sequence[Sequence[str]]
+) -> tuple[Array, float]:
+    """Return the configuration (nq,) on the last footholds, and the turn of the robot [rad].
+
+    Parameters
+    ----------
+    stance : BalancedStance
+    first : ndarray (nq,)
+        Standing configuration on the first footholds.
+    places : sequence of mapping of str to float
+        Footholds before the first step and after each one, by anchor [m, rad].
+    moved : sequence of sequence of str
+        Feet that move in each step.
+
+    Raises
+    ------
+    InputError
+        The robot cannot stand on the footholds after a step. The message has a part of the step that would do.
+    """
+    for k, feet in enumerate(moved):
+        last, angle, off = standing_on(stance, first, places[0], places[k + 1])
+        if off > (OFF * stance.size if k + 1 < len(moved) else FOOT_TOLERANCE):
+            raise InputError(_refusal(stance, first, places, k, feet, off))
+    return last, angle
+
+
+def _refusal(
+    stance: BalancedStance,
+    first: Array,
+    places: Sequence[Mapping[str, float]],
+    k: int,
+    feet: Sequence[str],
+    off: float,
+) -> str:
+    """Return the message on step k, for which a foot is off its foothold."""
+    before, after = places[k], places[k + 1]
+
+    def part_of(share: float) -> dict[str, float]:
+        return {name: (1.0 - share) * before[name] + share * after[name] for name in before}
+
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        reached = standing_on(stance, first, places[0], part_of(middle))[2] <= FOOT_TOLERANCE
+        low, high = (middle, high) if reached else (low, middle)
+    moves = [[after.get(f"{c.name}.{a}", 0.0) - before.get(f"{c.name}.{a}", 0.0) for a in "xy"] for c in stance.feet]
+    far = float(np.max(np.linalg.norm(moves, axis=1)))
+    rise = mean_ground(stance, after) - mean_ground(stance, before)
+    level = abs(rise) < OFF * stance.size
+    remedy = f"Steps of {MODEST * low * far:.2g} m would do." if level else "A lower rise would do."
+    step = f"{' and '.join(map(repr, feet))} by {far:.3g} m{'' if level else f' and {abs(rise):.3g} m in mean height'}"
+    return (
+        f"{stance.robot.name!r} cannot stand on the footholds after step {k + 1}, which moves {step}. By the position "
+        f"limits and the lengths of its legs, a foot is {off:.2g} off its foothold in the best configuration found. "
+        f"{remedy}"
+    )
+
+
+def standing_on(
+    stance: BalancedStance, first: Array, before: Mapping[str, float], after: Mapping[str, float]
+) -> tuple[Array, float, float]:
+    """Return the standing configuration (nq,) on other footholds, the turn [rad], and the greatest error of a foot."""
+    robot = stance.robot
+    data = robot.model.createData()
+    com = np.array(pin.centerOfMass(robot.model, data, first))
+    axes = "x" if robot.root == "planar" else "xy"
+    old, new = (
+        np.array([[side[f"{c.name}.{axis}"] for axis in axes] for c in stance.contacts]) for side in (before, after)
+    )
+    shift = np.zeros(3)
+    shift[: len(axes)] = new.mean(axis=0) - old.mean(axis=0)
+    shift[2] = height_above(stance, before, com) - height_above(stance, after, com)
+    angle = 0.0
+    near = np.array(first)
+    if robot.root == "floating":
+        a, b = old - old.mean(axis=0), new - new.mean(axis=0)
+        angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
+        turned = pin.AngleAxis(angle, np.array([0.0, 0.0, 1.0])).toRotationMatrix()
+        middle = np.append(old.mean(axis=0), 0.0)
+        x, y, z, w = first[QUATERNION]
+        near[QUATERNION] = (pin.Quaternion(turned) * pin.Quaternion(w, x, y, z)).coeffs()
+        near[:3] = turned @ (first[:3] - middle) + middle + shift
+        com = turned @ (com - middle) + middle + shift
+    else:
+        near[:2] += shift[[0, 2]]
+        com = com + shift
+        com[1] = np.nan
+    # The joints keep their standing posture; the root is placed above the new footholds.
+    found = stance.reach(near, after, com, {}, near)
+    rows, _ = stance.places(found, after)
+    return found, angle, float(np.max(np.abs(rows), initial=0.0))

@@ -1,0 +1,44 @@
+"""Footholds on which no configuration stands are refused before a solve, with a step that would do."""
+
+from __future__ import annotations
+
+import re
+import time
+
+import pytest
+
+import robotraj as rt
+
+
+@pytest.mark.parametrize("name", ["sidestep", "gap"])
+def test_footholds_out_of_reach_between_steps_are_refused_within_two_seconds(name: str) -> None:
+    robot = rt.load("talos_legs" if name == "sidestep" else "go2", root="floating")
+    began = time.process_time()
+    with pytest.raises(rt.InputError, match=r"cannot stand on the footholds after step \d.*Steps of 0\.\d+ m would do"):
+        if name == "sidestep":
+            rt.gait.sidestep(robot, distance=3.0)
+        else:
+            rt.gait.gap(robot, start=0.3, width=2.0, step_length=0.2)
+    assert time.process_time() - began < 2.0
+
+
+def test_a_rise_that_the_legs_do_not_reach_is_named() -> None:
+    robot = rt.load("go2", root="floating")
+    with pytest.raises(rt.InputError, match=r"0\.\d+ m in mean height.*A lower rise would do"):
+        rt.gait.stairs(robot, start=0.3, run=0.3, rise=0.6, count=2)
+    rt.gait.stairs(robot, start=0.3, run=0.3, rise=0.1, count=2)
+
+
+def test_long_steps_that_the_legs_reach_are_not_refused() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    rt.gait.start_stop(robot, step_length=0.6)
+    rt.gait.sidestep(robot, distance=0.5)
+
+
+@pytest.mark.slow
+def test_the_stated_sidestep_is_planned() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    with pytest.raises(rt.InputError) as refusal:
+        rt.gait.sidestep(robot, distance=3.0)
+    distance = float(re.search(r"Steps of (\S+) m would", str(refusal.value))[1])  # type: ignore[index]
+    assert rt.plan(rt.gait.sidestep(robot, distance=distance)).success
