@@ -302,9 +302,9 @@ PROBLEMS: Mapping[str, Infeasible] = {
     "1000 N m on 2 kg": Infeasible(lambda: own_arm(effort=1000), ("shoulder", "1000", "Implausible")),
     # mirrors, footholds and fixed ends phases later
     "five_link, mirrored knees": Infeasible(mirrored_knees, ("knee", "position limit", "Touchdown|mirror")),
-    "five_link, step of 2 m": Infeasible(long_step, ("foot", "Touchdown")),
+    "five_link, step of 2 m": Infeasible(long_step, ("foot", "step_length", "would do")),
     "solo12, slope without friction": Infeasible(steep_trot, ("friction", "slope"), (0.59, 0.7)),
-    "solo12, foothold out of reach": Infeasible(far_foothold, ("FL_FOOT", "contact position", "phase 'support 1'")),
+    "solo12, foothold out of reach": Infeasible(far_foothold, ("FL_FOOT", "step 1", "would do")),
     "three phases, end too far": Infeasible(three_moves, ("v", "state bound"), (1.3, 2.5)),
     "phases fixed apart": Infeasible(fixed_apart, ("state bound, v", "phase 'rest'")),
     "ur5, end a phase later": Infeasible(arm_in_two_phases, ("elbow_joint", "velocity"), (0.51, 1.0)),

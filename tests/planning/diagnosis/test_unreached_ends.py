@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -55,19 +57,25 @@ def test_a_clearance_conflicts_with_the_place_below_it(ur5: rt.Robot) -> None:
     assert found.needed == pytest.approx(0.1, abs=1e-3)
 
 
-def test_a_foothold_out_of_reach_is_named_phases_before_the_end() -> None:
+def there_and_back(place: float) -> rt.Problem:
+    """Return two steps of a foot, whose first foothold is moved to a place [m]."""
     robot = rt.load("five_link", root="planar")
-    feet = ("left_foot", "right_foot")
-    problem = rt.gait.steps(robot, [{"left_foot": (2.5,)}, {"left_foot": (0.0,)}], feet=feet)
-    found = unreached_ends(problem)
+    problem = rt.gait.steps(robot, [{"left_foot": (0.2,)}, {"left_foot": (0.0,)}], feet=("left_foot", "right_foot"))
+    phases = [
+        phase.with_(parameters={**phase.parameters, "left_foot.x": place}) if phase.name == "support 1" else phase
+        for phase in problem.phases
+    ]
+    return replace(problem, phases=phases)
+
+
+def test_a_foothold_out_of_reach_is_named_phases_before_the_end() -> None:
+    found = unreached_ends(there_and_back(2.5))
     assert found and any("left_foot" in conflict.name for conflict in found)
-    assert not unreached_ends(rt.gait.steps(robot, [{"left_foot": (0.2,)}, {"right_foot": (0.2,)}], feet=feet))
+    assert not unreached_ends(there_and_back(0.2))
 
 
 def test_a_failed_plan_names_such_an_end() -> None:
-    robot = rt.load("five_link", root="planar")
-    problem = rt.gait.steps(robot, [{"left_foot": (2.5,)}, {"left_foot": (0.0,)}])
-    solution = rt.plan(problem, check=False)
+    solution = rt.plan(there_and_back(2.5), check=False)
     assert not solution.success
     assert "left_foot" in solution.cause
 
