@@ -18,7 +18,7 @@ from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
-from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+from robotraj.transcription.refinement.objective_quadrature import quadrature_errors, surplus
 from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
 from robotraj.transcription.refinement.unresolved_controls import unresolved
@@ -78,6 +78,8 @@ class Measured:
         Relative contribution of the controls' highest degree to the objective; 0 where it is not measured.
     order : float
         Order of convergence of the objective in the number of intervals.
+    rounded : float
+        Share of the objective that the sum at the points leaves out where kinks are rounded.
     """
 
     proof: Proof
@@ -89,6 +91,7 @@ class Measured:
     broken: tuple[Array, ...]
     coarse: float
     order: float
+    rounded: float = 0.0
 
     def next_meshes(
         self, parts: Sequence[PhaseSolution], refinement: Refinement, growth: float, missed: float = 1.0
@@ -227,7 +230,9 @@ def measured(
         max(float(e.max()) for e in errors), 0.0, quadrature, unsettled, goals, roughness=largest_roughness(parts)
     )
     meshes = tuple(part.mesh for part in parts)
-    return Measured(proof, true, meshes, errors, before, needs, broken, coarse, order).with_violations(solution)
+    rounded = max(0.0, -sum(surplus(p.phase, p.trajectory, p.mesh.schemes) for p in parts)) / size
+    found = Measured(proof, true, meshes, errors, before, needs, broken, coarse, order, rounded)
+    return found.with_violations(solution)
 
 
 def _alike(part: PhaseSolution, parts: Sequence[PhaseSolution]) -> list[PhaseTrajectory]:

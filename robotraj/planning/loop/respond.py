@@ -132,6 +132,8 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     best, refinement, first = state.best, state.settings.refinement, state.approximates
     assert best is not None and refinement is not None
     proof, measures = best.proof, best.measures
+    if measures.rounded > proof.goals.objective and state.problem is not state.sharp:
+        return replace(state, problem=state.sharp, meshes=best.meshes, why="kinks without rounding")
     if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.holds and not first:

@@ -9,6 +9,7 @@ from robotraj._util.values import dataclass
 from robotraj.planning.loop.measures import Measured, proof_on
 from robotraj.planning.proving.soft_friction import SOFTENING
 from robotraj.planning.sizes.shares import shares_of
+from robotraj.planning.sizes.soft_kinks import with_soft_kinks
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Proof
@@ -165,7 +166,9 @@ class PlanState:
     Attributes
     ----------
     problem, settings
-        The problem, and settings with goals and a refinement.
+        The problem, with rounded kinks where their share is small, and settings with goals and a refinement.
+    sharp : Problem
+        The problem with its own kinks.
     traits : Traits
     guess : InitialGuess, Solution or None
         Guess of the plan, until there is a solution.
@@ -200,6 +203,7 @@ class PlanState:
     """
 
     problem: Problem
+    sharp: Problem
     settings: Settings
     traits: Traits
     guess: InitialGuess | Solution | None
@@ -263,7 +267,9 @@ def begin(
     """Return the first state of a plan."""
     traits, refinement = Traits.of(problem), settings.refinement
     second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
-    state = PlanState(problem, settings, traits, guess, (), second, is_brief=is_brief)
+    assert settings.goals is not None
+    soft = with_soft_kinks(problem, settings.goals, settings.smoothing)
+    state = PlanState(soft, problem, settings, traits, guess, (), second, is_brief=is_brief)
     if traits.sticking and not isinstance(guess, Solution):
         return replace(state, meshes=state.coarsest, task=Task.SOFTER, softening=SOFTENING)
     return replace(state, meshes=state.coarsest, neighbour=proof_on(guess, state.coarsest))

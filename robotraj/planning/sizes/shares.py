@@ -58,6 +58,8 @@ class Shares:
         Part of the terms of the end points in the sum of the sizes of all terms, such as of a least time.
     kinks : float
         Part of the integrals that are not smooth, such as of absolute powers.
+    rate : float
+        Sum of the sizes of all terms over the duration of all phases; 0 where it is not known.
     friction : float
         Length of the vector of dry frictions of all joints, relative to the root mean square of that of the torques,
         times the part of the integrals: in least time no joint rests.
@@ -66,6 +68,7 @@ class Shares:
     ends: float
     kinks: float
     friction: float
+    rate: float = 0.0
 
     @property
     def kinked(self) -> bool:
@@ -101,14 +104,26 @@ def _new_shares(problem: Problem) -> Shares:
     total = sum(sums.values()) or 1.0
     ends = sums["end"] / total
     kinks = 1.0 if any(map(_has_kinked_rows, problem.phases)) else sums["kinked"] / total
-    return Shares(ends, kinks, (1.0 - ends) * max(map(_friction, problem.phases)))
+    measured = all(map(_is_measured, problem.phases))
+    rate = total / sum(_motion(phase).duration for phase in problem.phases) if measured else 0.0
+    return Shares(ends, kinks, (1.0 - ends) * max(map(_friction, problem.phases)), rate)
+
+
+def _kinds(phase: Phase) -> list[str]:
+    """Return the kind of each term, those of the end points first."""
+    kinds = ["end" for _ in phase.end_costs]
+    return kinds + ["kinked" if is_kinked(term.augment(phase.body)) else "smooth" for _, term in phase.integrals]
+
+
+def _is_measured(phase: Phase) -> bool:
+    """Whether the sizes of terms are those along a plain motion; terms of one kind need none."""
+    return len(set(_kinds(phase))) > 1 and _has_plain_motion(phase)
 
 
 def _sizes(phase: Phase) -> Sequence[tuple[str, float]]:
-    """Return kind and size of each term; terms of one kind need no motion."""
-    kinds = ["end" for _ in phase.end_costs]
-    kinds += ["kinked" if is_kinked(term.augment(phase.body)) else "smooth" for _, term in phase.integrals]
-    if len(set(kinds)) <= 1 or not _has_plain_motion(phase):
+    """Return kind and size of each term."""
+    kinds = _kinds(phase)
+    if not _is_measured(phase):
         # Without a motion to measure, a kink or else an integral counts as the whole.
         sole = next((kind for kind in ("kinked", "smooth", "end") if kind in kinds), None)
         return [] if sole is None else [(sole, 1.0)]

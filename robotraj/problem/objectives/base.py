@@ -107,6 +107,13 @@ class Integral(Term):
         """Integrand of the motion alone: variables that the term has added have their least values."""
         return self.rate(point)
 
+    def softened(self, dynamics: Dynamics, error: float) -> Integral:
+        """Return the term with rounded kinks, whose rate is below that of the motion by at most ``error``.
+
+        A term without kinks is returned as it is.
+        """
+        return self
+
 
 class EndCost(Term):
     """An elementary Mayer term: a function of the phase's two end points."""

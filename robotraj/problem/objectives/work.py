@@ -36,6 +36,10 @@ class MechanicalWork(Integral):
     The smooth form has sqrt(P^2 + e^2) - e in place of |P| = max(P, 0) + max(-P, 0), which is smaller by at most e. Its
     optimum is below the exact one by at most e T sum_j w_j (1 + braking) / 2.
 
+    Where goals are to be proved and an arm's work is a small share of the objective, the program minimises the smooth
+    form instead. Its e follows from the goal of the objective, and leaves out about a tenth of that.
+    ``solution.objective`` is the exact form nevertheless.
+
     Only powers at collocation points count. A torque with a free mid-point can oscillate between them, and the optimum
     of a coarse mesh exploits this. Torques that are linear between knots cannot, and the default call plans arms with
     these. On a mesh of your own, use ``rt.HermiteSimpson(control=rt.schemes.LinearControl())``, which a moving mesh
@@ -103,6 +107,14 @@ class MechanicalWork(Integral):
                     raise unknown_name(kind, name, names, "MechanicalWork(speeds=...) pairs controls with states.")
         self._weighed([c.name for c in dynamics.controls])
 
+    def softened(self, dynamics: Dynamics, error: float) -> Integral:
+        """Return the work whose program has the smooth form, of e = 2 error / (sum_j w_j (1 + braking))."""
+        weights = [weight for weight, _ in self._weighed([c.name for c in free_of(body_of(dynamics)).controls])]
+        if self.smoothing is not None or not weights:
+            return self
+        power = 2.0 * error / (sum(map(abs, weights)) * (1.0 + self.braking))
+        return SoftWork(self.weights, self.braking, power, self.speeds)
+
     def augment(self, dynamics: Dynamics) -> Dynamics:
         """Add a slack per power, for the exact form."""
         body = free_of(body_of(dynamics))
@@ -138,6 +150,22 @@ class AbsolutePower(MechanicalWork):
     """
 
     braking: float = 1.0
+
+
+@dataclass(frozen=True)
+class SoftWork(MechanicalWork):
+    """The exact mechanical work of a motion, in a program that minimises its smooth form.
+
+    Plans whose goals cannot see the difference have it in place of a work of small share.
+    """
+
+    def rate_of_motion(self, point: RobotPoint) -> Scalar:
+        """Weighted cost of the powers, in the exact form [W]."""
+        return MechanicalWork(self.weights, self.braking, None, self.speeds).rate_of_motion(point)
+
+    def softened(self, dynamics: Dynamics, error: float) -> Integral:
+        """Return itself."""
+        return self
 
 
 def _slack(control: str) -> str:

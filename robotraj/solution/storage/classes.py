@@ -87,7 +87,7 @@ from robotraj.problem.objectives.smoothness import FrameSmoothness
 from robotraj.problem.objectives.terminal_pose import TerminalPose
 from robotraj.problem.objectives.tracking import Tracking
 from robotraj.problem.objectives.transport import CostOfTransport
-from robotraj.problem.objectives.work import AbsolutePower, MechanicalWork
+from robotraj.problem.objectives.work import AbsolutePower, MechanicalWork, SoftWork
 from robotraj.problem.state import State
 from robotraj.robot.carried_body import CarriedBody
 from robotraj.robot.limits import Limits
@@ -159,6 +159,8 @@ OF_PLANS: Mapping[str, type] = {
     for kind in (
         # robots, and what binding a constraint adds
         Robot, NoGeometry, UrdfGeometry, JoinedGeometry, JoinedPart, ClearancePoint, Sum,
+        # a work whose kinks are rounded
+        SoftWork,
         # what phases add at their ends
         EndAcceleration, HoldingTorque,
         # solutions

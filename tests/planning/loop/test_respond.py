@@ -181,6 +181,17 @@ def test_knots_at_switches_and_smoother_controls_replace_a_motion_only_where_the
     assert isinstance(shorter, PlanEnd) and shorter.solution.objective == 0.99
 
 
+def test_kinks_are_no_longer_rounded_where_the_goal_sees_it() -> None:
+    sharp = rt.Problem(list(PROBLEM.phases))
+    for rounded, problem in ((0.5 * GOALS.objective, PROBLEM), (2.0 * GOALS.objective, sharp)):
+        solved = found(unsettled=1e-2, before=ROUGH.measures)
+        assert solved.measures is not None
+        solved = replace(solved, measures=replace(solved.measures, rounded=rounded))
+        answer = respond(state(ROUGH, sharp=sharp), solved)
+        assert isinstance(answer, PlanState) and answer.problem is problem
+        assert (answer.meshes == (COARSE,)) is (problem is sharp)
+
+
 def test_a_motion_beyond_its_limits_ends_as_not_proved() -> None:
     answer = respond(state(ROUGH, number=MOST_MESHES - 1), found(1e-2, limited=True))
     assert isinstance(answer, PlanEnd) and answer.solution.status is Status.NOT_PROVED

@@ -35,6 +35,14 @@ def effort(sample: rt.solution.Sample) -> np.ndarray:
     return np.asarray((sample.tau**2).sum(axis=1))
 
 
+def absolute_power(sample: rt.solution.Sample) -> np.ndarray:
+    return np.asarray(np.abs(sample.tau * sample.v).sum(axis=1))
+
+
+def positive_power(sample: rt.solution.Sample) -> np.ndarray:
+    return np.asarray(np.maximum(sample.tau * sample.v, 0.0).sum(axis=1))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["ur5", "panda", "kinova"])
 @pytest.mark.parametrize(("objective", "duration"), [(rt.Effort(), 2.5), (rt.Duration(), (0.2, 10.0))], ids=str)
@@ -45,10 +53,16 @@ def test_tiny_changes_cost_no_more_iterations_and_no_objective(
     plain = planned(robot, objective, duration)
     size = TINY * plain.objective
     torque = float(np.sqrt(integral(plain, effort) / plain.duration))
-    changed = {
-        "dry friction": planned(replace(robot, friction=np.full(robot.nv, TINY * torque)), objective, duration),
-        "effort": planned(robot, objective + size / integral(plain, effort) * rt.Effort(), duration),
+    rubbing = replace(robot, friction=np.full(robot.nv, TINY * torque))
+    terms = {
+        "effort": size / integral(plain, effort) * rt.Effort(),
+        "absolute power": size / integral(plain, absolute_power) * rt.objectives.AbsolutePower(),
+        "mechanical work": size / integral(plain, positive_power) * rt.objectives.MechanicalWork(),
+        "tinier power": 1e-3 * size / integral(plain, absolute_power) * rt.objectives.AbsolutePower(),
     }
+    changed = {change: planned(robot, objective + term, duration) for change, term in terms.items()}
+    changed["dry friction"] = planned(rubbing, objective, duration)
+    changed["all at once"] = planned(rubbing, objective + terms["effort"] + terms["absolute power"], duration)
     assert plain.proof is not None and plain.proof.holds
     for change, solution in changed.items():
         assert solution.proof is not None and solution.proof.holds, change
@@ -56,3 +70,11 @@ def test_tiny_changes_cost_no_more_iterations_and_no_objective(
         assert plain.iterations <= MOST * solution.iterations, change
         assert sum(each.iterations == 0 for each in solution.history) <= 1
         assert solution.objective == pytest.approx(plain.objective, rel=rt.solution.Goals().objective), change
+        # The changed program is no larger: its time differs by no more than its iterations.
+        assert variables(solution) == variables(plain), change
+
+
+def variables(solution: rt.Solution) -> int:
+    """Count states, accelerations and controls of a plan."""
+    dae = solution.phases[0].phase.dae
+    return len(dae.states) + len(dae.algebraic) + len(dae.controls)
