@@ -5,6 +5,7 @@ The room may import ``problem`` and what lies below.
 """
 
 from .default import default_guess
+from .earlier.blend import Blend
 from .from_solution import FromSolution
 from .guess import InitialGuess
 from .keyframes import Keyframes
@@ -18,6 +19,7 @@ from .simulated import Simulated
 from .straight_line import StraightLine
 
 __all__ = [
+    "Blend",
     "FromSolution",
     "GeometricPath",
     "InitialGuess",

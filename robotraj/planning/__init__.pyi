@@ -7,6 +7,7 @@ from .compilation import Compilation, precompile
 from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
 from .many.failure import Failure
+from .many.library import Library, library
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
 from .many.workers import Interrupted
@@ -25,6 +26,7 @@ __all__ = [
     "Failure",
     "Interrupted",
     "Kinematic",
+    "Library",
     "Multistart",
     "Optimum",
     "ProblemFile",
@@ -33,6 +35,7 @@ __all__ = [
     "Settings",
     "as_path",
     "driven",
+    "library",
     "multistart",
     "override",
     "plan",

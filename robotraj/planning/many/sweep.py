@@ -169,7 +169,7 @@ def sweep(
         return _chained(posed, options)
     limits = CaseLimits(options.get("time_limit"), options.get("memory_limit"))
     try:
-        found = run(_planned, options, posed, executor, limits=limits, sent=_detached)
+        found = run(planned, options, posed, executor, limits=limits, sent=_detached)
     except Interrupted as stopped:
         whole = {i: _whole(entry, posed[i]) for i, entry in stopped.found.items()}
         raise Interrupted(whole, len(posed), stopped.running) from stopped
@@ -187,7 +187,7 @@ def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solut
     for number, problem in enumerate(problems):
         try:
             solution = (
-                _planned(options, problem, keep_program=True) if last is None else _continued(options, problem, last)
+                planned(options, problem, keep_program=True) if last is None else continued(options, problem, last)
             )
         except KeyboardInterrupt as stopped:
             raise Interrupted(dict(enumerate(found)), len(problems), [number]) from stopped
@@ -200,7 +200,7 @@ def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solut
     return found
 
 
-def _continued(options: GuessedChoices, problem: Problem, last: Solution) -> Solution:
+def continued(options: GuessedChoices, problem: Problem, last: Solution) -> Solution:
     """Plan from the solution of the problem before, on its last mesh where that was proved.
 
     Where this fails, the plan begins on the first mesh of any plan.
@@ -210,11 +210,11 @@ def _continued(options: GuessedChoices, problem: Problem, last: Solution) -> Sol
     from_last: GuessedChoices = {**options, "guess": last}
     proof, meshes = last.proof, [part.mesh for part in last.phases]
     if proof is None or not proof.holds or len(meshes) != len(problem.phases) or options.get("mesh") is not None:
-        return _planned(from_last, problem, keep_program=True)
-    found = _planned({**from_last, "mesh": meshes, "goals": proof.goals}, problem, keep_program=True)
+        return planned(from_last, problem, keep_program=True)
+    found = planned({**from_last, "mesh": meshes, "goals": proof.goals}, problem, keep_program=True)
     if found.success:
         return found
-    return with_effort_of(found, _planned(from_last, problem, keep_program=True))
+    return with_effort_of(found, planned(from_last, problem, keep_program=True))
 
 
 def check_options(caller: str, options: Mapping[str, object]) -> None:
@@ -241,7 +241,8 @@ def _detached(_: GuessedChoices, problem: Problem, found: Solution) -> Solution:
     return detached(found, problem)
 
 
-def _planned(options: GuessedChoices, problem: Problem, *, keep_program: bool = False) -> Solution:
+def planned(options: GuessedChoices, problem: Problem, *, keep_program: bool = False) -> Solution:
+    """Plan one of many problems; a Ctrl-C ends all of them."""
     found = plan(problem, check=False, progress=False, keep_program=keep_program, **options)
     if found.status is Status.INTERRUPTED:
         # Workers ignore Ctrl-C, so it was pressed while this process planned.
