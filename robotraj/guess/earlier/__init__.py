@@ -1,1 +1,1 @@
-"""Guesses from several earlier solutions."""
+"""Guesses from several earlier solutions of one kind of problem: their weighted mean."""
