@@ -7,6 +7,7 @@ from . import collision
 from .carried_body import CarriedBody, carrying
 from .join import join
 from .known_robots.catalogue import catalogue
+from .known_robots.makers import maker_limits
 from .limits import Limits
 from .load import load
 from .mobile import on_rail, on_wheels
@@ -21,6 +22,7 @@ __all__ = [
     "collision",
     "join",
     "load",
+    "maker_limits",
     "on_rail",
     "on_wheels",
 ]

@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj._util.printing import wrapped
 from robotraj.dynamics.path_body import ACCELERATION
+from robotraj.robot.known_robots.makers import limits_text
 from robotraj.robot.limits import Limits
 from robotraj.robot.size.reach import reaches
 from robotraj.solution.claims.claim import Judgement
@@ -157,7 +158,7 @@ def _implausible_accelerations(solution: Summarised) -> list[str]:
                     f"doubt: {joint} accelerates with {largest:.4g} {unit}/s^2, "
                     f"{worst / GRAVITY:.0f} times gravity{at}, "
                     "without a limit of acceleration or rotors in the model. Give the maker's, "
-                    "rt.load(..., limits={'acceleration': ...}, rotors=...)"
+                    f"rt.load(..., limits={limits_text(robot.name)}, rotors=...)"
                 ]
     return doubt
 

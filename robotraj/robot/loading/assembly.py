@@ -16,6 +16,7 @@ from robotraj.robot.coupling.coupled_model import coupled
 from robotraj.robot.coupling.mimics import Mimic, lock_mimics
 from robotraj.robot.coupling.tightened_limits import tightened
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
+from robotraj.robot.known_robots.makers import makers_note
 from robotraj.robot.limits import BOUNDS, Limits
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
@@ -125,6 +126,7 @@ def assemble(
         armature_note,
         dissipation_note(model),
         friction_note(friction, wanted, units, motors),
+        makers_note(about.name, wanted) if about.known else "",
         locked_note(outside(at, every, partial(units_of, whole, root)), held),
         neutral_note(outside(kept, wanted, lambda: units), reference_name),
     )

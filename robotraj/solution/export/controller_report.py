@@ -1,0 +1,242 @@
+"""What controllers require of a stream of set points, measured on the set points that they get.
+
+Controllers differentiate the positions that arrive. Speeds, accelerations and jerks are therefore the differences of
+the exported positions at the controller's period, with the robot at rest before the first and after the last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.checks import is_number
+from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import table
+from robotraj._util.values import dataclass
+from robotraj.robot.limits import Limits
+from robotraj.solution.export.set_points import SetPoints, set_points
+
+if TYPE_CHECKING:
+    from robotraj.solution.planned import Planned
+
+Array = NDArray[np.float64]
+
+HELD = 3
+"""Number of periods at rest before and after the motion: a jerk needs four positions."""
+_VERDICTS: Mapping[bool | None, str] = {True: "holds", False: "fails", None: "not judged"}
+ROUNDING = 1e-6
+"""Largest excess of a limit that is rounding: relative, and of positions absolute."""
+REST = 1e-6
+"""Largest speed at rest [rad/s, m/s]."""
+
+
+@dataclass(frozen=True)
+class Controller:
+    """An interface of a robot's controller.
+
+    Attributes
+    ----------
+    rates : tuple of float
+        Lowest and highest rate of set points [Hz].
+    usual : float
+        Rate where none is given [Hz].
+    motors : int or None
+        Number of joints; None for any.
+    rates_limited : bool
+        Whether it stops with an error where an acceleration or a jerk exceeds the robot's limit, so that both must
+        be known.
+    source : str
+        Document of the requirements.
+    """
+
+    rates: tuple[float, float]
+    usual: float
+    motors: int | None
+    rates_limited: bool
+    source: str
+
+
+CONTROLLERS: Mapping[str, Controller] = {
+    "joint_trajectory_controller": Controller(
+        (1e-3, 1e4), 100.0, None, False, "ros2_controllers, joint_trajectory_controller, trajectory representation"
+    ),
+    "servoj": Controller((125.0, 500.0), 500.0, 6, False, "Universal Robots, ServoJ command"),
+    "fri": Controller((10.0, 1000.0), 200.0, 7, False, "KUKA Sunrise.FRI, send period of 1 to 100 ms"),
+    "libfranka": Controller((1000.0, 1000.0), 1000.0, 7, True, "Franka Emika, libfranka, rate_limiting.h"),
+}
+"""By name."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """One requirement of a controller.
+
+    Attributes
+    ----------
+    name : str
+    holds : bool or None
+        None where it could not be judged.
+    figure, bound : float
+        What was measured, and what it must not exceed; of a rate, the given and the nearest that is accepted.
+    unit : str
+    where : str
+        Joint and time of the largest figure.
+    remedy : str
+        What to change where it fails.
+    """
+
+    name: str
+    holds: bool | None
+    figure: float
+    bound: float
+    unit: str
+    where: str = ""
+    remedy: str = ""
+
+
+@dataclass(frozen=True)
+class ControllerReport:
+    """The requirements of a controller on the set points of a plan.
+
+    Attributes
+    ----------
+    controller : str
+    source : str
+        Document of the requirements.
+    rate : float
+        Of the set points [Hz].
+    requirements : tuple of Requirement
+    """
+
+    controller: str
+    source: str
+    rate: float
+    requirements: tuple[Requirement, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no requirement fails."""
+        return all(each.holds is not False for each in self.requirements)
+
+    def __str__(self) -> str:
+        """Print a line for each requirement."""
+        rows = [
+            (
+                each.name,
+                _VERDICTS[each.holds],
+                f"{each.figure:.6g}",
+                f"{each.bound:.6g}",
+                each.unit,
+                each.where if each.holds else "; ".join(filter(None, (each.where, each.remedy))),
+            )
+            for each in self.requirements
+        ]
+        verdict = "accepts" if self.passed else "does not accept"
+        head = f"{self.controller} {verdict} the set points at {self.rate:g} Hz ({self.source})"
+        return "\n".join([head, *table([("requirement", "", "figure", "bound", "unit", "where"), *rows])])
+
+
+def controller_report(
+    solution: Planned, controller: str, rate: float | None = None, limits: Limits | None = None
+) -> ControllerReport:
+    """Check the set points of a plan against what a controller requires.
+
+    ==============================  =============================================================================
+    requirement                     holds where
+    ==============================  =============================================================================
+    rate                            the controller accepts that many set points per second
+    joints                          it has that many motors
+    rest at the start, at the end   speeds of the plan are at most 1e-6 rad/s or m/s
+    position, speed                 are within the limits
+    acceleration, jerk              are within the limits; without limits they are not judged, and fail for libfranka
+    ==============================  =============================================================================
+
+    Speeds, accelerations and jerks are differences of the positions at the period of the controller. The start must be
+    where the robot is, which only the controller knows.
+
+    Parameters
+    ----------
+    solution : Solution
+        A plan of one robot.
+    controller : str
+        ``"joint_trajectory_controller"``, ``"servoj"``, ``"fri"`` or ``"libfranka"``.
+    rate : float, optional
+        Set points per second [Hz]; by default 100, 500, 200 and 1000.
+    limits : Limits, optional
+        Those of the robot by default.
+
+    Raises
+    ------
+    UnknownName
+        Another controller.
+    InputError
+        The plan moves a System or several robots, or the rate is not above 0.
+
+    Examples
+    --------
+    >>> print(rt.solution.controller_report(solution, "servoj"))  # doctest: +SKIP
+    """
+    if controller not in CONTROLLERS:
+        raise unknown_name("controller", controller, list(CONTROLLERS), "Give one of them.")
+    known = CONTROLLERS[controller]
+    chosen = known.usual if rate is None else rate
+    if not (is_number(chosen) and chosen > 0.0):
+        raise InputError(f"rate={rate!r}: give set points per second above 0, such as {known.usual:g}.")
+    points = set_points(solution, float(chosen))
+    robot = solution.phases[0].phase.robot
+    assert robot is not None
+    given = robot.limits if limits is None else limits
+    moving = [robot.velocity_names.index(joint) for joint in points.joints]
+    rows = [*_stream(points, known, float(chosen)), *_differences(points, known, float(chosen), given, moving)]
+    return ControllerReport(controller, known.source, float(chosen), tuple(rows))
+
+
+def _stream(points: SetPoints, known: Controller, rate: float) -> Iterator[Requirement]:
+    low, high = known.rates
+    nearest = float(np.clip(rate, low, high))
+    yield Requirement("rate", rate == nearest, rate, nearest, "Hz", remedy=f"export with rate={nearest:g}")
+    if known.motors is not None:
+        count = len(points.joints)
+        remedy = "load the arm alone, with locked= for the others"
+        yield Requirement("joints", count == known.motors, count, known.motors, "", remedy=remedy)
+    for name, k in (("rest at the start", 0), ("rest at the end", -1)):
+        speeds = np.abs(points.v[k])
+        joint = int(np.argmax(speeds))
+        figure, unit, where = float(speeds[joint]), f"{points.units[joint]}/s", points.joints[joint]
+        yield Requirement(name, figure <= REST, figure, REST, unit, where, "plan that end with rt.State(v=0)")
+
+
+def _differences(
+    points: SetPoints, known: Controller, rate: float, limits: Limits, moving: list[int]
+) -> Iterator[Requirement]:
+    """Compare positions and their differences at equal periods with the limits.
+
+    The controller gets the last position a whole period after the one before, as all others.
+    """
+    values = np.concatenate([np.repeat(points.q[:1], HELD, 0), points.q, np.repeat(points.q[-1:], HELD, 0)])
+    for order, name in enumerate(("position", "velocity", "acceleration", "jerk")):
+        if order:
+            values = np.diff(values, axis=0) * rate
+        low, high = (side[moving] for side in limits.sides(name))
+        bounds = np.where(values > 0.0, high, -low)
+        with np.errstate(invalid="ignore"):
+            shares = np.where(np.isfinite(bounds), np.abs(values) / bounds, 0.0)
+        if name == "position":
+            shares = np.maximum(low - values, values - high)
+        k, joint = np.unravel_index(int(np.argmax(shares)), shares.shape)
+        unit = points.units[joint] + ("", "/s", "/s^2", "/s^3")[order]
+        label = "speed" if name == "velocity" else name
+        if not np.isfinite([low, high]).any():
+            if order:
+                largest = float(np.abs(values).max())
+                remedy = f"no limit is known; plan with limits={{'{name}': ...}}"
+                yield Requirement(label, False if known.rates_limited else None, largest, np.nan, unit, remedy=remedy)
+            continue
+        bound = float(bounds[k, joint]) if order else float(high[joint] if values[k, joint] > 0 else low[joint])
+        where = f"{points.joints[joint]} at {max(0.0, (k - HELD + order) / rate):.4g} s"
+        holds = bool(shares[k, joint] <= (1.0 if order else 0.0) + ROUNDING)
+        figure = float(abs(values[k, joint]) if order else values[k, joint])
+        yield Requirement(label, holds, figure, bound, unit, where, f"plan with robot.limits.scaled({name}=0.99)")

@@ -1,0 +1,106 @@
+"""Reports of controllers: jumps of the acceleration are jerks, limits are the robot's, goals have ROS's fields."""
+
+import json
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+NODE = Path(__file__).parents[3] / "examples" / "ros" / "send_trajectory.py"
+LOCKED = {"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0}
+START = np.array([0.0, -0.5, 0.0, -2.2, 0.0, 1.9, 0.8])
+GOAL = {"trajectory", "path_tolerance", "goal_tolerance", "goal_time_tolerance"}
+TRAJECTORY = {"header", "joint_names", "points"}
+POINT = {"positions", "velocities", "accelerations", "effort", "time_from_start"}
+TOLERANCE = {"name", "position", "velocity", "acceleration"}
+"""Fields of FollowJointTrajectory.Goal and of its messages in control_msgs and trajectory_msgs."""
+
+
+@pytest.fixture(scope="module")
+def franka():
+    robot = rt.load("panda", locked=LOCKED, limits=rt.robot.maker_limits("panda"))
+    limits = robot.limits.scaled(velocity=0.99, acceleration=0.99, jerk=0.99)
+    ends = rt.State(q=START, v=0), rt.State(q=START + 0.3, v=0)
+    return rt.plan(rt.Phase(robot, (0.1, 5), *ends, rt.Duration(), limits=limits))
+
+
+@pytest.fixture(scope="module")
+def abrupt():
+    """A motion of least effort from rest to rest, whose acceleration jumps at both ends."""
+    robot = rt.load("cartpole")
+    ends = rt.State(q=0, v=0), rt.State(q=[0.3, 0.0], v=0)
+    return rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort()), check=False)
+
+
+def by_name(report):
+    return {each.name: each for each in report.requirements}
+
+
+def test_a_plan_within_the_makers_limits_is_accepted_and_judged_in_all(franka):
+    report = rt.solution.controller_report(franka, "libfranka")
+    assert report.passed and all(each.holds for each in report.requirements)
+    assert set(by_name(report)) >= {"rate", "joints", "position", "speed", "acceleration", "jerk"}
+    assert by_name(report)["acceleration"].bound in (7.5, 10.0, 12.5, 15.0, 20.0)
+    for controller in ("joint_trajectory_controller", "fri"):
+        assert rt.solution.controller_report(franka, controller).passed
+
+
+def test_a_jump_of_the_acceleration_is_a_jerk_of_half_of_it_over_a_period(abrupt):
+    # The second differences of a t^2 / 2 from rest are a / 2, then a.
+    first = abrupt.at(0.0).a[0]
+    for rate in (500.0, 1000.0):
+        jerk = by_name(rt.solution.controller_report(abrupt, "joint_trajectory_controller", rate))["jerk"]
+        assert jerk.holds is None
+        assert jerk.figure == pytest.approx(0.5 * abs(first) * rate, rel=0.03)
+
+
+def test_what_fails_is_named_with_its_figure_and_a_remedy(franka, abrupt):
+    slow = by_name(rt.solution.controller_report(franka, "libfranka", 500.0))["rate"]
+    assert not slow.holds and (slow.figure, slow.bound) == (500.0, 1000.0) and "rate=1000" in slow.remedy
+    assert not by_name(rt.solution.controller_report(franka, "servoj"))["joints"].holds
+    unknown = rt.solution.controller_report(abrupt, "libfranka")
+    assert not unknown.passed and not by_name(unknown)["jerk"].holds and "no limit is known" in str(unknown)
+    narrow = franka.phases[0].phase.limits.scaled(velocity=0.5)
+    assert not by_name(rt.solution.controller_report(franka, "fri", limits=narrow))["speed"].holds
+    with pytest.raises(rt.UnknownName, match="libfranka"):
+        rt.solution.controller_report(franka, "libfrank")
+    with pytest.raises(rt.InputError, match="rate"):
+        rt.solution.controller_report(franka, "fri", rate=0.0)
+
+
+def test_a_motion_that_does_not_end_at_rest_is_not_accepted():
+    robot = rt.load("two_link_arm")
+    ends = rt.State(q=0, v=0), rt.State(q=[0.2, 0.1], v=[0.5, 0.0])
+    moving = rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort(), limits=None), check=False)
+    rest = by_name(rt.solution.controller_report(moving, "joint_trajectory_controller"))["rest at the end"]
+    assert not rest.holds and rest.figure == pytest.approx(0.5) and rest.where == robot.actuated[0]
+
+
+def test_the_goal_for_ros_has_the_fields_of_its_messages(franka, tmp_path):
+    node = runpy.run_path(str(NODE))
+    message = json.loads(franka.to_controller(tmp_path / "plan.json", rate=100.0).read_text())
+    goal = node["goal_of"](message)
+    assert set(goal) <= GOAL and set(goal["trajectory"]) <= TRAJECTORY
+    joints = goal["trajectory"]["joint_names"]
+    stamps = []
+    for point in goal["trajectory"]["points"]:
+        assert set(point) <= POINT
+        assert all(len(point[name]) == len(joints) for name in POINT - {"time_from_start"})
+        stamp = point["time_from_start"]
+        assert isinstance(stamp["sec"], int) and 0 <= stamp["nanosec"] < 10**9
+        stamps.append(stamp["sec"] * 10**9 + stamp["nanosec"])
+    assert (np.diff(stamps) > 0).all()
+    assert all(set(each) <= TOLERANCE for each in goal["goal_tolerance"])
+    assert [each["name"] for each in goal["goal_tolerance"]] == joints
+
+
+def test_the_goal_is_sent_from_its_start_only(franka, tmp_path):
+    node = runpy.run_path(str(NODE))
+    message = json.loads(franka.to_controller(tmp_path / "plan.json", rate=100.0).read_text())
+    joints = message["joint_names"]
+    assert not node["apart"](message, [*reversed(joints)], START[::-1].tolist())
+    assert list(node["apart"](message, joints, (START + [0.1, 0, 0, 0, 0, 0, 0]).tolist())) == joints[:1]
+    assert list(node["apart"](message, joints[1:], START[1:].tolist())) == joints[:1]
