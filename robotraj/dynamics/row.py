@@ -11,6 +11,8 @@ from robotraj._util.values import dataclass
 
 LEAST_SIZE = 1e-2
 """Least size of a row with one bound, in its unit: smaller bounds, such as 1e-6 kg, mostly stand for 0."""
+FEW = 3.0
+"""Largest size of a row relative to what a motion changes it by: ranges and units may be far larger than the motion."""
 
 
 class Measure(ABC):
@@ -116,7 +118,7 @@ class Row(OneLine):
 
     @property
     def size(self) -> float:
-        """Violation that counts as 1, in ``unit``.
+        """Violation that counts as 1 by the bounds alone, in ``unit``; a motion may lower it (``size_in``).
 
         It is half the range of two bounds, and the absolute value of a single one, at least 0.01. The size of the
         value is unknown with a bound of 0, which counts as 1. The size of an equality is max(1, abs(bound)).
@@ -125,6 +127,13 @@ class Row(OneLine):
             return max(1.0, self.greatest_bound)
         width = self.upper - self.lower
         return 0.5 * width if width < np.inf else max(LEAST_SIZE, self.greatest_bound or 1.0)
+
+    def size_in(self, change: float) -> float:
+        """Return the violation that counts as 1 in a motion that changes the value by ``change``, in ``unit``.
+
+        It is ``size``, and at most ``FEW`` times that change, unless this is unknown: 0 or not finite.
+        """
+        return min(self.size, FEW * change) if 0.0 < change < np.inf else self.size
 
     @property
     def shown_unit(self) -> str:

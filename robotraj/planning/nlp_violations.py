@@ -40,7 +40,7 @@ def between_points(problem: Problem, found: Sequence[IntervalViolation]) -> tupl
     for each in found:
         row = each.row
         side: Side = "off" if row.is_equality else "over" if each.upper else "under"
-        measured = (each.time, each.amount, row.unit, each.limit, side, row.size)
+        measured = (each.time, each.amount, row.unit, each.limit, side, each.size)
         violation = Violation(problem.phases[each.phase].name, row.name, row.joint, *measured)
         listed.append(violation.measured(row.measure))
     return tuple(sorted(listed, key=lambda violation: -violation.relative))

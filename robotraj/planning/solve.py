@@ -34,6 +34,7 @@ from robotraj.planning.warm_start import (
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.problem import Problem
+from robotraj.solution.phase_solution import alike
 from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
@@ -287,7 +288,7 @@ def _state_violations(solution: Solution, allowed: float) -> list[IntervalViolat
     return [
         violation
         for i, part in enumerate(solution.phases)
-        for violation in state_violations(part.phase, i, part.trajectory, allowed)
+        for violation in state_violations(part.phase, i, part.trajectory, allowed, alike(part, solution.phases))
     ]
 
 

@@ -19,6 +19,7 @@ from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.variable import Named, Variable
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
+from robotraj.problem.sizes.motion_sizes import same_variables
 from robotraj.robot.tangent import normalised
 from robotraj.solution.sample import Sample, Times, as_times
 from robotraj.transcription.driven_motion import Inputs, inputs_of
@@ -212,3 +213,9 @@ def _joined(variables: Sequence[Variable], values: Array, known: Named[float | A
     """Return variables with their values, (n,) or (m, n), before known ones."""
     every = {v.name: values[..., i] for i, v in enumerate(variables)} | dict(known)
     return Named(known.kind, list(every), list(every.values()))
+
+
+def alike(part: PhaseSolution, parts: Sequence[PhaseSolution]) -> list[PhaseTrajectory]:
+    """Return the trajectories of the other phases with the same variables."""
+    same = same_variables([each.phase for each in parts], part.phase)
+    return [parts[i].trajectory for i in same if parts[i] is not part]

@@ -37,7 +37,7 @@ class Violation(OneLine):
     side : Side
     size : float
         Amount [unit] that counts as a relative violation of 1. The planner takes the scale of the row in the NLP, and
-        ``Row.size`` between the points, as the witness does.
+        ``Row.size_in`` of the motion between the points, as the witness does.
     """
 
     phase: str

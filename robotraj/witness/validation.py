@@ -184,7 +184,7 @@ def validate(
 
     def violations() -> Iterator[Violation]:
         for planned, sizes in zip(phases, named_sizes(solution), strict=True):
-            yield from violations_of(planned, samples, sizes, clock)
+            yield from violations_of(planned, samples, sizes, clock, phases)
 
     broken = within(
         "limits and constraints",

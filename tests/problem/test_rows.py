@@ -80,6 +80,24 @@ def test_a_row_is_measured_by_half_its_range_or_its_bound(bounds: tuple[float, f
     assert PhaseRow("torque", "N m", *bounds).size == size
 
 
+@pytest.mark.parametrize("change", [1e-9, 1e-3])
+@pytest.mark.parametrize(("lower", "upper"), [(-np.inf, 0.0), (0.0, 0.0), (3.0, np.inf), (-1e9, 0.0), (-2.0, 2.0)])
+def test_a_row_is_measured_by_a_few_times_what_a_motion_changes_it_by(
+    change: float, lower: float, upper: float
+) -> None:
+    """A bound of 0, a unit and a number far away on the other side do not measure a small motion."""
+    assert PhaseRow("any", "", lower, upper).size_in(change) == pytest.approx(3.0 * change)
+
+
+def test_a_range_smaller_than_the_motion_is_the_size_of_its_row() -> None:
+    assert PhaseRow("any", "", -0.1, 0.1).size_in(7.0) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("change", [0.0, np.nan, np.inf])
+def test_a_row_that_no_motion_changes_has_its_size_without_one(change: float) -> None:
+    assert PhaseRow("any", "", -np.inf, 0.0).size_in(change) == PhaseRow("any", "", -np.inf, 0.0).size == 1.0
+
+
 def test_rows_that_depend_on_algebraic_variables_are_no_rows_of_the_state() -> None:
     (row,) = (table := block(constraints=[rt.PathConstraint(lambda p: p.z["lam"], upper=1)]).rows)
     assert not table.of_state and table.of_inputs == (row,)

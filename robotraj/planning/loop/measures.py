@@ -12,7 +12,7 @@ from robotraj._util.values import dataclass
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.solution.claims.objective_size import size_for
-from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.phase_solution import PhaseSolution, alike
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory
@@ -222,7 +222,9 @@ def measured(
         for own, of_objective, of_bends in zip(errors, left, bends, strict=True)
     )
     broken = tuple(
-        np.maximum(*(measure(p.phase, p.trajectory, p.inputs) for measure in (broken_rows, beyond_limits)))
+        np.maximum(
+            *(measure(p.phase, p.trajectory, p.inputs, alike(p, parts)) for measure in (broken_rows, beyond_limits))
+        )
         for p in parts
     )
     quadrature = abs(solution.objective - true) / size

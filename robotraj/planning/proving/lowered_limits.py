@@ -9,7 +9,7 @@ from robotraj._util.lazy_values import LazySequence
 from robotraj.planning.nlp_violations import between_points
 from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
-from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.phase_solution import PhaseSolution, alike
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
 from robotraj.transcription.interval_limits.interval_violations import (
@@ -67,13 +67,16 @@ class LoweredLimits:
         """Lower the limits that were exceeded by a little more than the excess."""
         for violation in self.found:
             place = LimitedInterval(violation.phase, violation.interval, violation.row.number)
-            room = max(EXACT, ROOM * violation.row.greatest_bound) if violation.row.kind is Kind.PATH else EXACT
+            of_bound = ROOM * violation.row.greatest_bound if violation.row.kind is Kind.PATH else 0.0
+            room = max(EXACT * min(1.0, violation.size), of_bound)
             self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount + room
 
 
 def _controls(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
     return [
-        v for i, part in enumerate(phases) for v in variable_violations(part.phase, i, part.trajectory, part.inputs)
+        violation
+        for i, part in enumerate(phases)
+        for violation in variable_violations(part.phase, i, part.trajectory, part.inputs, alike(part, phases))
     ]
 
 
@@ -95,7 +98,7 @@ def _states(phases: Sequence[PhaseSolution]) -> list[IntervalViolation]:
             own |= {row.number for row in rows.of_state}
         found += [
             violation
-            for violation in state_violations(part.phase, i, part.trajectory, 0.0)
+            for violation in state_violations(part.phase, i, part.trajectory, 0.0, alike(part, phases))
             if violation.row.number in own
             and violation.amount > given.get((violation.row.number, violation.interval), 0.0)
         ]

@@ -26,8 +26,8 @@ OFFSET = 1e-3
 """Least size of a state relative to its own largest value: an altitude of 1 km that changes by 1 m."""
 ROUNDING = 1e-6
 """Least size of a state relative to the largest range of all."""
-NOTHING = 1e-30
-"""Ranges up to this are no motion: a pendulum that hangs still moves by 1e-52 rad in the solver's arithmetic."""
+NOTHING = 1e-15
+"""Ranges up to this are no motion: a pendulum that hangs still moves by 1e-21 rad in the solver's arithmetic."""
 
 
 def state_sizes(units: Sequence[str], values: Array) -> Array:

@@ -28,6 +28,7 @@ from robotraj.dynamics.point import AnyPoint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.rows import phase_symbols
+from robotraj.problem.sizes.motion_sizes import controls_that_matter
 from robotraj.robot.size.state_sizes import state_sizes
 
 Array = NDArray[np.float64]
@@ -131,13 +132,8 @@ def _controls_that_matter(phase: Phase, sample: Any, sizes: Array, rows: Sequenc
             momentum = np.maximum(momentum, np.abs(moved))
         of_joints = dict(zip(robot.velocity_names, momentum / duration, strict=True))
         return np.array([of_joints.get(v.joint or "", 0.0) for v in dae.controls])
-    symbols, point = _symbols(phase)
-    slopes = ca.Function("slopes", symbols, [ca.densify(ca.jacobian(ca.SX(ca.vertcat(dae.rates(point))), symbols[3]))])
-    shape = (len(dae.states), rows[0].shape[1], len(dae.controls))
-    steepest = np.abs(np.array(slopes.map(shape[1])(*rows)).reshape(shape)).max(axis=1)
-    amounts = np.where(steepest > 0.0, sizes[:, None] / (duration * np.where(steepest > 0.0, steepest, 1.0)), np.inf)
-    least = amounts.min(axis=0, initial=np.inf)
-    return np.asarray(np.where(np.isfinite(least), least, 0.0))
+    t, x, z, u, p = rows
+    return controls_that_matter(dae, phase.parameter_names, sizes, (t[0], x.T, z.T, u.T, p[:, 0]))
 
 
 def _symbols(phase: Phase) -> tuple[list[ca.SX], AnyPoint]:

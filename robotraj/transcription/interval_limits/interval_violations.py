@@ -55,7 +55,7 @@ ONE_SIDED = np.clip(PLACES, STEP, 1.0 - STEP)
 SHARE = 1e-2
 """Largest relative excess of a control over its limit that is not reported."""
 EXACT = 1e-9
-"""Largest violation of a state that is not reported [SI unit]; solvers stop with errors of this size."""
+"""Largest violation of a state that is not reported [SI unit], relative to sizes below 1; solvers stop with these."""
 ROUNDING = 1e-9
 """Relative difference of equal values on both sides of a knot."""
 EXACT_SHARE = 1e-3
@@ -81,6 +81,8 @@ class IntervalViolation:
         Excess over the bound, in the row's SI unit.
     upper : bool
         Whether the upper bound is violated.
+    size : float
+        Excess that counts as 1 there, in the row's SI unit (``Row.size_in``).
     """
 
     phase: int
@@ -90,6 +92,12 @@ class IntervalViolation:
     time: float
     amount: float
     upper: bool
+    size: float
+
+    @property
+    def relative(self) -> float:
+        """``amount`` / ``size``."""
+        return self.amount / self.size
 
     @property
     def limit(self) -> float:
@@ -97,22 +105,27 @@ class IntervalViolation:
         return self.row.upper if self.upper else self.row.lower
 
 
-def state_violations(phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float) -> list[IntervalViolation]:
+def state_violations(
+    phase: Phase, index: int, trajectory: PhaseTrajectory, allowed: float, alike: Sequence[PhaseTrajectory] = ()
+) -> list[IntervalViolation]:
     """Find rows of the state that are violated by more than ``allowed`` [SI unit], in every interval.
 
-    For bounds below 1 SI unit, such as 0.05 rad/s, and rows of a smaller ``Row.size``, ``allowed`` is relative.
+    For bounds below 1 SI unit, such as 0.05 rad/s, and rows of a smaller size, ``allowed`` is relative.
+    Trajectories of other phases with the same variables are ``alike``; sizes are those of the whole motion.
     """
     rows = phase.rows.of_state
     bounds = np.array([row.greatest_bound if row.kind is Kind.BOUND else 1.0 for row in rows])
-    sizes = np.array([row.size for row in rows])
-    shares = np.minimum(np.where(bounds > 0.0, bounds, 1.0), np.minimum(sizes, 1.0))
-    return _violations(
-        index, rows, Expressions(phase.rows, rows, trajectory, None), PLACES, np.maximum(allowed * shares, EXACT)
-    )
+    greatest = np.minimum(1.0, np.where(bounds > 0.0, bounds, 1.0))
+    reader = Expressions(phase.rows, rows, trajectory, None, alike)
+    return _violations(index, rows, reader, PLACES, allowed, greatest, EXACT)
 
 
 def variable_violations(
-    phase: Phase, index: int, trajectory: PhaseTrajectory, inputs: Inputs | None = None
+    phase: Phase,
+    index: int,
+    trajectory: PhaseTrajectory,
+    inputs: Inputs | None = None,
+    alike: Sequence[PhaseTrajectory] = (),
 ) -> list[IntervalViolation]:
     """Find limits of controls and accelerations that are exceeded by more than a share of them, in every interval.
 
@@ -127,6 +140,8 @@ def variable_violations(
     inputs : Inputs, optional
         Inputs along the motion; the polynomials by default. Limits of torques that drive the motion and path rows may
         be exceeded by ``EXACT_SHARE``, all others by ``SHARE``.
+    alike : sequence of PhaseTrajectory
+        See ``state_violations``.
     """
     curves: list[tuple[Sequence[Variable], Curve, float]] = [(limited_algebraic(phase), trajectory.z, SHARE)]
     if isinstance(inputs, DrivenInputs):
@@ -139,20 +154,18 @@ def variable_violations(
         if not bounds:
             continue
         rows, columns = [row for row, _ in bounds], [column for _, column in bounds]
-        allowed = share * np.array([row.size for row in rows])
-        found += _violations(index, rows, Columns(curve, columns), PLACES, allowed)
+        found += _violations(index, rows, Columns(curve, columns), PLACES, share)
     found = _worst(found)
     if isinstance(inputs, DrivenInputs | DefinedInputs):
         # Accelerations are the planned polynomials, whose rates are bounded everywhere.
         algebraic = phase.dae.algebraic
         rates = [pair for pair in phase.rows.rates_of(algebraic) if algebraic[pair[1]].quantity == FRICTIONLESS]
         rows, columns = [row for row, _ in rates], [column for _, column in rates]
-        allowed = EXACT_SHARE * np.array([row.size for row in rows])
-        found += _violations(index, rows, Rates(DrivenCurve(inputs, 0), columns), ONE_SIDED, allowed)
+        found += _violations(index, rows, Rates(DrivenCurve(inputs, 0), columns), ONE_SIDED, EXACT_SHARE)
     rows = [row for row in phase.rows.of_inputs if not row.is_equality and _is_given(phase, row)]
-    reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
-    allowed = np.array([row.size * (RATE_SHARE if _limits_rate(phase, row) else EXACT_SHARE) for row in rows])
-    return found + _violations(index, rows, reader, ONE_SIDED, allowed)
+    reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory), alike)
+    shares = np.array([RATE_SHARE if _limits_rate(phase, row) else EXACT_SHARE for row in rows])
+    return found + _violations(index, rows, reader, ONE_SIDED, shares)
 
 
 def _worst(found: Sequence[IntervalViolation]) -> list[IntervalViolation]:
@@ -180,12 +193,13 @@ def input_violations(
     trajectory: PhaseTrajectory,
     inputs: Inputs | None = None,
     leaving: Collection[PhaseRow] = (),
+    alike: Sequence[PhaseTrajectory] = (),
 ) -> list[IntervalViolation]:
     """Find violated path rows of controls or algebraic variables, and bounds of contact forces, in every interval.
 
     Parameters
     ----------
-    phase, index, trajectory, inputs
+    phase, index, trajectory, inputs, alike
         See ``variable_violations``.
     leaving : collection of PhaseRow
         Rows that are left out.
@@ -193,14 +207,30 @@ def input_violations(
     forces = (force for contact in phase.bound_contacts for force in contact.forces)
     bounds = (row for row, _ in phase.rows.bounds_of(forces))
     rows = [row for row in (*phase.rows.of_inputs, *bounds) if row not in leaving]
-    reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory))
-    return _violations(index, rows, reader, ONE_SIDED, np.zeros(len(rows)))
+    reader = Expressions(phase.rows, rows, trajectory, inputs or PlannedInputs(trajectory), alike)
+    return _violations(index, rows, reader, ONE_SIDED, 0.0)
 
 
 def _violations(
-    phase: int, rows: Sequence[PhaseRow], reader: RowValues, places: Array, allowed: Array
+    phase: int,
+    rows: Sequence[PhaseRow],
+    reader: RowValues,
+    places: Array,
+    share: float | Array,
+    greatest: float | Array = np.inf,
+    rounding: float = 0.0,
 ) -> list[IntervalViolation]:
-    """Find the worst place of every row and interval where the excess is above ``allowed`` (rows,)."""
+    """Find the worst place of every row and interval where the excess is above a share of the row's size.
+
+    Parameters
+    ----------
+    share : float or ndarray (rows,)
+        Allowed excess relative to the size of the row.
+    greatest : float or ndarray (rows,)
+        Greatest size to which it is relative.
+    rounding : float
+        Excess that is always allowed [SI unit], relative to sizes below 1.
+    """
     if not rows:
         return []
     lower, upper = (np.array([getattr(row, side) for row in rows]) for side in ("lower", "upper"))
@@ -210,13 +240,15 @@ def _violations(
     seen = np.maximum(lower - values, values - upper)
     with np.errstate(invalid="ignore"):
         bends = np.abs(seen[:, :-2] - 2.0 * seen[:, 1:-1] + seen[:, 2:])
+    sizes = _sizes(rows, reader, places, values, seen, bends)
+    allowed = np.maximum(share * np.minimum(sizes, greatest), rounding * np.minimum(sizes, 1.0))
     # A parabola through three places exceeds the middle one by at most half of its bend.
-    near = np.any(seen[:, 1:-1] + bends > allowed, axis=1) | np.any(seen[:, (0, -1)] > allowed, axis=1)
+    near = _may_exceed(seen, bends, allowed)
     k, r = np.nonzero(near)
     if not k.size:
         return []
     # From here on, pairs of an interval and a row: (p, m) at the places, (p,) at the worst one.
-    each, own, low, high, most = np.arange(k.size), seen[k, :, r], lower[r], upper[r], allowed[r]
+    each, own, low, high, most = np.arange(k.size), seen[k, :, r], lower[r], upper[r], allowed[k, r]
     worst = own.argmax(axis=1)
     excess, tau = own[each, worst], places[worst]
     extreme = values[k, worst, r]
@@ -247,8 +279,39 @@ def _violations(
     found = []
     for interval, row in np.argwhere(amount > allowed).tolist():
         at, time, by = (float(side[interval, row]) for side in (place, times, amount))
-        found.append(IntervalViolation(phase, interval, rows[row], at, time, by, bool(above[interval, row])))
+        upwards, size = bool(above[interval, row]), float(sizes[interval, row])
+        found.append(IntervalViolation(phase, interval, rows[row], at, time, by, upwards, size))
     return found
+
+
+def _may_exceed(seen: Array, bends: Array, allowed: Array) -> NDArray[np.bool_]:
+    """Whether the excess over the bounds may be above the allowed one on an interval (K, rows), bends included."""
+    inside = np.any(seen[:, 1:-1] + bends > allowed[:, None], axis=1)
+    return np.asarray(inside | np.any(seen[:, (0, -1)] > allowed[:, None], axis=1))
+
+
+def _sizes(
+    rows: Sequence[PhaseRow], reader: RowValues, places: Array, values: Array, seen: Array, bends: Array
+) -> Array:
+    """Return the sizes (K, rows) of rows: variables by their largest value, expressions by what the motion changes.
+
+    Expressions are measured at the worst place of intervals on which they may exceed their bounds.
+    """
+    peaks = np.abs(values).max(axis=(0, 1))
+    if not isinstance(reader, Expressions):
+        own = np.array([row.size_in(float(peak)) for row, peak in zip(rows, peaks, strict=True)])
+        return np.broadcast_to(own, (len(values), len(rows)))
+    sizes = np.tile([row.size for row in rows], (len(values), 1))
+    near = _may_exceed(seen, bends, np.broadcast_to(ROUNDING * peaks, sizes.shape)) & reader.given
+    k, r = np.nonzero(near)
+    if k.size:
+        # Each place is evaluated once for all rows that are near a bound anywhere.
+        at, which = np.unique(seen.argmax(axis=1)[k, r] * len(values) + k, return_inverse=True)
+        intervals, chosen = at % len(values), np.unique(r)
+        times = reader.breaks[intervals] + np.diff(reader.breaks)[intervals] * places[at // len(values)]
+        found = reader.sizes([rows[i] for i in chosen], times, intervals)
+        sizes[k, r] = found[which, np.searchsorted(chosen, r)]
+    return sizes
 
 
 def _sharp_bends(seen: Array, bend: Array, places: Array, allowed: Array, known: Array) -> tuple[Indices, Array]:

@@ -38,8 +38,8 @@ class ConstraintGeneration(OneLine):
     ----------
     tolerance : float
         Violation of a row of the state between collocation points above which it is imposed there [its SI unit].
-        For bounds below 1 SI unit, such as 0.05 rad/s, it is relative, and so for ranges of less than 2 SI units: it is
-        then relative to half of the range.
+        For bounds below 1 SI unit, such as 0.05 rad/s, it is relative, and so for rows of a smaller size: it is then
+        relative to half of the range, or to a few times what the motion changes the row by.
     rounds : int
         Largest number of further solves. With 0, violations are only reported.
 

@@ -6,15 +6,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial, reduce
 from typing import Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable
-from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs
+from robotraj.problem.sizes.motion_sizes import MotionSizes
+from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.full_friction import FullFriction
 from robotraj.transcription.point_values import sampled
@@ -130,12 +134,16 @@ class Rates:
 
 @dataclass(frozen=True)
 class Expressions:
-    """Rows that are expressions of a trajectory; without ``inputs`` of its states alone."""
+    """Rows that are expressions of a trajectory; without ``inputs`` of its states alone.
+
+    Sizes of rows are those in the motion of all phases with the same variables, whose trajectories are ``alike``.
+    """
 
     table: RowTable
     rows: Sequence[PhaseRow]
     trajectory: PhaseTrajectory
     inputs: Inputs | None
+    alike: Sequence[PhaseTrajectory] = ()
 
     @property
     def breaks(self) -> Array:
@@ -158,9 +166,39 @@ class Expressions:
             return self._sample(times, x)
         return self._sample(times, x, *self.inputs.at(times, intervals))
 
+    @cached_property
+    def given(self) -> NDArray[np.bool_]:
+        """Rows of constraints that the phase was given; those of contacts are measured by the weight, (rows,)."""
+        return np.array([self.table.constraints[row.constraint].source is not None for row in self.rows], dtype=bool)
+
+    def sizes(self, rows: Sequence[PhaseRow], times: Array, intervals: Indices) -> Array:
+        """Return the sizes (m, rows) of rows at times (m,), each on its own interval (``MotionSizes``)."""
+        inputs = PlannedInputs(self.trajectory) if self.inputs is None else self.inputs
+        parameters = np.array(list(self.trajectory.parameters.values()))
+        point = times, self.trajectory.x(times, intervals), *inputs.at(times, intervals), parameters
+        motion = reduce(
+            MotionSizes.joined, (_motion_sizes(self.table, each) for each in (self.trajectory, *self.alike))
+        )
+        changes = motion.changes(rows, partial(sampled, self.table), *point)
+        return np.array([[row.size_in(float(by)) for row, by in zip(rows, each, strict=True)] for each in changes])
+
     def _sample(self, times: Array, x: Array, z: Array | None = None, u: Array | None = None) -> Array:
         dae, parameters = self.table.dae, np.array(list(self.trajectory.parameters.values()))
         # Rows of the state read no other variables: these are one zero, repeated without memory.
         z = np.broadcast_to(0.0, (len(times), len(dae.algebraic))) if z is None else z
         u = np.broadcast_to(0.0, (len(times), len(dae.controls))) if u is None else u
         return sampled(self.table, self.rows, times, x, z, u, parameters)
+
+
+_SIZES: WeakKeyDictionary[PhaseTrajectory, MotionSizes] = WeakKeyDictionary()
+
+
+def _motion_sizes(table: RowTable, trajectory: PhaseTrajectory) -> MotionSizes:
+    """Return the sizes of the variables of a phase along its planned polynomials; they are computed once."""
+    if trajectory not in _SIZES:
+        breaks = trajectory.x.breaks
+        times = np.unique(np.concatenate([breaks, 0.5 * (breaks[1:] + breaks[:-1])]))
+        parameters = np.array(list(trajectory.parameters.values()))
+        x, z, u = trajectory.x(times), trajectory.z(times), trajectory.u(times)
+        _SIZES[trajectory] = MotionSizes.of(table, times, x, z, u, parameters)
+    return _SIZES[trajectory]

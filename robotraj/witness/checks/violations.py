@@ -13,6 +13,7 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.points import Watched, all_watches, end_of, points_of, see, values_of
 from robotraj.witness.checks.residual import TORQUE_UNITS
+from robotraj.witness.checks.row_sizes import RowSizes
 from robotraj.witness.checks.soles import sole_watches
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.planned import RobotSample, limits_of, robot_sample, system_of
@@ -35,11 +36,13 @@ def violations_of(
     samples: int,
     sizes: Mapping[str, float],
     clock: Callable[[], None] = lambda: None,
+    phases: Sequence[PhaseSolutionLike] = (),
 ) -> tuple[Violation, ...]:
     """Return every violated bound of a phase, the worst first: limits, constraints, states at both ends, parameters.
 
-    Each is reported once, at the time of its largest violation among ``samples`` points of every interval. States at
-    the ends are judged relative to the ``sizes`` of the states in the motion.
+    Each is reported once, at the time of its largest violation among ``samples`` points of every interval. Limits are
+    judged relative to their range or to the largest value, rows of constraints to what the motion changes them by, and
+    states at the ends to the ``sizes`` of the states in the motion, of all ``phases``.
 
     Raises
     ------
@@ -64,11 +67,16 @@ def violations_of(
                 watch.see(part.times, read(sample))
     if throughout:
         _see_throughout(planned, throughout, samples, clock)
+    of_rows = RowSizes(planned, phases or [planned])
+    for constraint, watches in throughout:
+        of_rows.measure(constraint, watches)
+    for watch in watched:
+        watch.size = watch.row.size_in(watch.peak)
     at_ends = [*_scalars(planned)]
     for side, where in ((0, Where.START), (-1, Where.END)):
-        at_ends += _at_end(planned, bound, sizes, side, where)
+        at_ends += _at_end(planned, bound, sizes, of_rows, side, where)
     at_ends += sole_watches(planned, [c for c in bound if c.where is Where.THROUGHOUT], FEW_SAMPLES, clock)
-    at_ends += _integrals(planned, [c for c in bound if c.where is Where.INTEGRAL], samples)
+    at_ends += _integrals(planned, [c for c in bound if c.where is Where.INTEGRAL], of_rows, samples)
     every = watched + all_watches(throughout) + at_ends
     found = [watch.worst(phase.name) for watch in every if watch.values]
     return tuple(sorted((v for v in found if v is not None), key=lambda v: -v.relative))
@@ -176,6 +184,7 @@ def _at_end(
     planned: PhaseSolutionLike,
     bound: Sequence[BoundConstraint],
     sizes: Mapping[str, float],
+    of_rows: RowSizes,
     side: int,
     where: Where,
 ) -> list[Watch]:
@@ -184,6 +193,8 @@ def _at_end(
     times, point = end_of(planned, side)
     entries = [(c, [Watch(row) for row in c.rows]) for c in bound if c.where is where]
     see(entries, times, [point])
+    for constraint, own in entries:
+        of_rows.measure(constraint, own)
     watches = all_watches(entries)
     state = phase.joint_ends[where]
     if state is not None:
@@ -212,7 +223,9 @@ def _scalars(planned: PhaseSolutionLike) -> list[Watch]:
     return watches
 
 
-def _integrals(planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint], samples: int) -> list[Watch]:
+def _integrals(
+    planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint], of_rows: RowSizes, samples: int
+) -> list[Watch]:
     """Watch the values of integral constraints, by Gauss-Legendre quadrature on every interval."""
     if not constraints:
         return []
@@ -226,10 +239,11 @@ def _integrals(planned: PhaseSolutionLike, constraints: Sequence[BoundConstraint
             total += half * weights @ values_of(constraint, points)
     watches = []
     for constraint, total in zip(constraints, totals, strict=True):
-        for row, value in zip(constraint.rows, total, strict=True):
-            watch = Watch(row)
+        own = [Watch(row) for row in constraint.rows]
+        for watch, value in zip(own, total, strict=True):
             watch.see(knots[-1:], np.array([value]))
-            watches.append(watch)
+        of_rows.measure(constraint, own)
+        watches += own
     return watches
 
 

@@ -23,7 +23,7 @@ class Watch:
     ----------
     row : Row
     size : float or None
-        Violation that counts as 1, in the unit of the row; None for that of the row.
+        Violation that counts as 1, in the unit of the row; None for ``Row.size``.
     """
 
     row: Row
@@ -41,6 +41,16 @@ class Watch:
         """Time [s] at which the row comes nearest to one of its bounds, or violates it most."""
         times, excess = np.concatenate(self.times), self._excess
         return float(times[np.argmax(excess)])
+
+    @property
+    def peak(self) -> float:
+        """Largest absolute value, 0 without any."""
+        return max((float(np.abs(values).max(initial=0.0)) for values in self.values), default=0.0)
+
+    @property
+    def is_violated(self) -> bool:
+        """Whether any value is beyond a bound."""
+        return bool(self.values) and float(self._excess.max()) > 0.0
 
     @property
     def hidden_peak(self) -> tuple[float, float] | None:

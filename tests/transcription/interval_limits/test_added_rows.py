@@ -97,7 +97,7 @@ def test_a_row_at_many_places_is_one_block(nlp: rt.transcription.Nlp) -> None:
 
 
 def violated(nlp: rt.transcription.Nlp, number: int, interval: int, tau: float = 0.3) -> IntervalViolation:
-    return IntervalViolation(0, interval, nlp.problem.phases[0].rows.rows[number], tau, 0.0, 0.1, True)
+    return IntervalViolation(0, interval, nlp.problem.phases[0].rows.rows[number], tau, 0.0, 0.1, True, 1.0)
 
 
 def test_a_row_is_added_at_its_worst_place_and_the_second_time_on_the_whole_interval(

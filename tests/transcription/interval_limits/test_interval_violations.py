@@ -177,7 +177,8 @@ def test_peaks_of_bends_sharper_than_the_places_are_found() -> None:
             return self(tau)[None]
 
     phase = block(states={"x": rt.between(-9, 1)})
-    motion = PhaseTrajectory(0.0, 1.0, Bend(), None, None, Bend.breaks, {})  # type: ignore[arg-type]
+    none, still = (PiecewisePolynomial(Bend.breaks, [SITES], [np.zeros((3, size))]) for size in (0, 1))
+    motion = PhaseTrajectory(0.0, 1.0, Bend(), none, still, Bend.breaks, {})  # type: ignore[arg-type]
     (found,) = state_violations(phase, 0, motion, 0.01)
     peak = sharp * np.arctanh(np.sqrt(1 - 3.0 * sharp / 1.05))
     assert found.tau == pytest.approx(peak, abs=0.1 / 48)

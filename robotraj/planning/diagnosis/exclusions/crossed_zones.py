@@ -62,7 +62,8 @@ def _crossing(phase: Phase, row: PhaseRow, state: int) -> Conflict | None:
     found = table.sample((row,), np.zeros(VALUES), x, z, u, np.zeros(len(table.parameters)))[:, 0]
     excess = np.maximum(row.lower - found, found - row.upper)
     worst = int(np.argmax(np.where(np.isfinite(excess), excess, -np.inf)))
-    if not excess[worst] > VIOLATED * row.size:
+    size = row.size_in(float(np.ptp(found)))
+    if not excess[worst] > VIOLATED * size:
         return None
     variable = phase.body.states[state]
     bound = row.upper if found[worst] > row.upper else row.lower
@@ -77,7 +78,7 @@ def _crossing(phase: Phase, row: PhaseRow, state: int) -> Conflict | None:
         row.shown(bound),
         row.shown(float(found[worst])),
         row.shown_unit,
-        float(excess[worst]) / row.size,
+        float(excess[worst]) / size,
         False,
         reason,
         True,

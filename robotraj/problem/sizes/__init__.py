@@ -1,0 +1,1 @@
+"""The sizes of variables and rows in a motion; read ``motion_sizes.py`` first."""
