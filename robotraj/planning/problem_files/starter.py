@@ -13,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj.gait.feet import feet_of
+from robotraj.gait.mirroring.foot_groups import foot_groups
 from robotraj.gait.standing import stand
 from robotraj.robot.robot import Robot
 
@@ -35,7 +36,7 @@ LOAD = 0.8
 LONGEST = 60.0
 """Duration that is not exceeded [s]."""
 GAITS = {2: "walk", 4: "trot"}
-"""Gait by the number of feet; robots of another number jump on all of them."""
+"""Gait by the number of feet; others walk where their feet alternate, or jump on all of them."""
 STEP = 0.2
 """Length of a step, and rise of a jump, relative to the height of the centre of mass."""
 
@@ -127,7 +128,7 @@ def starter(
     A robot with a fixed root moves from rest to rest, from its neutral configuration to one nearby. Where the
     neutral one reaches below the base, it starts higher; joints move to the side on which the lowest link is higher.
     Joints without motors start at their neutral position and end anywhere. A robot with a moving root walks on two
-    feet, trots on four, and jumps on another number.
+    feet, trots on four, walks on six or more that alternate, and jumps on another number.
 
     Parameters
     ----------
@@ -284,7 +285,7 @@ def _gait(robot: Robot) -> str:
     feet = feet_of(robot, None)
     standing = stand(robot, feet)
     height = float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2])
-    gait = GAITS.get(len(feet), "jump")
+    gait = GAITS.get(len(feet)) or ("walk" if foot_groups(robot, feet, None) else "jump")
     sizes = (LEAP if gait == "jump" else STEPS).format(
         length=round(STEP * height, 3),
         duration=round(1.3 * math.sqrt(height / 9.81), 2),

@@ -56,4 +56,7 @@ def missing_meshes(root: Element, urdf: Path, package_dirs: Sequence[str | os.Pa
 def _folder(address: str) -> str:
     """Return the folder of an address as it is written."""
     scheme, separator, rest = address.partition("://")
-    return f"{scheme}{separator}{PurePosixPath(rest).parent}" if separator else str(PurePosixPath(address).parent)
+    if separator:
+        return f"{scheme}{separator}{PurePosixPath(rest).parent}"
+    folder = str(PurePosixPath(address).parent)
+    return "the URDF's folder" if folder == "." else folder

@@ -10,6 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.problem_files.starter import starter
+from tests.robots.many_legs import FOUR, SIX, legged
 
 
 def heights(robot: rt.robot.Robot, q: np.ndarray) -> list[float]:
@@ -36,3 +37,13 @@ def test_the_stretched_ur5_of_the_urdf_is_lifted() -> None:
     robot = rt.load("ur5")
     assert min(heights(robot, robot.neutral)) < 0.0
     assert "shoulder_lift_joint = -0.6" in starter(robot, "ur5")
+
+
+@pytest.mark.filterwarnings("ignore:.*Implausible effort limit")
+@pytest.mark.parametrize(("legs", "gait"), [(FOUR, "trot"), (SIX, "walk")])
+def test_four_legs_trot_and_six_walk(legs: dict[str, tuple[float, float]], gait: str, tmp_path: Path) -> None:
+    robot = legged(tmp_path, legs)
+    (tmp_path / "problem.toml").write_text(starter(robot, str(tmp_path / "legged.urdf")))
+    assert f'type = "{gait}"' in (tmp_path / "problem.toml").read_text()
+    problem = rt.load_problem(tmp_path / "problem.toml").problem
+    assert len(problem.phases[0].contacts) == len(legs) // 2
