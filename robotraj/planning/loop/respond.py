@@ -16,6 +16,7 @@ from dataclasses import replace
 from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import largest_roughness
 from robotraj.planning.loop.state import SECOND, Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
+from robotraj.planning.proving.clearing import ROUGH_SHORTFALL
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
 from robotraj.solution.solution import Solution
@@ -118,13 +119,17 @@ def _after_failure(state: PlanState, failed: Solution) -> PlanState | PlanEnd:
     ended = state.afresh or failed.status in (SPENT if endless else LIMITS_OF_THE_USER)
     if not ended and state.best is not None and not state.best.holds:
         # A finer mesh has no solution near that of a coarse one, which is no motion.
-        meshes = tuple(evenly_finer(mesh, SECOND) for mesh in (lines if endless else state.coarsest))
-        why = f"begin again from the guess on {_counted(meshes)}"
-        return replace(state, best=None, first=None, afresh=True, meshes=meshes, why=why)
+        return _afresh(state, tuple(evenly_finer(mesh, SECOND) for mesh in (lines if endless else state.coarsest)))
     if not first or failed.status in LIMITS_OF_THE_USER or are_clear(failed.conflicts):
         return PlanEnd(state, failed.status.value)
     meshes = tuple(evenly_finer(mesh, max(state.second, SECOND)) for mesh in state.meshes)
     return replace(state, meshes=meshes, why=_counted(meshes))
+
+
+def _afresh(state: PlanState, meshes: Meshes) -> PlanState:
+    """Return the state that begins again from the guess of the plan."""
+    why = f"begin again from the guess on {_counted(meshes)}"
+    return replace(state, best=None, first=None, afresh=True, meshes=meshes, why=why)
 
 
 def _finer(state: PlanState) -> PlanState | PlanEnd:
@@ -138,6 +143,9 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.holds and not first:
         return PlanEnd(state, "")
+    if first and proof.shortfall > ROUGH_SHORTFALL:
+        # A motion that jumps over a shape between the points of a coarse mesh passes it on no finer one.
+        return _afresh(state, tuple(evenly_finer(mesh, DOUBLED) for mesh in state.coarsest))
     if is_enough(state) and best.holds:
         return PlanEnd(state, "enough meshes")
     phase = measures.stagnant

@@ -17,6 +17,7 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.tessellation import subdivided, surface_of
+from robotraj.robot.meshes.convex_hull import convex_hull
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
@@ -69,9 +70,7 @@ class Solid(OneLine):
         """The convex hull of a mesh, or the shape itself, whose distances coal computes in microseconds."""
         if not self.is_mesh:
             return self.geometry
-        points = coal.StdVec_Vec3s()
-        points.extend(list(self.outer_points))
-        return coal.Convex.convexHull(points, False, "")
+        return convex_hull(self.outer_points)
 
     @cached_property
     def balls(self) -> tuple[Array, Array]:

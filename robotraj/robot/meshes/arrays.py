@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.robot.meshes.convex_hull import convex_hull
 
 Array = npt.NDArray[np.float64]
 
@@ -87,6 +88,4 @@ class MeshArrays(OneLine):
 
     def hull(self, scale: Array) -> coal.CollisionGeometry:
         """Return the convex hull of the scaled mesh."""
-        points = coal.StdVec_Vec3s()
-        points.extend(list(self.vertices * scale))
-        return coal.Convex.convexHull(points, False, "Qt")
+        return convex_hull(self.vertices * scale, "Qt")

@@ -60,6 +60,7 @@ def found(
     before: Measured | None = None,
     limited: bool = False,
     early: bool = False,
+    shortfall: float = 0.0,
     **solved: Any,
 ) -> Found:
     """Return a solve with these measures on one phase."""
@@ -67,7 +68,7 @@ def found(
     if not solution.success:
         return Found(solution)  # type: ignore[arg-type]
     count = solution.mesh.count
-    proof = Proof(error, excess, 0.0, unsettled, GOALS)
+    proof = Proof(error, excess, 0.0, unsettled, GOALS, shortfall=shortfall)
     local = (np.full(count, error),)
     measures = Measured(proof, 1.0, (solution.mesh,), local, before, local, (np.zeros(count),), 0.0, 2.0)
     return Found(solution, measures, limited, proof.lacks, early)  # type: ignore[arg-type]
@@ -91,6 +92,8 @@ GAIN = Lack("objective gained on the first mesh", 5e-3, 1e-3)
 
 MESHES = [
     ("a first mesh only approximates the motion", state(), found(), Task.MESH, 45),
+    ("one through a shape between its points is left for the guess", state(), found(shortfall=0.1), Task.MESH, 60),
+    ("one that touches a shape is a guess", state(), found(shortfall=0.01), Task.MESH, 45),
     ("an error far beyond its goal has the largest growth", state(), found(error=1.0, unsettled=1.0), Task.MESH, 120),
     ("an objective far from settled has a finer mesh", state(ROUGH), found(unsettled=1e-2), Task.MESH, 120),
     ("an objective near its goal has the least growth", state(ROUGH), found(unsettled=1.1e-3), Task.MESH, 48),
@@ -152,8 +155,11 @@ def test_each_lack_has_one_response(before: PlanState, solve: Found, kind: Any, 
         assert mesh.count == expected and mesh.given == COARSE.given
 
 
-def test_a_plan_that_begins_afresh_has_no_motion_and_starts_from_its_guess() -> None:
-    answer = respond(state(ROUGH, meshes=(LINED,)), failed())
+@pytest.mark.parametrize(
+    ("before", "solve"), [(state(ROUGH, meshes=(LINED,)), failed()), (state(), found(shortfall=0.1))]
+)
+def test_a_plan_that_begins_afresh_has_no_motion_and_starts_from_its_guess(before: PlanState, solve: Found) -> None:
+    answer = respond(before, solve)
     assert isinstance(answer, PlanState) and answer.afresh
     assert answer.best is None and answer.first is None and answer.begin is answer.guess
 

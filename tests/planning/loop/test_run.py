@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -132,3 +133,45 @@ def test_works_with_dry_friction_are_limited_between_the_points_from_the_second_
     # A better solution from the plan itself is a further step on the same mesh.
     assert len({step.intervals for step in solution.refinement}) <= ENOUGH_OF_POWERS
     assert solution.proof is not None and solution.proof.motion_holds
+
+
+ARM_LINK = (
+    '<link name="{0}"><inertial><origin xyz="0 0 -.1"/><mass value="1"/><inertia ixx=".01" iyy=".01" izz=".01" '
+    'ixy="0" ixz="0" iyz="0"/></inertial><collision><origin xyz="0 0 {1}"/><geometry><box size="{2}"/></geometry>'
+    "</collision></link>"
+)
+ARM_JOINT = (
+    '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="0 0 {3}"/>'
+    '<axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="20" effort="60"/></joint>'
+)
+CENTRE, RADIUS = np.array([0.0, 0.0, 0.85]), 0.1
+
+
+def gap_of_tool(a: float, b: float) -> float:
+    """Distance of the tool, a box of 0.1 x 0.1 x 0.6 m above the end of the first link, from the ball [m]."""
+
+    def turn(angle: float) -> np.ndarray:
+        c, s = np.cos(angle), np.sin(angle)
+        return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+    inside = turn(a + b).T @ (CENTRE - turn(a) @ [0.0, 0.0, 0.4]) - [0.0, 0.0, 0.3]
+    return float(np.linalg.norm(np.maximum(np.abs(inside) - [0.05, 0.05, 0.3], 0.0)) - RADIUS)
+
+
+def test_an_arm_folds_below_a_ball_that_its_straight_swing_meets(tmp_path: Path) -> None:
+    links = ARM_LINK.format("upper", 0.2, ".06 .06 .2") + ARM_LINK.format("tool", 0.3, ".1 .1 .6")
+    joints = ARM_JOINT.format("shoulder", "base", "upper", 0) + ARM_JOINT.format("elbow", "upper", "tool", 0.4)
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm"><link name="base"/>{links}{joints}</robot>')
+    arm = rt.load(tmp_path / "arm.urdf")
+    swing = rt.Phase(
+        arm,
+        3.0,
+        rt.State(q=[-1.2, 0.0], v=0),
+        rt.State(q=[1.2, 0.0], v=0),
+        rt.Effort(),
+        [rt.CollisionFree([rt.obstacles.Sphere(RADIUS, CENTRE)])],
+    )
+    assert gap_of_tool(0.0, 0.0) < 0.0
+    plan = rt.plan(swing)
+    assert plan.proof.holds
+    assert min(gap_of_tool(a, b) for a, b in plan.at(np.linspace(0.0, 3.0, 3001)).q) > 0.0
