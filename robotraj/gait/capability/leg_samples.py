@@ -97,6 +97,8 @@ def sample_legs(
     if not all(chains):
         return None
     torques, speeds = ((1.0 - margin) * robot.limits.largest(each) for each in ("effort", "velocity"))
+    # Joints without a motor may have springs, whose torques are not judged here.
+    torques = np.where([name in robot.actuated for name in robot.velocity_names], torques, np.inf)
     speeds = np.minimum(speeds, FAST)
     model, data = robot.model, robot.model.createData()
     shift, base = robot.nq - robot.nv, 3 if robot.root == "planar" else 1

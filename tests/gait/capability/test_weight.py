@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.gait.capability.leg_samples import sample_legs
 from robotraj.gait.capability.weight import check_rest
 
 
@@ -49,3 +50,16 @@ def test_a_heavy_load_is_refused_within_two_seconds_and_the_stated_mass_trots() 
 def test_a_load_that_cannot_be_held_at_rest_is_refused_by_a_jump() -> None:
     with pytest.raises(rt.InputError, match="in the configuration in which it stands"):
         rt.gait.jump(loaded(500.0))
+
+
+def test_joints_without_a_motor_are_not_judged() -> None:
+    """A leg whose knee has a spring in place of a motor carries what its other joints carry."""
+    joints = [name for name in rt.load("five_link").velocity_names if "knee" not in name]
+    sprung = rt.load("five_link", root="planar", actuated=joints)
+    whole = rt.load("five_link", root="planar")
+    forces = []
+    for robot in (whole, sprung):
+        samples = sample_legs(robot, ["left_foot", "right_foot"], rt.gait.stand(whole), 0.5, 0.0, 50)
+        assert samples is not None
+        forces.append(samples.forces)
+    assert (forces[1] >= forces[0]).all() and (forces[1] > forces[0]).any()
