@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.robot.known_robots.catalogue import find
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
@@ -63,3 +64,18 @@ def test_roofline_reports_every_mesh_and_robot(
         name: rt.load(name, **settings).nu for name, settings in roofline.ROBOTS.items()
     }
     assert all(float(cell) > 0 for row in arm + robots for cell in row[-3:])
+
+
+@pytest.mark.parametrize("name", ["five_link", "two_link_arm", "cartpole"])
+def test_the_independent_reader_of_robots_agrees_with_the_loader_and_notices_another_mass(
+    name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS / "robots"))
+    import one_file
+
+    robot, path = rt.load(name), find(name).urdf
+    assert one_file.agreement(robot, path, np.random.default_rng(0)) < one_file.LARGEST_SHARE
+    heavier = tmp_path / "heavier.urdf"
+    heavier.write_text(path.read_text().replace('<mass value="', '<mass value="1'))
+    assert heavier.read_text() != path.read_text()
+    assert one_file.agreement(robot, heavier, np.random.default_rng(0)) > 1e-2

