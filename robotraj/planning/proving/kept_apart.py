@@ -1,13 +1,13 @@
 """Plans that keep the robot's links from overlapping: rows are added only where a plan comes too near.
 
 A plan is made as if links could overlap, and its motion is compared with the exact shapes. Where they overlap, a random
-search finds a motion around it. Solves on the coarse mesh start there. Where a solution overlaps again, it gets rows at
-the last free configurations on the way from the free motion to it. The plan is then made from the free solution.
+search finds a motion around it. Solves on the coarse mesh start there and end at a free solution (``free_solution``),
+from which the plan is then made.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,13 +17,11 @@ from numpy.typing import NDArray
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
+from robotraj.planning.proving.free_solution import FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
 from robotraj.planning.solve import solve
-from robotraj.problem.initial_guess import InitialGuess
-from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.collision.along_motion import freed, pairs_within
-from robotraj.robot.collision.own_body import OwnBody
+from robotraj.robot.collision.along_motion import pairs_within
 from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import with_effort_of
@@ -33,7 +31,7 @@ from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 Array = NDArray[np.float64]
 
@@ -42,19 +40,13 @@ SHALLOW = 0.01
 SEEDS = 4
 """Number of motions from which solves with rows start: the motion that overlaps, where this is shallow; the same with a
 way around the overlaps; and others between its ends."""
-CUTS = 6
+SOLVES = 6
 """Largest number of solves on the coarse mesh along one such motion."""
 PUSHES = 2
 """The same along a motion that overlaps, which share the iterations of the plan without rows."""
 ROUNDS = 3
 """Largest number of plans after them, with further rows where links overlap between the points."""
-MARGIN = 1e-3
-"""Least height of points above the other surface, and its growth with each plan [m]."""
-CLEAR = 1.5e-3
-"""Distance of links at the configurations where rows are fixed [m]."""
-REACH = 0.03
-"""Distance of links up to which a motion that overlaps has rows; those of a free motion reach everywhere [m]."""
-LEAST_ITERATIONS = 60
+LEAST_ITERATIONS = 100
 """Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
 STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
@@ -82,8 +74,7 @@ class KeptApart:
     def __init__(self, problem: Problem, settings: Settings, progress: Progress | None = None) -> None:
         self._problem, self._settings, self._progress = problem, settings, progress
         self._overlaps = OwnOverlaps(problem)
-        self._free: list[Motion | None] = [None for _ in problem.phases]
-        self._rows: list[list[NearPair]] = [[] for _ in problem.phases]
+        self._search: FreeSearch | None = None
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = 0
         self._cuts: list[Solution] = []
@@ -100,9 +91,11 @@ class KeptApart:
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
-        rounds = ROUNDS if self._has_routes(found) else 1
-        if not self._failed and 0 < self._rounds < rounds:
-            return self._further(found)
+        if self._search is not None:
+            if not self._failed and self._rounds < (ROUNDS if self._has_routes(found) else 1):
+                return self._further(found, self._search)
+            if self._search.best is not None and self._search.behind is not None:
+                return self._behind(self._search.best, self._search.behind)
         while not self._is_stopped and (routes := self._next_routes(found)) is not None:
             attempt = self._along(routes, found)
             if attempt is not None:
@@ -145,51 +138,52 @@ class KeptApart:
 
     def _along(self, routes: tuple[Route | None, ...], found: Solution) -> PlanAttempt | None:
         """Return the plan from a solution without overlaps on the coarse mesh, from free motions; None without one."""
-        guess = AroundItself(routes, FromSolution(found)) if any(routes) else found
-        self._free = list(routes)
-        self._rows = [[] for _ in routes]
-        cuts = CUTS if any(routes) else PUSHES
+        are_free = any(routes)
+        guess = AroundItself(routes, FromSolution(found)) if are_free else found
+        motions: list[Motion] = [route or motion_of(part) for route, part in zip(routes, found.phases, strict=True)]
+        search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, are_free, self._open, guess)
         coarse = replace(
             self._settings,
             restarts=Restarts(0),
-            solver=self._settings.solver.at_most(self._patience if any(routes) else self._patience // PUSHES),
+            solver=self._settings.solver.at_most(self._patience if are_free else self._patience // PUSHES),
             interval_limits=replace(self._settings.interval_limits, rounds=0),
         )
-        motions: list[Motion] = [route or motion_of(part) for route, part in zip(routes, found.phases, strict=True)]
-        self._add_rows(self._open, motions)
-        starts: list[InitialGuess | Solution] = [guess]
-        for _ in range(cuts):
-            # Where the last solution is no good start, the free motion may be one.
-            for start in reversed(starts):
-                solution = solve(self._problem, start, coarse, self._progress, surfaces=self._surfaces)
-                self._cuts.append(solution)
-                if solution.success or self._is_stopped:
-                    break
-            if not solution.success:
+        for _ in range(SOLVES if are_free else PUSHES):
+            solution = solve(self._problem, search.start, coarse, self._progress, surfaces=search.surfaces)
+            self._cuts.append(solution)
+            if self._is_stopped:
                 return None
+            if not solution.success:
+                break
             motions = [motion_of(part) for part in solution.phases]
             hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
-            self._add_rows(hit if any(hit) else self._open, motions)
-            if not any(hit):
+            search = search.respond(solution, motions, hit)
+            if search.is_over:
                 break
-            starts = [guess, solution]
-        self._rounds = 1
+        if search.best is None:
+            return None
+        self._search, self._rounds = search.along_best, 1
         settings = replace(self._settings, restarts=Restarts(0))
-        if not any(routes):
+        if not are_free:
             settings = replace(settings, solver=coarse.solver)
-        return PlanAttempt(solution, settings, self._surfaces, not any(routes))
+        return PlanAttempt(search.best, settings, self._search.surfaces, not are_free)
 
-    def _further(self, found: Solution) -> PlanAttempt:
+    def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt:
         """Return the plan with further rows along a plan that overlaps, on its meshes."""
         self._rounds += 1
-        self._add_rows(self._open, [motion_of(part) for part in found.phases])
-        near = replace(
-            self._settings,
-            mesh=tuple(part.mesh for part in found.phases),
-            restarts=Restarts(0),
-            solver=self._settings.solver.at_most(self._patience),
-        )
-        return PlanAttempt(found, near, self._surfaces, True)
+        self._search = search.overlapped([motion_of(part) for part in found.phases], self._open)
+        settings = replace(self._near, mesh=tuple(part.mesh for part in found.phases))
+        return PlanAttempt(found, settings, self._search.surfaces, True)
+
+    def _behind(self, best: Solution, search: FreeSearch) -> PlanAttempt:
+        """Return the plan with the rows at which the best free solution ended, which keep a finer one near it."""
+        self._rounds, self._search = ROUNDS, replace(search, best=None, behind=None)
+        return PlanAttempt(best, self._near, self._search.surfaces, True)
+
+    @property
+    def _near(self) -> Settings:
+        """Settings of a plan near a known one."""
+        return replace(self._settings, restarts=Restarts(0), solver=self._settings.solver.at_most(self._patience))
 
     def _next_routes(self, found: Solution) -> tuple[Route | None, ...] | None:
         """Return the next free motions of the phases with overlaps; None where none is left.
@@ -241,56 +235,6 @@ class KeptApart:
 
         return route_around(motion, part.duration, free, bounds, seed, whole=seed > 2)
 
-    def _add_rows(self, pairs: Sequence[Collection[int]], motions: Sequence[Motion]) -> None:
-        """Add rows of pairs along motions, moved to free configurations where they overlap."""
-        from robotraj.transcription.clearance.surface_rows import NearPair
-
-        for number, motion in enumerate(motions):
-            phase, body = self._problem.phases[number], self._overlaps.bodies[number]
-            if body is None or phase.path is not None:
-                continue
-            for pair in pairs[number]:
-                along = _Freed(phase, body, pair, motion, self._free[number])
-                reach = np.inf if motion is self._free[number] else REACH
-                margin = MARGIN * (1 + sum(row.pair == pair for row in self._rows[number]))
-                ends = self._least_at_ends(phase, body, pair)
-                self._rows[number].append(NearPair(pair, along.configurations, margin, ends, reach))
-
-    @property
-    def _surfaces(self) -> list[NearSurfaces | None]:
-        from robotraj.transcription.clearance.surface_rows import NearSurfaces
-
-        return [
-            NearSurfaces(phase.robot, body, tuple(rows)) if phase.robot and body and rows else None
-            for phase, body, rows in zip(self._problem.phases, self._overlaps.bodies, self._rows, strict=True)
-        ]
-
     def _is_movable(self, each: Overlap) -> bool:
         phase = self._problem.phases[each.phase]
         return phase.path is None and phase.robot is not None and phase.robot.root == "fixed"
-
-    def _least_at_ends(self, phase: Phase, body: OwnBody, pair: int) -> tuple[float, float]:
-        """Return half the distance of a pair at each end that is fixed [m], infinite at others."""
-        assert phase.robot is not None
-        least = []
-        for bounds in phase.joint_ends.values():
-            q = np.asarray(bounds.lower[: phase.robot.nq])
-            fixed = np.array_equal(q, bounds.upper[: phase.robot.nq])
-            least.append(0.5 * body.distance(phase.robot, q, pair) if fixed else np.inf)
-        return least[0], least[1]
-
-
-class _Freed(NamedTuple):
-    """A motion whose overlapping configurations are moved towards those of a free one until a pair is free."""
-
-    phase: Phase
-    body: OwnBody
-    pair: int
-    known: Motion
-    free: Motion | None
-
-    def configurations(self, fractions: Array) -> Array:
-        q = self.known(fractions)
-        if self.free is None or self.free is self.known or self.phase.robot is None:
-            return q
-        return freed(self.phase.robot, self.body, self.pair, q, self.free(fractions), CLEAR)

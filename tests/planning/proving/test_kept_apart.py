@@ -119,3 +119,12 @@ def test_an_arm_that_would_fold_through_itself_goes_around_itself() -> None:
     through, around = rt.plan(phase.with_(self_collision=False)), rt.plan(phase)
     assert overlapping_times(through) > 100 and not overlapping_times(around)
     assert around.proof.holds and around.objective > through.objective
+
+
+@pytest.mark.slow
+def test_a_reach_whose_least_effort_folds_the_arm_into_itself_is_planned_unfolded() -> None:
+    """In 5 s the torques of gravity make folding worth it: joints that move by 0.5 rad turn by 4 rad on the way."""
+    first = np.array([-1.1, -1.8, 1.6, -1.2, -1.57, 0.0])
+    phase = rt.Phase(rt.load("ur5"), 5.0, rt.State(q=first, v=0), rt.State(q=first + 0.5, v=0), rt.Effort())
+    solution = rt.plan(phase)
+    assert solution.proof.holds and not overlapping_times(solution)

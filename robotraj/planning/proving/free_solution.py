@@ -1,0 +1,173 @@
+"""A solution on the coarse mesh along which no links overlap, from a free motion.
+
+Rows are fixed along the last free motion, which meets them itself, so that every solve has a solution to start from.
+Where a solve ends at a free motion, the rows are fixed anew along it: no row of an earlier one holds the plan back.
+Where it overlaps, pairs without rows get some along the free motion, and the others where the two motions part. The
+first state is a path around an overlap, or a motion that overlaps itself and is pushed out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.values import dataclass
+from robotraj.guess.paths.around_itself import Motion
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.robot.collision.along_motion import freed
+from robotraj.robot.collision.own_body import OwnBody
+from robotraj.solution.solution import Solution
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
+
+Array = NDArray[np.float64]
+Bodies = Sequence[OwnBody | None]
+
+MARGIN = 1e-3
+"""Least height of points above the other surface, and its growth with each row of a pair [m]."""
+CLEAR = 1.5e-3
+"""Distance of links at the configurations where rows are fixed [m]."""
+REACH = 0.03
+"""Distance of links up to which a motion that overlaps has rows; those of a free motion reach everywhere [m]."""
+GAIN = 1e-2
+"""Least relative gain of the objective for which rows are fixed anew."""
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSearch:
+    """State of the search for one plan without overlaps.
+
+    Attributes
+    ----------
+    problem : Problem
+    bodies : sequence of OwnBody or None
+        Shapes of each phase.
+    motions : tuple of callable
+        From fractions of each phase to configurations: the motions along which rows are fixed.
+    are_free : bool
+        Whether they are free of overlaps.
+    pairs : tuple of frozenset of int
+        Pairs with rows along them.
+    further : tuple of tuple of NearPair
+        Rows where solutions overlapped since.
+    start : InitialGuess or Solution
+        Where the next solve starts.
+    best : Solution or None
+        Best solution without overlaps.
+    behind : FreeSearch or None
+        The state at whose rows it ends. A plan with rows along the best solution may leave it, one with these does not.
+    is_over : bool
+        Whether no further solve is expected to gain anything.
+    """
+
+    problem: Problem
+    bodies: Bodies
+    motions: tuple[Motion, ...]
+    are_free: bool
+    pairs: tuple[frozenset[int], ...]
+    further: tuple[tuple[NearPair, ...], ...]
+    start: InitialGuess | Solution
+    best: Solution | None = None
+    behind: FreeSearch | None = None
+    is_over: bool = False
+
+    @classmethod
+    def begin(
+        cls,
+        problem: Problem,
+        bodies: Bodies,
+        motions: Sequence[Motion],
+        are_free: bool,
+        pairs: Sequence[Collection[int]],
+        start: InitialGuess | Solution,
+    ) -> FreeSearch:
+        """Return the first state, with rows of the pairs that overlapped."""
+        held = tuple(map(frozenset, pairs))
+        return cls(problem, bodies, tuple(motions), are_free, held, tuple(() for _ in held), start)
+
+    @property
+    def surfaces(self) -> list[NearSurfaces | None]:
+        """Rows of the next solve."""
+        from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
+
+        found: list[NearSurfaces | None] = []
+        for phase, body, motion, held, more in zip(
+            self.problem.phases, self.bodies, self.motions, self.pairs, self.further, strict=True
+        ):
+            if phase.robot is None or body is None or phase.path is not None or not (held or more):
+                found.append(None)
+                continue
+            reach = np.inf if self.are_free else REACH
+            own = [NearPair(pair, motion, MARGIN, least_at_ends(phase, body, pair), reach) for pair in sorted(held)]
+            found.append(NearSurfaces(phase.robot, body, (*own, *more)))
+        return found
+
+    @property
+    def along_best(self) -> FreeSearch:
+        """The state with rows along the best solution only."""
+        return replace(self, further=tuple(() for _ in self.motions))
+
+    def respond(self, solution: Solution, motions: Sequence[Motion], hit: Sequence[Collection[int]]) -> FreeSearch:
+        """Return the next state after a solve, whose motions overlap in the pairs ``hit`` of each phase."""
+        if any(hit):
+            return self.overlapped(motions, hit)
+        best = self.best
+        gained = best is None or solution.objective < best.objective - GAIN * abs(best.objective)
+        if not gained:
+            return replace(self, is_over=True)
+        nothing = tuple(() for _ in motions)
+        fixed = replace(self, motions=tuple(motions), are_free=True, further=nothing, start=solution)
+        return replace(fixed, best=solution, behind=self)
+
+    def overlapped(self, motions: Sequence[Motion], hit: Sequence[Collection[int]]) -> FreeSearch:
+        """Return the state with further rows against motions that overlap in the pairs ``hit`` of each phase."""
+        from robotraj.transcription.clearance.surface_rows import NearPair
+
+        further = []
+        for phase, body, motion, free, pairs, held, known in zip(
+            self.problem.phases, self.bodies, motions, self.motions, hit, self.pairs, self.further, strict=True
+        ):
+            more = list(known)
+            # Where the motion is free, pairs without rows get some along that first.
+            parted = set(pairs) & held if self.are_free else pairs
+            for pair in sorted(parted) if body is not None and phase.path is None else ():
+                along = _Freed(phase, body, pair, motion, free if self.are_free else None)
+                margin = MARGIN * (2 + sum(row.pair == pair for row in more))
+                more.append(NearPair(pair, along.configurations, margin, least_at_ends(phase, body, pair), REACH))
+            further.append(tuple(more))
+        every = tuple(held | frozenset(pairs) for held, pairs in zip(self.pairs, hit, strict=True))
+        return replace(self, pairs=every, further=tuple(further))
+
+
+def least_at_ends(phase: Phase, body: OwnBody, pair: int) -> tuple[float, float]:
+    """Return half the distance of a pair at each end that is fixed [m], infinite at others."""
+    assert phase.robot is not None
+    least = []
+    for bounds in phase.joint_ends.values():
+        q = np.asarray(bounds.lower[: phase.robot.nq])
+        fixed = np.array_equal(q, bounds.upper[: phase.robot.nq])
+        least.append(0.5 * body.distance(phase.robot, q, pair) if fixed else np.inf)
+    return least[0], least[1]
+
+
+class _Freed(NamedTuple):
+    """A motion whose overlapping configurations are moved towards those of a free one until a pair is free."""
+
+    phase: Phase
+    body: OwnBody
+    pair: int
+    known: Motion
+    free: Motion | None
+
+    def configurations(self, fractions: Array) -> Array:
+        q = self.known(fractions)
+        if self.free is None or self.phase.robot is None:
+            return q
+        return freed(self.phase.robot, self.body, self.pair, q, self.free(fractions), CLEAR)

@@ -1,0 +1,83 @@
+"""The search for a solution without overlaps: what follows from a free one, and from one that overlaps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.proving.free_solution import MARGIN, REACH, FreeSearch
+from robotraj.problem.clearance.own_shapes import own_shapes
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
+
+FIRST, LAST = np.array([0, -1.5, 0.5, 0.6, 0, 0]), np.array([0, -1.5, 0.5, 2.4, 0, 0])
+
+
+def straight(fractions: np.ndarray) -> np.ndarray:
+    """Turns the wrist through the forearm, which overlap between 1.2 and 1.9 rad."""
+    return FIRST + np.reshape(fractions, (-1, 1)) * (LAST - FIRST)
+
+
+def aside(fractions: np.ndarray) -> np.ndarray:
+    """The same with the next wrist joint bent."""
+    return straight(fractions) + np.outer(np.sin(np.pi * np.asarray(fractions)), [0, 0, 0, 0, 1.0, 0])
+
+
+class Solved:
+    """What a state reads of a solution."""
+
+    def __init__(self, objective: float) -> None:
+        self.objective = objective
+
+
+@pytest.fixture(scope="module")
+def begin() -> FreeSearch:
+    phase = rt.Phase(rt.load("ur5"), 1.0, rt.State(q=FIRST, v=0), rt.State(q=LAST, v=0), rt.Effort())
+    problem = rt.Problem([phase])
+    guess: Any = None
+    return FreeSearch.begin(problem, [own_shapes(phase)], [aside], True, [{9}], guess)
+
+
+def rows_of(state: FreeSearch) -> NearSurfaces:
+    (surfaces,) = state.surfaces
+    assert surfaces is not None
+    return surfaces
+
+
+def after(state: FreeSearch, objective: float, motion: Any, hit: set[int]) -> FreeSearch:
+    solution: Any = Solved(objective)
+    return state.respond(solution, [motion], [hit])
+
+
+def test_rows_are_fixed_along_the_free_motion_everywhere(begin: FreeSearch) -> None:
+    assert [(each.pair, each.motion, each.reach) for each in rows_of(begin).pairs] == [(9, aside, np.inf)]
+
+
+def test_a_pair_without_rows_gets_some_along_the_free_motion_first(begin: FreeSearch) -> None:
+    found = after(begin, 3.0, straight, {5})
+    assert [(each.pair, each.motion) for each in rows_of(found).pairs] == [(5, aside), (9, aside)]
+    assert found.best is None and not found.is_over and begin.pairs == (frozenset({9}),)
+
+
+def test_a_pair_with_rows_gets_more_where_the_motions_part_with_growing_margins(begin: FreeSearch) -> None:
+    twice = after(after(begin, 3.0, straight, {9}), 3.0, straight, {9})
+    along, *more = rows_of(twice).pairs
+    assert along.motion is aside and along.margin == MARGIN
+    assert [(each.pair, each.reach) for each in more] == [(9, REACH), (9, REACH)]
+    assert [each.margin for each in more] == pytest.approx([2 * MARGIN, 3 * MARGIN])
+
+
+def test_a_free_solution_releases_all_rows_but_those_along_itself(begin: FreeSearch) -> None:
+    overlapped = after(begin, 3.0, straight, {9})
+    found = after(overlapped, 2.0, aside, set())
+    assert len(rows_of(found).pairs) == 1 and found.start is found.best and found.best.objective == 2.0
+    assert found.behind is overlapped and not found.is_over
+
+
+def test_a_gain_below_a_hundredth_ends_the_search_with_the_best_solution(begin: FreeSearch) -> None:
+    first = after(begin, 2.0, aside, set())
+    assert not after(first, 1.97, aside, set()).is_over
+    over = after(first, 1.99, aside, set())
+    assert over.is_over and over.best is first.best and over.motions == first.motions
