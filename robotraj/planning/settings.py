@@ -19,6 +19,7 @@ from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
 from robotraj.planning.proving.first_mesh import (
     FEW,
+    SECOND,
     STICKING,
     SYSTEM,
     MeshesOfLines,
@@ -166,7 +167,7 @@ RULES: tuple[Rule, ...] = (
         when.PROVED,
         when.ARMS,
         when.STICKING,
-        Equidistribute(second=3.0, finest=400, slope=0.3),
+        Equidistribute(second=SECOND, finest=400, slope=0.3),
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
     _rule("refinement", when.PROVED, when.EXACT, RefinementOfShares(), "the second mesh mostly settles the objective"),

@@ -35,7 +35,9 @@ against meshes four times as fine: between 1 and 2 for least times, above 2 for 
 is that of systems whose controls are unknowns of their own, where a switch costs a share of its interval.
 """
 LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
-"""Bounds on the growth of the number of intervals for the convergence of the objective."""
+"""Bounds on the growth of the number of intervals for the convergence of the objective.
+
+A first mesh that could not be solved grows by the lower one, too."""
 MOST_GROWTH_BENDING = 2.0
 """The upper bound where controls bend sharply in a few intervals, which the next mesh divides anyway."""
 FAR, MOST_GROWTH_FAR = 5e-2, 2.0

@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from robotraj.planning.loop.local_optimum import can_be_solved_again
-from robotraj.planning.loop.measures import largest_roughness
-from robotraj.planning.loop.state import SECOND, Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
+from robotraj.planning.loop.measures import LEAST_GROWTH, largest_roughness
+from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
@@ -85,7 +85,7 @@ def _after_softer(state: PlanState, found: Found) -> PlanState:
     if found.measures is not None and refinement is not None:
         # Torques bend more sharply with less soft friction.
         meshes = found.measures.next_meshes(soft.phases, refinement, SOFTER)
-        state = replace(state, guess=soft, meshes=meshes, second=SECOND)
+        state = replace(state, guess=soft, meshes=meshes, second=LEAST_GROWTH)
     left = () if found.measures is None and are_clear(soft.conflicts) else state.softening[1:]
     return replace(state, softening=left, why="less soft friction") if left else own_friction(state)
 
@@ -119,10 +119,12 @@ def _after_failure(state: PlanState, failed: Solution) -> PlanState | PlanEnd:
     ended = state.afresh or failed.status in (SPENT if endless else LIMITS_OF_THE_USER)
     if not ended and state.best is not None and not state.best.holds:
         # A finer mesh has no solution near that of a coarse one, which is no motion.
-        return _afresh(state, tuple(evenly_finer(mesh, SECOND) for mesh in (lines if endless else state.coarsest)))
+        return _afresh(
+            state, tuple(evenly_finer(mesh, LEAST_GROWTH) for mesh in (lines if endless else state.coarsest))
+        )
     if not first or failed.status in LIMITS_OF_THE_USER or are_clear(failed.conflicts):
         return PlanEnd(state, failed.status.value)
-    meshes = tuple(evenly_finer(mesh, max(state.second, SECOND)) for mesh in state.meshes)
+    meshes = tuple(evenly_finer(mesh, max(state.second, LEAST_GROWTH)) for mesh in state.meshes)
     return replace(state, meshes=meshes, why=_counted(meshes))
 
 

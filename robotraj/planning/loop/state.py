@@ -6,7 +6,7 @@ from dataclasses import replace
 from enum import Enum
 
 from robotraj._util.values import dataclass
-from robotraj.planning.loop.measures import Measured, proof_on
+from robotraj.planning.loop.measures import LEAST_GROWTH, Measured, proof_on
 from robotraj.planning.proving.soft_friction import SOFTENING
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.planning.sizes.soft_kinks import with_soft_kinks
@@ -23,9 +23,6 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 Meshes = tuple[Mesh, ...]
 """The mesh of every phase."""
-
-SECOND = 1.5
-"""Growth of the number of intervals from a first mesh that could not be solved to the second one."""
 
 
 class Task(Enum):
@@ -208,7 +205,7 @@ class PlanState:
     traits: Traits
     guess: InitialGuess | Solution | None
     meshes: Meshes
-    second: float = SECOND
+    second: float = LEAST_GROWTH
     task: Task = Task.MESH
     softening: tuple[float, ...] = ()
     start: Solution | None = None
@@ -266,7 +263,7 @@ def begin(
 ) -> PlanState:
     """Return the first state of a plan."""
     traits, refinement = Traits.of(problem), settings.refinement
-    second = refinement.second if isinstance(refinement, Equidistribute) else SECOND
+    second = refinement.second if isinstance(refinement, Equidistribute) else LEAST_GROWTH
     assert settings.goals is not None
     soft = with_soft_kinks(problem, settings.goals, settings.smoothing)
     state = PlanState(soft, problem, settings, traits, guess, (), second, is_brief=is_brief)

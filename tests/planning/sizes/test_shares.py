@@ -57,39 +57,3 @@ def test_friction_is_relative_to_the_torques_and_does_not_count_in_least_time() 
     assert shares_of(slide(rt.Duration(), 1.0)).friction == 0.0
     assert shares_of(slide(rt.Effort(), 1.0)).sticking
     assert not shares_of(slide(rt.Effort(), 1e-6)).sticking
-
-
-def reach(name: str, objective: rt.objectives.Objective, timed: bool, friction: float = 0.0) -> rt.Phase:
-    """Move an arm between two configurations within its limits; friction is relative to the limits of effort."""
-    robot = rt.load(name)
-    robot = replace(robot, friction=robot.friction + friction * robot.limits.effort)
-    low, high = np.maximum(robot.limits.position_lower, -2.0), np.minimum(robot.limits.position_upper, 2.0)
-    low, high = np.minimum(low, high), np.maximum(low, high)
-    draw = np.random.default_rng(5)
-    first, last = (low + (0.2 + 0.6 * draw.random(robot.nq)) * (high - low) for _ in range(2))
-    ends = rt.State(q=first, v=0), rt.State(q=last, v=0)
-    # Rows between links have a cost of their own.
-    return rt.Phase(robot, 3.0 if timed else (0.2, 10.0), *ends, objective, self_collision=False)
-
-
-def cost(solution: rt.Solution) -> int:
-    """Iterations times intervals of all meshes, to which processor seconds are nearly proportional."""
-    return sum(step.iterations * step.intervals for step in solution.refinement)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["ur5", "kinova", "xarm7"])
-def test_what_is_too_small_to_matter_changes_neither_the_cost_of_a_plan_nor_its_objective(name: str) -> None:
-    work = rt.objectives.AbsolutePower()
-    effort, least = reach(name, rt.Effort(), timed=True), reach(name, rt.Duration(), timed=False)
-    size = rt.plan(effort).objective
-    pairs = [
-        (effort, reach(name, rt.Effort(), timed=True, friction=1e-6)),
-        (effort, reach(name, rt.Effort() + 1e-8 * size * work, timed=True)),
-        (least, reach(name, rt.Duration() + 1e-9 / size * rt.Effort(), timed=False)),
-        (least, reach(name, rt.Duration() + 1e-9 / size * rt.Effort(), timed=False, friction=1e-6)),
-    ]
-    for plain, changed in pairs:
-        before, after = rt.plan(plain), rt.plan(changed)
-        assert after.objective == pytest.approx(before.objective, rel=rt.solution.Goals().objective)
-        assert cost(after) < 1.5 * cost(before)
