@@ -25,6 +25,10 @@ class UnknownName(InputError):
     """A joint, frame, robot, state or parameter of that name does not exist."""
 
 
+class NoSuchValue(InputError, AttributeError):
+    """A value of this kind does not have the attribute, as a System has no joint positions."""
+
+
 class FailedExpression(InputError):
     """A user's function raised an error, which is this error's cause."""
 

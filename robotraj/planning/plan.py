@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.errors import InputError, warn
-from robotraj._util.forks import unforked
+from robotraj._util.system.forks import unforked
 from robotraj._util.system.interrupts import noted
 from robotraj._util.time_left import LimitReached, limited
 from robotraj.guess.default import as_guess

@@ -125,11 +125,12 @@ def _check_turn(phase: str, robot: Robot, contacts: Sequence[BoundContact], ends
 
 def _check_fall(phase: str, robot: Robot, durations: tuple[float, float], ends: Ends) -> None:
     """Refuse ends whose centres of mass have other speeds than a free fall of an allowed duration gives."""
-    size = robot.nq + robot.nv
-    fixed = all(np.array_equal(each.lower[:size], each.upper[:size]) for each in ends.values())
-    if robot.root == "fixed" or not fixed:
+    if robot.root == "fixed":
         return
-    gained = _speed(robot, ends[Where.END].lower) - _speed(robot, ends[Where.START].lower)
+    first, last = (_speed(robot, ends[where]) for where in (Where.START, Where.END))
+    if first is None or last is None:
+        return
+    gained = last - first
     gravity = np.array(robot.model.gravity.linear)
     squared = float(gravity @ gravity)
     nearest = float(np.clip(float(gained @ gravity) / squared if squared else 0.0, *durations))
@@ -144,8 +145,18 @@ def _check_fall(phase: str, robot: Robot, durations: tuple[float, float], ends: 
     )
 
 
-def _speed(robot: Robot, state: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the velocity of the centre of mass [m/s] in the world."""
+def _speed(robot: Robot, end: Bounds) -> NDArray[np.float64] | None:
+    """Return the velocity of the centre of mass [m/s] in the world, None where the end leaves it free.
+
+    At rest it is 0 whatever the posture.
+    """
+    q, v = slice(robot.nq), slice(robot.nq, robot.nq + robot.nv)
+    if not np.array_equal(end.lower[v], end.upper[v]):
+        return None
+    if not np.any(end.lower[v]):
+        return np.zeros(3)
+    if not np.array_equal(end.lower[q], end.upper[q]):
+        return None
     data = robot.model.createData()
-    pin.centerOfMass(robot.model, data, state[: robot.nq], state[robot.nq : robot.nq + robot.nv])
+    pin.centerOfMass(robot.model, data, end.lower[q], end.lower[v])
     return np.array(data.vcom[0])

@@ -7,18 +7,23 @@ from .export.controller_report import ControllerReport, controller_report
 from .phase_solution import PhaseSolution
 from .proof import Goals, Proof
 from .records import MeshStep
-from .sample import Sample
+from .reserves.shares import Share
+from .sample import JointMotion, Sample
 from .solution import Solution
 from .storage.load import load_solution
+from .violation import Violation
 
 __all__ = [
     "ControllerReport",
     "Goals",
+    "JointMotion",
     "MeshStep",
     "PhaseSolution",
     "Proof",
     "Sample",
+    "Share",
     "Solution",
+    "Violation",
     "controller_report",
     "load_solution",
 ]

@@ -45,6 +45,6 @@ def values_of(part: PhaseSolution, times: Array, interval: int | None = None) ->
     sample = part.at(times, interval)
     values = {name: np.asarray(each) for name, each in (*sample.x.items(), *sample.z.items(), *sample.u.items())}
     robot = part.phase.robot
-    if robot is not None and sample.a is not None:
+    if robot is not None:
         values |= {f"a.{joint}": a for joint, a in zip(robot.velocity_names, sample.a.T, strict=True)}
     return values

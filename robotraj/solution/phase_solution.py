@@ -21,7 +21,7 @@ from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.problem.sizes.motion_sizes import same_variables
 from robotraj.robot.tangent import normalised
-from robotraj.solution.sample import Sample, Times, as_times
+from robotraj.solution.sample import JointMotion, Sample, Times, as_times
 from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -104,7 +104,6 @@ class PhaseSolution(OneLine):
         sites = lobatto_sites(JOINT_SITES)
         times = x.breaks[:-1, None] + np.diff(x.breaks)[:, None] * sites
         sample = self.at(times.ravel(), np.repeat(np.arange(len(times)), len(sites)))
-        assert sample.q is not None and sample.v is not None
         values = np.hstack([sample.q, sample.v]).reshape(*times.shape, -1)
         return PiecewisePolynomial(x.breaks, [sites] * len(times), list(values))
 
@@ -169,7 +168,7 @@ class PhaseSolution(OneLine):
         # Polynomials of a quaternion have length 1 at collocation points, and nearly 1 in between.
         q = normalised(robot.model, x[..., : robot.nq])
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
-        return replace(sample, q=q, v=v, a=accelerations, tau=tau, forces=self._forces(algebraic))
+        return replace(sample, forces=self._forces(algebraic), joints=JointMotion(q, v, accelerations, tau))
 
     def _on_path(self, body: PathBody, sample: Sample, x: Array, inputs: tuple[Array, Array]) -> Sample:
         """Add the motion of the joints on a path; their variables come before those of the path."""
@@ -180,9 +179,8 @@ class PhaseSolution(OneLine):
         q, v, a, tau = (each.reshape(*shape, -1) for each in np.split(found, 4, axis=1))
         states = _joined(body.free.states, np.concatenate([q, v], axis=-1), sample.x)
         algebraic = _joined(body.free.algebraic, a, sample.z)
-        return replace(
-            sample, x=states, z=algebraic, u=_joined(body.free.controls, tau, sample.u), q=q, v=v, a=a, tau=tau
-        )
+        controls = _joined(body.free.controls, tau, sample.u)
+        return replace(sample, x=states, z=algebraic, u=controls, joints=JointMotion(q, v, a, tau))
 
     def _forces(self, algebraic: Named[float | Array]) -> Named[Array]:
         """Return contact forces in world axes, (3,) or (6,) each, or (m, 3) or (m, 6) for m times."""
@@ -203,7 +201,7 @@ class PhaseSolution(OneLine):
             return [x[:, states[name]] for name in names]
         sample = self.at(times)
         values = {**sample.x, **sample.z, **sample.u}
-        if self.phase.robot is not None and sample.a is not None:
+        if self.phase.robot is not None:
             joints = self.phase.robot.velocity_names
             values |= {f"a.{joint}": sample.a[:, i] for i, joint in enumerate(joints) if f"a.{joint}" not in values}
         return [np.asarray(values.get(name, np.zeros(len(times)))) for name in names]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, NoSuchValue
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
@@ -36,6 +36,25 @@ def as_times(t: Times) -> Array:
     return times
 
 
+class JointMotion(NamedTuple):
+    """Motion of a robot's joints at a time (shape (n,)) or at m times (shape (m, n)).
+
+    Attributes
+    ----------
+    q : ndarray (nq,) or (m, nq)
+        Positions [rad, m]; quaternions have length 1.
+    v, a : ndarray (nv,) or (m, nv)
+        Velocities and accelerations [rad/s, m/s; rad/s^2, m/s^2].
+    tau : ndarray (nu,) or (m, nu)
+        Torques of the actuated joints [N m, N].
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Sample(OneLine):
     """Values of a trajectory at a time (shape (n,)) or at m times (shape (m, n)).
@@ -46,26 +65,49 @@ class Sample(OneLine):
         [s].
     x, z, u : Named
         States, algebraic variables and controls by name, each a float or (m,).
-    q : ndarray or None
-        Positions of a robot, (nq,) or (m, nq) [rad, m]; quaternions have length 1.
-    v, a : ndarray or None
-        Its velocities and accelerations, (nv,) or (m, nv) [rad/s, m/s; rad/s^2, m/s^2].
-    tau : ndarray or None
-        Torques of the actuated joints, (nu,) or (m, nu) [N m, N].
     forces : Named
         Contact forces by contact name, (3,) or (m, 3) [N], with moments (6,) or (m, 6) [N, N m]; world axes. Zero where
         a contact of the plan is not held.
+    joints : JointMotion or None
+        The motion of a robot's joints, None for a ``System``; ``q``, ``v``, ``a`` and ``tau`` return its parts.
     """
 
     t: float | Array
     x: Named[float | Array]
     z: Named[float | Array]
     u: Named[float | Array]
-    q: Array | None = None
-    v: Array | None = None
-    a: Array | None = None
-    tau: Array | None = None
     forces: Named[Array] = field(default_factory=lambda: Named("contact", (), ()))
+    joints: JointMotion | None = None
+
+    @property
+    def q(self) -> Array:
+        """Positions of a robot, (nq,) or (m, nq) [rad, m]; a ``System`` has none."""
+        return self._of_robot("q").q
+
+    @property
+    def v(self) -> Array:
+        """Velocities of a robot, (nv,) or (m, nv) [rad/s, m/s]; a ``System`` has none."""
+        return self._of_robot("v").v
+
+    @property
+    def a(self) -> Array:
+        """Accelerations of a robot, (nv,) or (m, nv) [rad/s^2, m/s^2]; a ``System`` has none."""
+        return self._of_robot("a").a
+
+    @property
+    def tau(self) -> Array:
+        """Torques of a robot's actuated joints, (nu,) or (m, nu) [N m, N]; a ``System`` has none."""
+        return self._of_robot("tau").tau
+
+    def _of_robot(self, name: str) -> JointMotion:
+        if self.joints is None:
+            kinds = (("x", self.x), ("u", self.u))
+            lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
+            raise NoSuchValue(
+                f"The sample of a System has no {name!r}, which is that of a robot's joints. "
+                f"Read its variables by name: sample.{', sample.'.join(lists)}."
+            )
+        return self.joints
 
     def with_contacts(self, sizes: Mapping[str, int]) -> Sample:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
@@ -82,22 +124,16 @@ def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
     def stack(parts: Sequence[float | Array]) -> Array:
         return np.concatenate([np.asarray(part) for part in parts])[order]
 
-    def stack_vectors(parts: Sequence[Array | None]) -> Array | None:
-        known = [part for part in parts if part is not None]
-        return stack(known) if known else None
-
     def stack_named(parts: Sequence[Named[float | Array]]) -> Named[Array]:
         names = [name for name in parts[0] if all(name in part for part in parts)]
         return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
 
+    moved = [s.joints for s in samples if s.joints is not None]
     return Sample(
         stack([s.t for s in samples]),
         stack_named([s.x for s in samples]),
         stack_named([s.z for s in samples]),
         stack_named([s.u for s in samples]),
-        stack_vectors([s.q for s in samples]),
-        stack_vectors([s.v for s in samples]),
-        stack_vectors([s.a for s in samples]),
-        stack_vectors([s.tau for s in samples]),
         stack_named([s.forces for s in samples]),
+        JointMotion(*(stack(parts) for parts in zip(*moved, strict=True))) if moved else None,
     )

@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from types import ModuleType
 
-from robotraj._util.compiled_modules import check_versions, not_loaded
+from robotraj._util.system.compiled_modules import check_versions, not_loaded
 
 
 @cache

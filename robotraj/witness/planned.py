@@ -36,7 +36,6 @@ def robot_sample(
 ) -> RobotSample:
     """Sample the phase of a robot at times (m,)."""
     sample = planned.at(times, interval=interval)
-    assert sample.q is not None and sample.v is not None and sample.a is not None and sample.tau is not None
     return RobotSample(sample.q, sample.v, sample.a, sample.tau, sample.z, sample.forces)
 
 

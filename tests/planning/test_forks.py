@@ -13,8 +13,8 @@ from collections.abc import Callable
 import pytest
 
 import robotraj as rt
-from robotraj._util.forks import unforked
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.system.forks import unforked
 
 LIMIT = 30.0
 """Seconds after which a child hangs."""

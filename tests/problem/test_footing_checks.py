@@ -46,3 +46,10 @@ def test_an_end_whose_speed_is_free_is_not_checked() -> None:
     leg = rt.load("monopod", root="floating")
     q = leg.configuration({"root_z": 1.0})
     rt.Phase(leg, 0.3, rt.State(q=q, v=0), rt.State(q=q), rt.Effort())
+
+
+def test_rest_is_rest_whatever_the_posture() -> None:
+    """Ends at rest were not compared with a fall where a position was free; the solver met its iteration limit."""
+    leg = rt.load("monopod", root="floating")
+    with pytest.raises(rt.InputError, match="no contact holds 'monopod'"):
+        rt.Phase(leg, 0.5, rt.State(q=leg.configuration({"root_z": 1.0}), v=0), rt.State(v=0), rt.Effort())

@@ -13,9 +13,9 @@ import casadi as ca
 import pinocchio as pin
 import pytest
 
-from robotraj._util import compiled_modules
-from robotraj._util.compiled_modules import check_versions, wheel_version
 from robotraj._util.errors import BuildMismatch, InputError, UnknownName
+from robotraj._util.system import compiled_modules
+from robotraj._util.system.compiled_modules import check_versions, wheel_version
 from robotraj.symbolic import SymbolicModel
 
 OTHER = "99.0.0"
@@ -55,7 +55,9 @@ def test_missing_module_is_a_build_mismatch_at_import(tmp_path: Path) -> None:
 def test_sources_without_compiled_modules_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Inside a clone that was installed without -e, another install of the same kind does not help."""
     (tmp_path / "pyproject.toml").touch()
-    monkeypatch.setattr(compiled_modules, "__file__", str(tmp_path / "robotraj" / "_util" / "compiled_modules.py"))
+    monkeypatch.setattr(
+        compiled_modules, "__file__", str(tmp_path / "robotraj" / "_util" / "system" / "compiled_modules.py")
+    )
     message = str(compiled_modules.not_loaded("robotraj.symbolic.absent", ImportError("no module")))
     assert str(tmp_path) in message
     assert "another folder" in message
@@ -64,7 +66,9 @@ def test_sources_without_compiled_modules_are_named(tmp_path: Path, monkeypatch:
 
 
 def test_an_installed_module_that_does_not_load_is_built_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiled_modules, "__file__", str(tmp_path / "robotraj" / "_util" / "compiled_modules.py"))
+    monkeypatch.setattr(
+        compiled_modules, "__file__", str(tmp_path / "robotraj" / "_util" / "system" / "compiled_modules.py")
+    )
     message = str(compiled_modules.not_loaded("robotraj.symbolic.build", ImportError("undefined symbol")))
     assert "undefined symbol" in message
     assert "--force-reinstall" in message

@@ -1,5 +1,5 @@
 """The ground: height fields that contacts, clearance and replays share."""
 
-from robotraj._util.forks import attach_stub
+from robotraj._util.public_names import attach_stub
 
 __getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

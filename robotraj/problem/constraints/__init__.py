@@ -1,5 +1,5 @@
 """Constraints: frozen values with one definition for transcription, witness and printing."""
 
-from robotraj._util.forks import attach_stub
+from robotraj._util.public_names import attach_stub
 
 __getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

@@ -3,6 +3,6 @@
 Start with ``robot_spheres.py``.
 """
 
-from robotraj._util.forks import attach_stub
+from robotraj._util.public_names import attach_stub
 
 __getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

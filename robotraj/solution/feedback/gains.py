@@ -204,7 +204,6 @@ def _pieces(planned: PhaseSolution) -> _Pieces:
     places = [a + (b - a) * (np.arange(n) + 0.5) / n for (_, a, b), n in zip(spans, counts, strict=True)]
     middles = np.concatenate(places)
     sample = planned.at(middles, interval=np.repeat([k for k, _, _ in spans], counts))
-    assert sample.q is not None and sample.v is not None and sample.tau is not None
     for t, length, q, v, tau in zip(middles, lengths, sample.q, sample.v, sample.tau, strict=True):
         rate, push, consistent = _linear(linearisation, q, v, tau, planned.phase.name, float(t))
         step, inputs = transition(rate, push, length)

@@ -130,7 +130,6 @@ def _of_contacts(planned: LoadedPhase, sample: Sample, times: Array) -> Iterator
     contacts = [each for each in planned.phase.bound_contacts if np.isfinite(each.contact.friction)]
     if not contacts:
         return
-    assert sample.q is not None
     data = robot.model.createData()
     found: dict[tuple[str, str], Array] = {}
     for i in range(len(times)):
@@ -155,7 +154,7 @@ def _normal(contact: BoundContact, forces: Sequence[float]) -> float:
 def _of_joints(planned: LoadedPhase, sample: Sample) -> Iterator[tuple[str, str, Array]]:
     """Yield the shares of torque and speed of every joint with such a limit, (m,) each."""
     robot = planned.phase.robot
-    assert robot is not None and sample.tau is not None and sample.v is not None
+    assert robot is not None
     joints = list(robot.velocity_names)
     limits = planned.phase.limits if isinstance(planned.phase.limits, Limits) else robot.limits
     for kind, quantity, values, names in (

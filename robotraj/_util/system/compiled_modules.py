@@ -75,7 +75,7 @@ def not_loaded(module: str, error: Exception) -> BuildMismatch:
     A folder of sources shadows an installed robotraj when Python runs inside it. Another ``pip install .`` would not
     help there, since it puts the compiled modules into the installed package.
     """
-    folder = Path(__file__).resolve().parents[2]
+    folder = Path(__file__).resolve().parents[3]
     from_sources = (folder / "pyproject.toml").exists()
     if from_sources and find_spec(module) is None:
         return BuildMismatch(

@@ -6,17 +6,11 @@ that another thread may hold. The child would inherit them locked, and its first
 
 from __future__ import annotations
 
-import copyreg
 import os
-import sys
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib import import_module
-from types import ModuleType
-
-import lazy_loader
 
 PATIENCE = 60.0
 """Longest wait [s]; without it, a planning thread that waits for the forking one would deadlock."""
@@ -41,29 +35,6 @@ def unforked() -> Iterator[None]:
             if not _inside[me]:
                 del _inside[me]
             _changed.notify_all()
-
-
-def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
-    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the ``.pyi`` file beside its ``file``.
-
-    Names are imported on first use, while no other thread forks.
-    """
-    imported, directory, names = lazy_loader.attach_stub(package, file)
-    kind = type(sys.modules.get(package))
-    if issubclass(kind, ModuleType) and kind is not ModuleType:
-        # A function that reads a name of this package travels with it, but only plain modules travel by name.
-        copyreg.pickle(kind, _by_name)
-
-    def attribute(name: str) -> object:
-        with unforked():
-            found: object = imported(name)
-        return found
-
-    return attribute, directory, names
-
-
-def _by_name(module: ModuleType) -> tuple[Callable[[str], ModuleType], tuple[str]]:
-    return import_module, (module.__name__,)
 
 
 def _before() -> None:

@@ -1,0 +1,48 @@
+"""The names that a package offers, imported on first use; their calls refuse wrong arguments by name."""
+
+from __future__ import annotations
+
+import copyreg
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from types import FunctionType, ModuleType
+
+import lazy_loader
+
+from robotraj._util.keywords import guard, guarded
+from robotraj._util.system.forks import unforked
+
+_guarded: dict[FunctionType, object] = {}
+
+
+def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the ``.pyi`` file beside its ``file``.
+
+    Names are imported on first use, while no other thread forks. A function is returned as a public one of this
+    package: pickles refer to it by that name.
+    """
+    imported, directory, names = lazy_loader.attach_stub(package, file)
+    kind = type(sys.modules.get(package))
+    if issubclass(kind, ModuleType) and kind is not ModuleType:
+        # A function that reads a name of this package travels with it, but only plain modules travel by name.
+        copyreg.pickle(kind, _by_name)
+
+    def attribute(name: str) -> object:
+        with unforked():
+            found: object = imported(name)
+        if isinstance(found, type):
+            guard(found)
+        elif isinstance(found, FunctionType):
+            if found not in _guarded:
+                _guarded[found] = guarded(found, package)
+            found = _guarded[found]
+            if name in vars(sys.modules[package]):
+                setattr(sys.modules[package], name, found)
+        return found
+
+    return attribute, directory, names
+
+
+def _by_name(module: ModuleType) -> tuple[Callable[[str], ModuleType], tuple[str]]:
+    return import_module, (module.__name__,)

@@ -1,0 +1,49 @@
+"""Gaits: phases and links of robots that walk, run, trot, crawl and jump, written out to plan or to edit.
+
+Start with ``walks.py``. The room may import ``guess``, ``problem`` and what lies below.
+"""
+
+from .bounds.own_sides import OwnSides
+from .bounds.upright import Upright
+from .crawls import crawl
+from .feet import feet_of, limb_ends
+from .flight import Flight
+from .jumps import jump
+from .mirroring.mirror import mirror
+from .phase_sequence import sequence
+from .posture import gait_objective, posture_objective
+from .standing import stand
+from .stepping.footholds import steps
+from .stepping.joining import start, stop
+from .stepping.over_steps import gap, stairs
+from .stepping.rest_to_rest import sidestep, start_stop, turn
+from .supports import GaitTerms, Support
+from .walks import run, trot, walk
+
+__all__ = [
+    "Flight",
+    "Support",
+    "GaitTerms",
+    "OwnSides",
+    "Upright",
+    "crawl",
+    "feet_of",
+    "gap",
+    "gait_objective",
+    "jump",
+    "limb_ends",
+    "mirror",
+    "posture_objective",
+    "run",
+    "sequence",
+    "sidestep",
+    "stairs",
+    "stand",
+    "start",
+    "start_stop",
+    "steps",
+    "stop",
+    "trot",
+    "turn",
+    "walk",
+]

@@ -1,0 +1,30 @@
+"""The fields of a sample exist by the kind of its plan: joints of robots, named variables of Systems."""
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+
+
+def planned(subject: rt.Robot | rt.System, start: rt.State, end: rt.State, objective: object) -> rt.Solution:
+    return rt.plan(rt.Phase(subject, 1.0, start, end, objective), mesh=rt.Mesh(4))
+
+
+def test_a_robots_sample_has_joints_of_its_sizes() -> None:
+    cart = rt.load("cartpole")
+    sample = planned(cart, rt.State(q=0, v=0), rt.State(q=[0.1, 0], v=0), rt.Effort()).at(np.linspace(0, 1, 5))
+    assert sample.joints is not None
+    assert [part.shape for part in sample.joints] == [(5, cart.nq), (5, cart.nv), (5, cart.nv), (5, cart.nu)]
+    assert all(getattr(sample, name) is part for name, part in zip("qva", sample.joints, strict=False))
+    assert sample.tau is sample.joints.tau
+
+
+@pytest.mark.parametrize("name", ["q", "v", "a", "tau"])
+def test_a_systems_sample_names_its_variables_in_place_of_joints(name: str) -> None:
+    block = rt.System(states=["x", "speed"], controls=["u"], dynamics=lambda point: [point.x["speed"], point.u["u"]])
+    cost = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    sample = planned(block, rt.State({"x": 0, "speed": 0}), rt.State({"x": 1, "speed": 0}), cost).at(0.5)
+    with pytest.raises(rt.InputError, match=rf"has no '{name}'.*sample.x\['x', 'speed'\], sample.u\['u'\]"):
+        getattr(sample, name)
+    assert not hasattr(sample, name) and sample.joints is None
+    assert sample.x["x"] == pytest.approx(0.5)
