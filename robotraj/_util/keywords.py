@@ -89,6 +89,5 @@ def _refusal(function: Callable[..., Any], given: dict[str, object], error: Type
 
 def _written(parameter: Parameter) -> str:
     """Write a parameter without its type: ``name``, ``name=...`` where it has a default."""
-    star = {Parameter.VAR_POSITIONAL: "*", Parameter.VAR_KEYWORD: "**"}
-    before = star[parameter.kind] if parameter.kind in star else ""
-    return f"{before}{parameter.name}{'' if parameter.default is Parameter.empty else '=...'}"
+    star: dict[object, str] = {Parameter.VAR_POSITIONAL: "*", Parameter.VAR_KEYWORD: "**"}
+    return f"{star.get(parameter.kind, '')}{parameter.name}{'' if parameter.default is Parameter.empty else '=...'}"
