@@ -62,8 +62,8 @@ def guard(cls: type) -> None:
 def _guard_value(value: object) -> None:
     """Guard the class of a value that a public call returns, and those of its fields or entries."""
     guard(type(value))
-    parts = value if isinstance(value, list | tuple) else vars(value).values() if _is_ours(type(value)) else ()
-    for part in list(parts):
+    fields = getattr(value, "__dict__", {}).values() if _is_ours(type(value)) else ()
+    for part in list(value if isinstance(value, list | tuple) else fields):
         guard(type(part[0] if isinstance(part, list | tuple) and part else part))
 
 
