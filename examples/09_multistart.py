@@ -23,7 +23,8 @@ print(found)
 first = rt.planning.ContinuationStep(mesh=rt.Mesh(10), objective=rt.Effort() + rt.Duration())
 print(rt.plan(swing_up(1.0), mesh=rt.Mesh(40), continuation=[first]))
 
-for solution in rt.sweep([swing_up(x) for x in (0.5, 1.0, 1.5)], mesh=rt.Mesh(40)):
-    print(f"{solution.problem.phases[0].name}: {solution.objective:.3f} N^2 s, {solution.status.value}")
+targets = (0.5, 1.0, 1.5)
+for x, solution in zip(targets, rt.sweep([swing_up(x) for x in targets], mesh=rt.Mesh(40)), strict=True):
+    print(f"cart-pole to {x:g} m: {solution.objective:.3f} N^2 s, {solution.status.value}")
 
 print("wrote", rt.replay(found.best, "09_multistart.html"))

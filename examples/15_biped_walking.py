@@ -15,18 +15,23 @@ bolt = rt.load("bolt", root="floating", limits={"position": (-2.5, 2.5), "veloci
 talos = rt.load("talos_legs", root="floating")
 point = partial(rt.PointContact, friction=0.6)
 sole = partial(rt.FlatFoot, length=0.2, width=0.12, friction=0.6)
-small = {"feet": ("FL_FOOT", "FR_FOOT"), "contact": point}
-large = {"feet": ("left_sole_link", "right_sole_link"), "contact": sole}
-fast = {"step_length": 0.06, "duration": 0.2, "clearance": 0.03}
-slow = {"step_length": 0.2, "duration": 0.8, "clearance": 0.04, "double_support": 0.2, "repeat": rt.Periodic()}
+quick, calm = rt.Mesh(6, rt.schemes.LobattoIIIA(4)), [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (5, 7, 5, 7)]
 
-for robot, on, pace, calm, mesh in (
-    (bolt, small, fast, 1e-5, rt.Mesh(6, rt.schemes.LobattoIIIA(4))),
-    (talos, large, slow, 0.3, [rt.Mesh(n, rt.schemes.LobattoIIIA(4)) for n in (5, 7, 5, 7)]),
-):
-    # Torques, distance from the standing posture, and a small weight on joint accelerations for smooth swings.
-    cost = rt.gait.gait_objective(robot, rt.gait.stand(robot, **on)) + calm * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
-    solution = rt.plan(rt.gait.walk(robot, **on, **pace, objective=cost), mesh=mesh)
+
+def walk(robot, feet, contact, weight, **pace):
+    """Minimise torques, the distance from the standing posture and, for smooth swings, a little the accelerations."""
+    posture = rt.gait.stand(robot, feet=feet, contact=contact)
+    cost = rt.gait.gait_objective(robot, posture) + weight * rt.Lagrange(lambda p: ca.sumsqr(p.a[6:]))
+    return rt.gait.walk(robot, feet=feet, contact=contact, objective=cost, **pace)
+
+
+small = walk(bolt, ("FL_FOOT", "FR_FOOT"), point, 1e-5, step_length=0.06, duration=0.2, clearance=0.03)
+soles = ("left_sole_link", "right_sole_link")
+stride = {"step_length": 0.2, "duration": 0.8, "clearance": 0.04, "double_support": 0.2, "repeat": rt.Periodic()}
+large = walk(talos, soles, sole, 0.3, **stride)
+
+for robot, gait, mesh in ((bolt, small, quick), (talos, large, calm)):
+    solution = rt.plan(gait, mesh=mesh)
     sample = solution.at(np.linspace(0, solution.duration, 2001))
     work = np.trapezoid(np.maximum(sample.tau * sample.v[:, 6:], 0).sum(axis=1), sample.t)
     burden = 9.81 * robot.mass * (sample.q[-1, 0] - sample.q[0, 0])

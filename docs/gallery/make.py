@@ -40,7 +40,7 @@ def verdict(plans: list[Any], shown: list[Any], passed: list[bool]) -> str:
     """Return what holds of an example: its plans, those that its replays show, and the reports of the simulation."""
     if not all(plan.success for plan in plans):
         return "failed"
-    proved = all(plan.proof is not None and plan.proof.holds for plan in shown or plans)
+    proved = all(plan.proved for plan in shown or plans)
     return f"{'proved' if proved else 'solved'}, {'and simulated' if all(passed) else 'simulation failed'}"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
-from typing import TypedDict, cast
+from typing import Any, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class Panel(OneLine):
     title: str
     symbol: str
     series: tuple[Series, ...]
-    read: Callable[[Sample | CycleSample], Array] = field(repr=False)
+    read: Callable[[Sample[Any] | CycleSample], Array] = field(repr=False)
     """Map a sample at m times to values (m, number of series)."""
 
 
@@ -76,7 +76,7 @@ def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
     # On level ground a bound on the normal force is a bound on the variable along z.
     series = tuple(Series(hold.name, "N", f"force.{hold.contact.name}.z") for hold in holds)
 
-    def read(sample: Sample | CycleSample) -> Array:
+    def read(sample: Sample[Any] | CycleSample) -> Array:
         return np.column_stack([hold.normal_force(sample) for hold in holds])
 
     return [Panel("Normal force of contacts", "fₙ", series, read)]
@@ -88,7 +88,7 @@ def system_panels(system: System) -> list[Panel]:
     def panel(title: str, head: str, symbol: str, group: Sequence[Variable]) -> Panel:
         names = [variable.name for variable in group]
 
-        def read(sample: Sample | CycleSample) -> Array:
+        def read(sample: Sample[Any] | CycleSample) -> Array:
             values = getattr(sample, symbol)
             return np.column_stack([np.asarray(values[name], dtype=float).ravel() for name in names])
 
@@ -153,7 +153,7 @@ def curves(cycles: GaitCycles) -> list[ChartData]:
     return list(drawn.values())
 
 
-def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Sample | CycleSample]]:
+def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Sample[Any] | CycleSample]]:
     """Sample a phase interval by interval, with the left and right values of every knot."""
     knots = cycle_phase.knots
     count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)

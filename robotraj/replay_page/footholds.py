@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -86,7 +87,7 @@ class Foothold(OneLine):
         friction = self.contact.contact.friction
         return float(np.arctan(friction)) if np.isfinite(friction) else 0.0
 
-    def normal_force(self, sample: Sample | CycleSample) -> Array:
+    def normal_force(self, sample: Sample[Any] | CycleSample) -> Array:
         """Return the force along the normal (m,) [N] in a sample of the phase."""
         return np.asarray(np.atleast_2d(sample.forces[self.name])[:, :3] @ self.normal)
 

@@ -141,7 +141,7 @@ def figures(solution: Solution, report: Validation | None = None) -> list[Figure
         )
         for claim in claims
     ]
-    if proof is None and solution.success and solution.error is not None:
+    if proof is None and solution.success and np.isfinite(solution.error):
         # The rates of a failed plan may be accurate although its rows are violated.
         found.append(Figure("error between knots", _number(solution.error), None, "unproved"))
     rows, exceeded = len(solution.violation_list), _limits_exceeded(solution)

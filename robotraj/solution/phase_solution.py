@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +111,14 @@ class PhaseSolution(OneLine):
     def _rates(self) -> PiecewisePolynomial:
         return self.trajectory.x.derivative()
 
-    def at(self, t: Times, interval: int | NDArray[np.int_] | None = None) -> Sample:
+    @overload
+    def at(self, t: float, interval: int | NDArray[np.int_] | None = None) -> Sample[float]: ...
+    @overload
+    def at(self, t: Sequence[float] | Array, interval: int | NDArray[np.int_] | None = None) -> Sample[Array]: ...
+    @overload
+    def at(self, t: Times, interval: int | NDArray[np.int_] | None = None) -> Sample[Any]: ...
+
+    def at(self, t: Times, interval: int | NDArray[np.int_] | None = None) -> Sample[Any]:
         """Evaluate the states' polynomials, and by the equations of motion (``driven_motion``) torques and forces.
 
         Parameters
@@ -158,7 +165,7 @@ class PhaseSolution(OneLine):
         named_controls: Named[float | Array] = Named("control", [v.name for v in controls], u.T)
         known_times = times if times.ndim else float(times)
         robot = self.phase.robot
-        sample = Sample(known_times, states, algebraic, named_controls)
+        sample: Sample[Any] = Sample(known_times, states, algebraic, named_controls)
         if self.phase.path is not None:
             return self._on_path(self.phase.path, sample, x, self.inputs.at(times, interval))
         if robot is None:
@@ -170,7 +177,7 @@ class PhaseSolution(OneLine):
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
         return replace(sample, forces=self._forces(algebraic), joints=JointMotion(q, v, accelerations, tau))
 
-    def _on_path(self, body: PathBody, sample: Sample, x: Array, inputs: tuple[Array, Array]) -> Sample:
+    def _on_path(self, body: PathBody, sample: Sample[Any], x: Array, inputs: tuple[Array, Array]) -> Sample[Any]:
         """Add the motion of the joints on a path; their variables come before those of the path."""
         shape, times = np.shape(sample.t), np.atleast_1d(sample.t)
         x, z, u = (np.reshape(each, (len(times), -1)) for each in (x, *inputs))

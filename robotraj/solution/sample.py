@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import NamedTuple, TypeAlias
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 
 Array = NDArray[np.float64]
+Value = TypeVar("Value", bound="float | Array", covariant=True)
+"""What a sample has of each variable: a float at one time, an array at several."""
 Times: TypeAlias = float | Sequence[float] | Array
 """One time [s], or several."""
 
@@ -56,7 +58,7 @@ class JointMotion(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Sample(OneLine):
+class Sample(OneLine, Generic[Value]):
     """Values of a trajectory at a time (shape (n,)) or at m times (shape (m, n)).
 
     Attributes
@@ -72,10 +74,10 @@ class Sample(OneLine):
         The motion of a robot's joints, None for a ``System``; ``q``, ``v``, ``a`` and ``tau`` return its parts.
     """
 
-    t: float | Array
-    x: Named[float | Array]
-    z: Named[float | Array]
-    u: Named[float | Array]
+    t: Value
+    x: Named[Value]
+    z: Named[Value]
+    u: Named[Value]
     forces: Named[Array] = field(default_factory=lambda: Named("contact", (), ()))
     joints: JointMotion | None = None
 
@@ -109,7 +111,7 @@ class Sample(OneLine):
             )
         return self.joints
 
-    def with_contacts(self, sizes: Mapping[str, int]) -> Sample:
+    def with_contacts(self, sizes: Mapping[str, int]) -> Sample[Value]:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
         if set(sizes) <= set(self.forces):
             return self
@@ -118,7 +120,7 @@ class Sample(OneLine):
         return replace(self, forces=Named("contact", list(held), list(held.values())))
 
 
-def join(samples: list[Sample], order: NDArray[np.int_]) -> Sample:
+def join(samples: Sequence[Sample[Array]], order: NDArray[np.int_]) -> Sample[Array]:
     """Stack samples of array times, then reorder them; of named variables, those that all of them have."""
 
     def stack(parts: Sequence[float | Array]) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,13 +142,13 @@ class Solution(OneLine):
         return sum(seconds for name, seconds in self.times.items() if ":" not in name)
 
     @cached_property
-    def error(self) -> float | None:
+    def error(self) -> float:
         """Largest relative error of an interval between its nodes (``refinement.errors_of``).
 
-        None where equations are missing from a file.
+        NaN where equations are missing from a file.
         """
         if self.problem.missing:
-            return None
+            return np.nan
         from robotraj.transcription.refinement.assess import errors_of
 
         return max(float(errors_of(part.phase, part.trajectory, part.mesh).max()) for part in self.phases)
@@ -207,7 +207,14 @@ class Solution(OneLine):
         """Times of all knots [s]."""
         return np.unique(np.concatenate([phase.knots for phase in self.phases]))
 
-    def at(self, t: Times) -> Sample:
+    @overload
+    def at(self, t: float) -> Sample[float]: ...
+    @overload
+    def at(self, t: Sequence[float] | Array) -> Sample[Array]: ...
+    @overload
+    def at(self, t: Times) -> Sample[Any]: ...
+
+    def at(self, t: Times) -> Sample[Any]:
         """Evaluate the plan at global times; where two phases meet, the later phase is evaluated.
 
         Parameters
@@ -309,6 +316,11 @@ class Solution(OneLine):
         from robotraj.solution.plotting import plot
 
         return plot(self)
+
+    @property
+    def proved(self) -> bool:
+        """Whether a motion was found and its ``proof`` holds; False where nothing was measured, as on a given mesh."""
+        return self.success and self.proof is not None and self.proof.holds
 
     @property
     def claims(self) -> tuple[Claim, ...]:

@@ -43,7 +43,7 @@ class Summarised(Planned, Protocol):
         """Total time [s]."""
 
     @property
-    def error(self) -> float | None:
+    def error(self) -> float:
         """Largest relative error of an interval."""
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -141,7 +141,7 @@ class PhaseSolutionLike(Protocol):
     def parameters(self) -> Mapping[str, float]:
         """Values of the phase's parameters."""
 
-    def at(self, t: float | Array, interval: int | NDArray[np.int_] | None = None) -> Sample:
+    def at(self, t: float | Array, interval: int | NDArray[np.int_] | None = None) -> Sample[Any]:
         """Evaluate the polynomials of an interval, or of one for each time: q, v, a, tau, forces or x, u, z."""
 
 

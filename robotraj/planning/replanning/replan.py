@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,14 @@ class Replan(OneLine):
         """Time at which the plan ends [s]."""
         return self.motion.t0 + self.motion.duration
 
-    def at(self, t: float | Array) -> Sample:
+    @overload
+    def at(self, t: float) -> Sample[float]: ...
+    @overload
+    def at(self, t: Array) -> Sample[Array]: ...
+    @overload
+    def at(self, t: float | Array) -> Sample[Any]: ...
+
+    def at(self, t: float | Array) -> Sample[Any]:
         """Evaluate the plan at a time, or at times (m,), on the clock of the caller [s].
 
         Times before the start and after the end are taken as the start and the end.

@@ -1,6 +1,6 @@
 """Constraints: small frozen values, each written once and read by transcription, witness and printing."""
 
-from .base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where
+from .base import AtEnd, AtStart, BoundConstraint, Constraint, Row, Where, robot_of
 from .bounds import Between, Bounds, NearTurn, as_bounds, between, turns
 from .clearance import GroundClearance
 from .clearance_geometry import CollisionShapes
@@ -64,5 +64,6 @@ __all__ = [
     "as_bounds",
     "between",
     "own_limits",
+    "robot_of",
     "turns",
 ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class PhaseMotion(Protocol):
     def knots(self) -> Array:
         """Ends of the intervals (K + 1,) [s]."""
 
-    def at(self, t: float | Array) -> Sample:
+    def at(self, t: float | Array) -> Sample[Any]:
         """Evaluate at times of the phase [s]."""
 
 

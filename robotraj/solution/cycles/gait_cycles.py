@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,7 +115,7 @@ class CyclePhase(OneLine):
         """Name of the phase, and whether it is its mirror image."""
         return f"{self.phase.name} (mirrored)" if self.mirrored else str(self.phase.name)
 
-    def at(self, t: float | Array, interval: int | None = None) -> Sample | CycleSample:
+    def at(self, t: float | Array, interval: int | None = None) -> Sample[Any] | CycleSample:
         """Evaluate the plan at times [s] in the phase: a ``Sample`` in the first period, later a ``CycleSample``."""
         sample = self.planned.at(np.asarray(t, dtype=float) - (self.t0 - self.planned.t0), interval)
         if self.period == 0 or self.cycle_map is None:

@@ -6,7 +6,7 @@ A plan that uses all of them leaves nothing to a controller: seven proved gaits 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
 
 import numpy as np
 import pinocchio as pin
@@ -51,7 +51,7 @@ class LoadedPhase(Protocol):
     def parameters(self) -> Mapping[str, float]:
         """Values of the phase's parameters."""
 
-    def at(self, t: Array, interval: NDArray[np.int_] | None = None) -> Sample:
+    def at(self, t: Array, interval: NDArray[np.int_] | None = None) -> Sample[Any]:
         """Evaluate at times."""
 
 
@@ -123,7 +123,7 @@ def _times(knots: Array) -> tuple[Array, NDArray[np.int_]]:
     return np.clip(times.ravel(), knots[0], knots[-1]), np.repeat(np.arange(len(knots) - 1), PLACES)
 
 
-def _of_contacts(planned: LoadedPhase, sample: Sample, times: Array) -> Iterator[tuple[str, str, Array]]:
+def _of_contacts(planned: LoadedPhase, sample: Sample[Any], times: Array) -> Iterator[tuple[str, str, Array]]:
     """Yield the shares of cone and sole of every contact, (m,) each."""
     robot = realised(planned)
     weight = GRAVITY * robot.mass
@@ -151,7 +151,7 @@ def _normal(contact: BoundContact, forces: Sequence[float]) -> float:
     return float(contact.vector(forces)[2])
 
 
-def _of_joints(planned: LoadedPhase, sample: Sample) -> Iterator[tuple[str, str, Array]]:
+def _of_joints(planned: LoadedPhase, sample: Sample[Any]) -> Iterator[tuple[str, str, Array]]:
     """Yield the shares of torque and speed of every joint with such a limit, (m,) each."""
     robot = planned.phase.robot
     assert robot is not None
