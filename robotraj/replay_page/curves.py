@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any, TypedDict, cast
 
 import numpy as np
@@ -14,6 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.system import System
 from robotraj.dynamics.variable import Variable
 from robotraj.replay_page.footholds import footholds
+from robotraj.replay_page.own_curves import NO_CURVES, OwnCurves, heading
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample, GaitCycles
 from robotraj.solution.sample import Sample
@@ -37,6 +38,10 @@ class Series(OneLine):
     variable: str
 
 
+def _no_values(sample: Sample[Any] | CycleSample) -> Array:
+    return np.empty((np.size(sample.t), 0))
+
+
 @dataclass(frozen=True)
 class Panel(OneLine):
     """One chart: its title, the heading of its column of values, and its curves."""
@@ -44,7 +49,7 @@ class Panel(OneLine):
     title: str
     symbol: str
     series: tuple[Series, ...]
-    read: Callable[[Sample[Any] | CycleSample], Array] = field(repr=False)
+    read: Callable[[Sample[Any] | CycleSample], Array] = field(default=_no_values, repr=False)
     """Map a sample at m times to values (m, number of series)."""
 
 
@@ -112,8 +117,8 @@ class ChartData(TypedDict):
     pieces: list[dict[str, object]]
 
 
-def curves(cycles: GaitCycles) -> list[ChartData]:
-    """Sample every chart of a solution, ready for JSON.
+def curves(cycles: GaitCycles, own: OwnCurves = NO_CURVES) -> list[ChartData]:
+    """Sample every chart of a solution, ready for JSON; the caller's own charts come last.
 
     Each interval is evaluated with its polynomial, so a jump at a knot is visible. Limits are the tightest bounds
     of the phase's rows that bound one variable throughout.
@@ -125,6 +130,7 @@ def curves(cycles: GaitCycles) -> list[ChartData]:
         ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, ChartData] = {}
+    known: dict[str, None] = {}
     number = len(cycles.phases)
     for cycle_phase in cycles.phases:
         phase = cycle_phase.phase
@@ -133,13 +139,20 @@ def curves(cycles: GaitCycles) -> list[ChartData]:
         else:
             panels = system_panels(cast(System, phase.system))
         limits = _limits(cycle_phase)
-        times, samples = _sample(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
-        for panel in panels:
+        grids = _grids(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
+        times, samples = np.concatenate(grids), [cycle_phase.at(grid, interval=k) for k, grid in enumerate(grids)]
+        shown = [(panel, np.concatenate([panel.read(sample) for sample in samples])) for panel in panels]
+        known |= dict.fromkeys(series.variable for panel in panels for series in panel.series)
+        shown = [_with_measured(panel, values, own, times) for panel, values in shown]
+        for title in own.expressions:
+            values = own.values(title, cycle_phase, grids)
+            name, unit, names = heading(title, values.shape[1])
+            shown.append((Panel(name, name, tuple(Series(label, unit, "") for label in names)), values))
+        for panel, values in shown:
             labels = [{"label": s.label, "unit": s.unit, "variable": s.variable} for s in panel.series]
             empty: ChartData = {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
             chart = drawn.setdefault(panel.title, empty)
             chart["series"] += [label for label in labels if label not in chart["series"]]
-            values = np.concatenate([panel.read(sample) for sample in samples])
             bounds = [limits.get(s.variable, (-np.inf, np.inf)) for s in panel.series]
             chart["pieces"].append(
                 {
@@ -150,15 +163,23 @@ def curves(cycles: GaitCycles) -> list[ChartData]:
                     "upper": [high if np.isfinite(high) else None for _, high in bounds],
                 }
             )
+    own.check_variables(list(known))
     return list(drawn.values())
 
 
-def _sample(cycle_phase: CyclePhase, wanted: float) -> tuple[Array, list[Sample[Any] | CycleSample]]:
-    """Sample a phase interval by interval, with the left and right values of every knot."""
+def _grids(cycle_phase: CyclePhase, wanted: float) -> list[Array]:
+    """Return the times of each interval, both ends included, so that every knot has a left and a right value."""
     knots = cycle_phase.knots
     count = max(3, int(np.ceil(wanted / max(len(knots) - 1, 1))) + 1)
-    grids = [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
-    return np.concatenate(grids), [cycle_phase.at(grid, interval=k) for k, grid in enumerate(grids)]
+    return [np.linspace(a, b, count) for a, b in zip(knots[:-1], knots[1:], strict=True)]
+
+
+def _with_measured(panel: Panel, values: Array, own: OwnCurves, times: Array) -> tuple[Panel, Array]:
+    """Add the measured curves of a chart's variables to it and to its values."""
+    known = [series for series in panel.series if series.variable in own.measured]
+    added = tuple(replace(series, label=f"{series.label}, measured", variable="") for series in known)
+    columns = [own.measured_at(series.variable, times) for series in known]
+    return replace(panel, series=(*panel.series, *added)), np.column_stack([values, *columns])
 
 
 def _limits(cycle_phase: CyclePhase) -> dict[str, tuple[float, float]]:

@@ -11,6 +11,7 @@ from robotraj.replay_page.contacts import held
 from robotraj.replay_page.curves import curves
 from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.groups import groups_of
+from robotraj.replay_page.own_curves import OwnCurves
 from robotraj.replay_page.verdict import Validation, proof_data, verdict
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles
@@ -23,6 +24,7 @@ def run_data(
     label: str,
     number: int,
     report: Validation | None,
+    own: OwnCurves,
 ) -> dict[str, object]:
     """Describe a solution, ready for JSON.
 
@@ -40,6 +42,8 @@ def run_data(
         Its place among the solutions of the page, which decides its tint.
     report : Report or None
         Its validation.
+    own : OwnCurves
+        Curves of the caller.
 
     Returns
     -------
@@ -56,8 +60,9 @@ def run_data(
         }
         for part in cycles.phases
     ]
-    charts = curves(cycles)
-    labels = [series["label"] for chart in charts for series in chart["series"]]
+    charts = curves(cycles, own)
+    grouped = charts[: len(charts) - len(own.expressions)]
+    labels = [series["label"] for chart in grouped for series in chart["series"]]
     contacts = contact_names(cycles) if robot is not None else []
     return {
         "label": label,

@@ -17,6 +17,7 @@ from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
 from robotraj.replay_page.options import check_options
+from robotraj.replay_page.own_curves import NO_CURVES, Expressions, Measured, OwnCurves
 from robotraj.replay_page.page import Heading, page
 from robotraj.replay_page.run import run_data
 from robotraj.replay_page.verdict import Validation, Verdict, verdict
@@ -48,6 +49,8 @@ def replay(
     title: str | None = None,
     labels: Sequence[str] | None = None,
     report: Validation | Sequence[Validation | None] | None = None,
+    curves: Expressions | None = None,
+    measured: Measured | None = None,
 ) -> Path:
     """Write a page that shows the robot in motion beside its position, velocity and torque curves.
 
@@ -91,6 +94,13 @@ def replay(
     report : Report or sequence of Report, optional
         What ``rt.validate`` returned for the solution, or for each. The page shows its text and its verdict: a plan on
         a given mesh, of which nothing was proved, is validated if its report passed.
+    curves : mapping, optional
+        Charts of your own: functions of a ``Point``, as objectives take them, by title. The title may end with a unit:
+        ``{"tool speed [m/s]": lambda point: casadi.norm_2(point.frame("tool0").velocity[:3])}``. Three values are named
+        x, y and z. Later periods of a gait repeat the values of the first one.
+    measured : mapping, optional
+        Measured values, drawn over the plan: times (m,) [s] and values (m,) by the name of the curve, ``"q.elbow"``,
+        ``"v.elbow"``, ``"tau.elbow"`` or the name of a system's variable.
 
     Returns
     -------
@@ -102,15 +112,16 @@ def replay(
     InputError
         A suffix other than ``.html``, a missing directory, or a speed or fps out of range. No solution or more than
         four, or labels or reports of another number. A report of a plan of another duration. Phases that move
-        different robots, ``traces`` for a system, or several periods of a plan that is not periodic. An unknown frame
-        raises UnknownName.
+        different robots, ``traces`` for a system, or several periods of a plan that is not periodic. Curves that are no
+        functions, or measured values of no curve. An unknown frame raises UnknownName.
     """
     solutions = _checked(solution, labels)
     target = output_path(path, (".html", ".htm"), "the page of replay")
     for each in solutions:
         check_options(_one_robot(each), speed=speed, fps=fps, traces=traces)
     reports = _reports(solutions, report)
-    text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports)
+    own = OwnCurves.of(curves, measured)
+    text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports, own)
     with WholeFile(target) as file:
         # Names from file names that are no UTF-8 hold letters which UTF-8 cannot encode.
         file.write_text(text, encoding="utf-8", errors="backslashreplace")
@@ -126,6 +137,7 @@ def page_of(
     title: str | None = None,
     labels: Sequence[str] | None = None,
     reports: Sequence[Validation | None] | None = None,
+    own: OwnCurves = NO_CURVES,
 ) -> str:
     """Return the text of the page; parameters and errors are those of ``replay``."""
     reports = reports or [None] * len(solutions)
@@ -139,10 +151,10 @@ def page_of(
         from robotraj.replay_page.scene.scene import scenes_of
 
         scenes, commands = scenes_of(robots, cycles, fps, names)
-    labels = labels or [_label(own, k) for k, own in enumerate(cycles)]
+    labels = labels or [_label(cycle, k) for k, cycle in enumerate(cycles)]
     runs = [
-        run_data(robot, own, scene, labels[k], k, reports[k])
-        for k, (robot, own, scene) in enumerate(zip(robots, cycles, scenes, strict=True))
+        run_data(robot, cycle, scene, labels[k], k, reports[k], own)
+        for k, (robot, cycle, scene) in enumerate(zip(robots, cycles, scenes, strict=True))
     ]
     heading = _heading(cycles, verdict(solutions[0], reports[0]), labels, title)
     return page(heading, {"speed": speed, "palette": palette(), "runs": runs}, commands)

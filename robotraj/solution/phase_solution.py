@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, overload
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +16,7 @@ from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import OneLine
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
+from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.path_body import PathBody
 from robotraj.dynamics.variable import Named, Variable
 from robotraj.problem.augmentation import Augmented
@@ -25,7 +27,7 @@ from robotraj.solution.sample import JointMotion, Sample, Times, as_times
 from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.point_values import joints_on_path
+from robotraj.transcription.point_values import PointValues, joints_on_path
 from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -133,21 +135,9 @@ class PhaseSolution(OneLine):
         InputError
             A time outside the phase, or what is no time.
         """
-        times = as_times(t)
-        slack = 1e-9 * max(1.0, self.duration)
-        outside = (times < self.t0 - slack) | (times > self.t0 + self.duration + slack) | np.isnan(times)
-        if np.any(outside):
-            bad = float(np.atleast_1d(times)[np.atleast_1d(outside)][0])
-            raise InputError(
-                f"t = {bad:g} s lies outside phase {self.phase.name!r}, which runs from {self.t0:g} s to "
-                f"{self.t0 + self.duration:g} s."
-            )
-        count = len(self.knots) - 1
-        if interval is not None and not np.all((np.asarray(interval) >= 0) & (np.asarray(interval) < count)):
-            raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
+        times = self._within(as_times(t), interval)
         dae = self.phase.dae
-        x = self.trajectory.x(times, interval)
-        z, u = self.inputs.at(times, interval)
+        x, z, u = self._numbers(times, interval)
         controls, algebraics = dae.controls, dae.algebraic
         body = self.phase.body
         if isinstance(dae, Augmented):
@@ -176,6 +166,52 @@ class PhaseSolution(OneLine):
         q = normalised(robot.model, x[..., : robot.nq])
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
         return replace(sample, forces=self._forces(algebraic), joints=JointMotion(q, v, accelerations, tau))
+
+    def _within(self, times: Array, interval: int | NDArray[np.int_] | None) -> Array:
+        """Return the times; refuse those outside the phase, and intervals that it does not have."""
+        slack = 1e-9 * max(1.0, self.duration)
+        outside = (times < self.t0 - slack) | (times > self.t0 + self.duration + slack) | np.isnan(times)
+        if np.any(outside):
+            bad = float(np.atleast_1d(times)[np.atleast_1d(outside)][0])
+            raise InputError(
+                f"t = {bad:g} s lies outside phase {self.phase.name!r}, which runs from {self.t0:g} s to "
+                f"{self.t0 + self.duration:g} s."
+            )
+        count = len(self.knots) - 1
+        if interval is not None and not np.all((np.asarray(interval) >= 0) & (np.asarray(interval) < count)):
+            raise InputError(f"Phase {self.phase.name!r} has no interval {interval}; they run from 0 to {count - 1}.")
+        return times
+
+    def values(
+        self, expression: Callable[[Any], object], t: Times, interval: int | NDArray[np.int_] | None = None
+    ) -> Array:
+        """Evaluate an expression of a point, as objectives and constraints take it, along the motion.
+
+        Parameters
+        ----------
+        expression : callable
+            From a ``Point`` to a number or a column of n: ``lambda point: point.frame("tool0").velocity``, (6,).
+        t, interval
+            As for ``at``.
+
+        Returns
+        -------
+        ndarray (n,) or (m, n)
+
+        Raises
+        ------
+        InputError
+            A time outside the phase. A FailedExpression names an error of the function.
+        """
+        times = self._within(as_times(t), interval)
+        table = self.phase.rows
+        function = PointValues(table, lambda point: ca.vertcat(*rows_of("expression", expression, point)))
+        x, z, u = (np.reshape(each, (times.size, -1)) for each in self._numbers(times, interval))
+        found = function.at(times.ravel(), x, z, u, np.array(list(self.parameters.values()), dtype=float))
+        return found.reshape(*times.shape, -1)
+
+    def _numbers(self, times: Array, interval: int | NDArray[np.int_] | None) -> tuple[Array, Array, Array]:
+        return self.trajectory.x(times, interval), *self.inputs.at(times, interval)
 
     def _on_path(self, body: PathBody, sample: Sample[Any], x: Array, inputs: tuple[Array, Array]) -> Sample[Any]:
         """Add the motion of the joints on a path; their variables come before those of the path."""

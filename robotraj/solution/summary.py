@@ -142,10 +142,10 @@ def _implausible_accelerations(solution: Summarised) -> list[str]:
     worst, doubt = IMPLAUSIBLE * GRAVITY, list[str]()
     for part in solution.phases:
         robot, limits = part.phase.robot, part.phase.limits
+        if robot is None or robot.root != "fixed" or not isinstance(limits, Limits):
+            continue
         times = np.sort(np.append(part.knots, 0.5 * (part.knots[1:] + part.knots[:-1])))
         accelerations = part.at(times).a
-        if robot is None or robot.root != "fixed" or not isinstance(limits, Limits) or accelerations is None:
-            continue
         far, bounds = reaches(robot.model), limits.largest("acceleration")
         for joint, unit, largest, limit in zip(
             robot.velocity_names, robot.units, np.abs(accelerations).max(axis=0), bounds, strict=True

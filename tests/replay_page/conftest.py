@@ -77,7 +77,7 @@ class Plan:
     interval_violations: Sequence[Any] = ()
     control_interval_violations: Sequence[Any] = ()
     seconds: float = 0.0
-    error: Any = None
+    error: float = np.nan
     claims: Sequence[Any] = ()
 
     @property

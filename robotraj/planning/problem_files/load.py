@@ -35,6 +35,8 @@ TABLES = ("robot", "robots", "define", "phases", "links", "gait", "plan", "valid
 OUTPUTS = ("html", "save", "plot")
 OF_CALLERS = ("problem", "settings", "check", "progress", "watch", "keep_program", "continuation")
 """Parameters of ``rt.plan`` that a file does not set."""
+FROM_CALLS = ("solution", "path", "report", "curves", "measured")
+"""Parameters of ``rt.replay`` that a file does not set."""
 
 
 def load_problem(path: str | os.PathLike[str]) -> ProblemFile:
@@ -108,9 +110,7 @@ def _plan(table: dict[str, Data], reader: Reader) -> PlanOptions:
 
 def _replay(table: dict[str, Data], reader: Reader) -> ReplayOptions:
     """Read the options of ``rt.replay`` and check what can be checked before the plan."""
-    options = cast(
-        "ReplayOptions", reader.arguments(replay, table, ("replay",), without=("solution", "path", "report"))
-    )
+    options = cast("ReplayOptions", reader.arguments(replay, table, ("replay",), without=FROM_CALLS))
     for robot in reader.robots.values():
         check_options(robot, options.get("speed", 1.0), options.get("fps", 30), options.get("traces"))
     return options

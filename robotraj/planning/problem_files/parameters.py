@@ -95,7 +95,8 @@ def parameters_of(maker: Maker) -> Mapping[str, Parameter]:
     """Return the parameters that a maker takes by keyword, in order; those of ``Unpack[...]`` are written out."""
     if is_dataclass(maker) and isinstance(maker, type) and vars(maker)["__dataclass_params__"].init:
         return {each.name: each for each in _fields(maker)}
-    function: Callable[..., object] = maker.__init__ if isinstance(maker, type) else maker  # type: ignore[misc]
+    # Public functions are wrapped; names of their annotations are those of the module that defines them.
+    function = inspect.unwrap(maker.__init__ if isinstance(maker, type) else maker)  # type: ignore[misc]
     found: dict[str, Parameter] = {}
     for name, each in inspect.signature(function).parameters.items():
         if name == "self" or each.kind is inspect.Parameter.VAR_POSITIONAL:

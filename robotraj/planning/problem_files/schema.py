@@ -12,7 +12,7 @@ from robotraj._util.printing import brief
 from robotraj._util.values import dataclass
 from robotraj.planning.plan import plan
 from robotraj.planning.problem_files.kinds import GAITS, KINDS
-from robotraj.planning.problem_files.load import OF_CALLERS, OUTPUTS
+from robotraj.planning.problem_files.load import FROM_CALLS, OF_CALLERS, OUTPUTS
 from robotraj.planning.problem_files.parameters import Maker, Parameter, accepted_by, described, parameters_of
 from robotraj.planning.problem_files.robots import MAKERS
 from robotraj.problem.constraints.joint_limits import OwnLimits
@@ -121,7 +121,7 @@ def _tables() -> list[SchemaEntry]:
         ("[phases.limits]", Limits.with_, ()),
         ("[plan]", plan, OF_CALLERS),
         ("[validate]", validate, ("solution",)),
-        ("[replay]", replay, ("solution", "path", "report")),
+        ("[replay]", replay, FROM_CALLS),
     ]
     found = [_entry(name, maker, without) for name, maker, without in tables]
     found = [replace(entry, parameters=(*entry.parameters, *_ADDED.get(entry.name, ()))) for entry in found]

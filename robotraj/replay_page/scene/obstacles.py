@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 
 import meshcat
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.coal_shapes import coal_shape
 from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.replay_page.scene.hull import INSTANTS
 from robotraj.replay_page.scene.motion import keys
 from robotraj.replay_page.scene.shapes import shape_part
 from robotraj.replay_page.scene.window import PackedTrack, draw
@@ -64,6 +66,44 @@ def draw_obstacles(
         if obstacle.moves:
             clips[path] = _clip(obstacle, times, fps, start)
     return clips
+
+
+def surroundings(robot: Robot, cycles: GaitCycles, world: Array, times: Array, low: Array, high: Array) -> Array:
+    """Return corners (k, 3) [m] around the obstacles near the robot, which the camera frames with it.
+
+    An obstacle is near if it meets the box around the motion, grown by half of its diagonal on every side. What lies
+    outside that box is cut off, so that a floor or a far wall does not make the robot small.
+
+    Parameters
+    ----------
+    robot : Robot
+    cycles : GaitCycles
+    world : ndarray (m, njoints, 4, 4)
+        Joint frames at the times.
+    times : ndarray (m,)
+    low, high : ndarray (3,)
+        Corners of the box around the robot's motion [m].
+    """
+    far = 0.5 * float(np.linalg.norm(high - low))
+    low, high = low - far, high + far
+    picks = np.unique(np.linspace(0, len(times) - 1, INSTANTS).astype(int))
+    found = [np.empty((0, 3))]
+    for obstacle in _obstacles(cycles):
+        part = None if obstacle.kind == "half space" else shape_part(coal_shape(obstacle))
+        if part is None:
+            continue
+        frame = None if obstacle.frame is None else robot.model.frames[robot.frame(obstacle.frame)]
+        for k in picks if obstacle.moves or frame is not None else picks[:1]:
+            position, rotation = obstacle.pose(float(times[k]))
+            points = part.vertices @ np.array(rotation).T + np.array(position)
+            if frame is not None:
+                placed = world[k, frame.parentJoint] @ np.array(frame.placement.homogeneous)
+                points = points @ placed[:3, :3].T + placed[:3, 3]
+            ends = np.array([points.min(axis=0), points.max(axis=0)])
+            if np.all(ends[0] <= high) and np.all(ends[1] >= low):
+                ends = np.clip(ends, low, high)
+                found.append(np.array(list(product(*ends.T))))
+    return np.concatenate(found)
 
 
 def _obstacles(cycles: GaitCycles) -> Iterator[Obstacle]:

@@ -16,11 +16,11 @@ from robotraj.replay_page.clearance import clearance_scene
 from robotraj.replay_page.colors import rgb
 from robotraj.replay_page.contacts import contact_scene
 from robotraj.replay_page.footholds import contact_frames
-from robotraj.replay_page.scene.collision_shapes import collision_shapes
+from robotraj.replay_page.scene.collision_shapes import collision_shapes, collision_spheres
 from robotraj.replay_page.scene.ground import GroundView, ground_of
 from robotraj.replay_page.scene.hull import hull_of, stature_of
 from robotraj.replay_page.scene.motion import SceneMotion, centre_of_mass, keys, motion_of
-from robotraj.replay_page.scene.obstacles import draw_obstacles
+from robotraj.replay_page.scene.obstacles import draw_obstacles, surroundings
 from robotraj.replay_page.scene.shapes import tube
 from robotraj.replay_page.scene.visuals import Visual, visuals_of
 from robotraj.replay_page.scene.window import PackedTrack, RecordingWindow, draw
@@ -97,6 +97,7 @@ def _scene(
         viewer[paths[joint]].set_transform(_matrix(motion.position[0, joint], motion.quaternion[0, joint]))
     _draw_shapes(viewer, paths, "visual", visuals)
     _draw_shapes(viewer, paths, "collision", collision_shapes(robot.collision_model))
+    _draw_shapes(viewer, paths, "spheres", collision_spheres(robot, cycles))
     hull = hull_of(visuals, motion.world)
     low, high = hull.min(axis=0), hull.max(axis=0)
     ground = ground_of(cycles, low, high)
@@ -115,6 +116,7 @@ def _scene(
     return _description(model, root, motion, paths, hull, ground, drawn) | {
         "body": root_of(robot.root).joints[-1] if robot.root != "fixed" else None,
         "stature": round(stature, 4),
+        "surroundings": np.round(surroundings(robot, cycles, motion.world, motion.times, low, high), 4).tolist(),
         "center": centre_of_mass(model, motion),
         "contacts": contact_scene(cycles, robot, stature),
         "clearance": clearance_scene(cycles),

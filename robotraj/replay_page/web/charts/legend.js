@@ -16,7 +16,7 @@ class Legend {
     });
     for (const cell of head.cells) cell.scope = "col";
     this.body = table.createTBody();
-    const labels = [...new Set(selection.groups.flatMap((group) => group.labels))];
+    const labels = [...new Set(selection.groups.flatMap((group) => group.labels)), ...selection.free];
     for (const label of labels) this.addRow(label);
     host.append(table);
     this.refresh();
@@ -24,7 +24,7 @@ class Legend {
 
   // The unit that all curves of a chart share; it stands in the head of the column then.
   unitOf(chart) {
-    const own = this.selection.groups.filter((group) => !group.root).flatMap((group) => group.labels);
+    const own = this.selection.groups.filter((group) => !group.root).flatMap((group) => group.labels).concat(this.selection.free);
     const units = new Set(chart.series.filter((s) => own.includes(s.label)).map((s) => s.unit));
     return units.size === 1 ? [...units][0] : "";
   }

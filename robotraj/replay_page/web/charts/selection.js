@@ -19,7 +19,10 @@ class CurveSelection {
     this.group = count <= FEW || joints.length < 2 ? ALL : this.groups.indexOf(joints[0]);
     if (this.groups.length === 1) this.group = 0;
     this.few = count <= FEW;
-    this.fewLabels = [...joints, ...this.groups.filter((group) => group.root)].flatMap((group) => group.labels);
+    this.free = [...new Set(runs.flatMap((run) => run.charts.flatMap((chart) => chart.series.map((s) => s.label))))].filter(
+      (label) => this.groupOf(label) < 0,
+    );
+    this.fewLabels = [...joints, ...this.groups.filter((group) => group.root)].flatMap((group) => group.labels).concat(this.free);
     this.listeners = [];
   }
 
@@ -41,9 +44,11 @@ class CurveSelection {
     return this.groups.findIndex((group) => group.labels.includes(label));
   }
 
+  // A curve of the page's author belongs to no group and is always shown.
   inGroup(label) {
     const own = this.groupOf(label);
-    if (this.group === ALL) return own < 0 || !this.groups[own].root;
+    if (own < 0) return true;
+    if (this.group === ALL) return !this.groups[own].root;
     return own === this.group;
   }
 
@@ -64,7 +69,7 @@ class CurveSelection {
   // unless there are few. The dash is the solution's where there are several.
   look(label, run) {
     const group = this.groupOf(label);
-    const own = Math.max(0, group < 0 ? 0 : this.groups[group].labels.indexOf(label));
+    const own = Math.max(0, (group < 0 ? this.free : this.groups[group].labels).indexOf(label));
     const contact = [...this.contactColors.keys()].indexOf(label);
     const few = Math.max(0, this.fewLabels.indexOf(label));
     const all = this.group === ALL && this.isolated === null;

@@ -19,9 +19,10 @@ class Camera {
     this.viewer.controls.domElement.style.touchAction = "pan-y";
   }
 
-  // The outermost points of all solutions over their motions, where they are drawn.
+  // The outermost points of all solutions over their motions, with the obstacles near them, where they are drawn.
   hull() {
-    return this.view.scenes.flatMap((scene, k) => (scene ? scene.hull.map((p) => p.map((x, i) => x + this.view.offsets[k][i])) : []));
+    const placed = (points, k) => points.map((p) => p.map((x, i) => x + this.view.offsets[k][i]));
+    return this.view.scenes.flatMap((scene, k) => (scene ? placed([...scene.hull, ...scene.surroundings], k) : []));
   }
 
   // The box along the world's axes around these points [m].

@@ -4,7 +4,7 @@
 class Layers {
   constructor(host, view, runs) {
     Object.assign(this, { view, runs, host });
-    this.things = { robot: [], collision: [], obstacles: [], paths: [], contacts: [], frames: [], com: [] };
+    this.things = { robot: [], collision: [], spheres: [], obstacles: [], paths: [], contacts: [], frames: [], com: [] };
     view.roots.forEach((root, k) => root && this.collect(root, k));
     this.addSwitch("robot", "robot", true);
     this.addSwitch("paths", "paths", true);
@@ -13,6 +13,7 @@ class Layers {
     this.addSwitch("frames", "frames", false);
     this.addSwitch("com", "centre of mass", false);
     this.addSwitch("collision", "collision shapes", false);
+    this.addSwitch("spheres", "collision spheres", false);
     view.onSeek = (t) => this.moveCenters(t);
   }
 
@@ -25,6 +26,7 @@ class Layers {
         // In front of the surface that the shape often shares with the link.
         node.traverse((mesh) => mesh.isMesh && Object.assign(mesh.material, { polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 }));
       }
+      if (/^spheres \d/.test(node.name)) this.things.spheres.push(node);
       if (/^obstacle \d/.test(node.name)) this.things.obstacles.push(node);
       if (node.name === "traces") this.things.paths.push(node);
     });
