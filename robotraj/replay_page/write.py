@@ -16,6 +16,7 @@ from robotraj._util.system.whole_files import WholeFile
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
 from robotraj.replay_page.colors import palette
+from robotraj.replay_page.gait_words import gait_words
 from robotraj.replay_page.options import check_options
 from robotraj.replay_page.own_curves import NO_CURVES, Expressions, Measured, OwnCurves
 from robotraj.replay_page.page import Heading, page
@@ -244,7 +245,8 @@ def _heading(cycles: Sequence[GaitCycles], judged: Verdict, labels: Sequence[str
         text = f"{labels[0]}: {judged.text}"
         return Heading(title or " and ".join(names), f"{len(cycles)} solutions", text, judged.colour, ())
     phases = [result.phase.name for result in solution.phases]
-    shown = " → ".join(phases[:6]) + (f" → … ({len(phases)} phases)" if len(phases) > 6 else "")
+    gait = gait_words(cycles[0]) if first.robot is not None else ""
+    shown = gait or " → ".join(phases[:6]) + (f" → … ({len(phases)} phases)" if len(phases) > 6 else "")
     facts = [("Duration", f"{solution.duration:.4g} s"), ("Objective", f"{solution.objective:.6g}")]
     if cycles[0].periods > 1:
         facts[0] = ("Duration", f"{cycles[0].periods} × {cycles[0].period:.4g} s")
