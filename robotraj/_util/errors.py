@@ -129,7 +129,7 @@ def called(what: str, function: Callable[..., Result], *arguments: object) -> Re
         raise
     except Exception as error:  # a user's function may raise any error
         raise FailedExpression(
-            f"The {what} failed: {type(error).__name__}: {_one_line(error)} {_advice(error, len(arguments))}"
+            f"The {what} failed: {type(error).__name__}: {_one_line(error)} {_advice(error, arguments)}"
         ) from error
 
 
@@ -142,7 +142,7 @@ def _one_line(error: Exception) -> str:
     return text if text.endswith(".") else f"{text}."
 
 
-def _advice(error: Exception, count: int) -> str:
+def _advice(error: Exception, arguments: tuple[object, ...]) -> str:
     """Return the remedy for a failed function."""
     if "truth value" in str(error):
         return (
@@ -151,12 +151,20 @@ def _advice(error: Exception, count: int) -> str:
         )
     if isinstance(error, AttributeError) and type(error.obj).__module__.startswith("robotraj."):
         return f"It has {', '.join(name for name in dir(error.obj) if not name.startswith('_'))}."
-    return (
-        f"It is called with {count} argument{'' if count == 1 else 's'} and reads CasADi symbols: write it with "
-        "operators and CasADi's functions, of entries that exist."
-    )
+    count = len(arguments)
+    given = f"It is called with {count} argument{'' if count == 1 else 's'}"
+    inside = error.__traceback__ is not None and error.__traceback__.tb_next is not None
+    points = all(_module(vars(sys.modules[type(each).__module__])) == _OURS for each in arguments)
+    if isinstance(error, TypeError) and "argument" in str(error) and not inside and points and count in _CALLS:
+        return f"{given}: {_CALLS[count]}."
+    return f"{given} and reads CasADi symbols: write it with operators and CasADi's functions, of entries that exist."
 
 
+_CALLS = {
+    1: "write lambda point: ..., and read point.q, point.v, point.x['name'], point.t and others from it",
+    2: "write lambda start, end: ..., two points, and read start.q, end.x['name'] and others from them",
+}
+"""How expressions of that many arguments are written."""
 _OURS = __name__.partition(".")[0]
 _PASSED_THROUGH = (_OURS, "contextlib")
 

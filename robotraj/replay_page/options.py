@@ -25,9 +25,13 @@ class ReplayOptions(TypedDict, total=False):
 
 
 def check_options(
-    robot: Robot | None, speed: float = 1.0, fps: int = 30, traces: Sequence[str] | str | None = None
+    robot: Robot | None,
+    speed: float = 1.0,
+    fps: int = 30,
+    traces: Sequence[str] | str | None = None,
+    title: str | None = None,
 ) -> None:
-    """Check the playback speed, the keys per second and the traced frames of a robot, None for a system.
+    """Check the playback speed, the keys per second, the heading and the traced frames of a robot, None for a system.
 
     Raises
     ------
@@ -36,6 +40,8 @@ def check_options(
     """
     number("replay: speed, 0.5 for half speed,", speed, SLOWEST, 1.0 / SLOWEST)
     whole("replay: fps", fps, 1, 240)
+    if title is not None and not isinstance(title, str):
+        raise InputError(f"replay: title= is a text; got {title!r}.")
     names = [traces] if isinstance(traces, str) else traces or ()
     if names and robot is None:
         raise InputError("replay: traces= names frames of a robot, but this solution is of an rt.System; omit traces=.")

@@ -119,7 +119,7 @@ def replay(
     solutions = _checked(solution, labels)
     target = output_path(path, (".html", ".htm"), "the page of replay")
     for each in solutions:
-        check_options(_one_robot(each), speed=speed, fps=fps, traces=traces)
+        check_options(_one_robot(each), speed=speed, fps=fps, traces=traces, title=title)
     reports = _reports(solutions, report)
     own = OwnCurves.of(curves, measured)
     text = page_of(solutions, float(speed), int(fps), traces, periods, title, labels, reports, own)

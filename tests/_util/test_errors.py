@@ -32,6 +32,19 @@ def test_an_error_of_ones_own_becomes_the_cause_of_one_that_names_the_function()
     assert str(pickle.loads(pickle.dumps(caught.value))) == message
 
 
+def test_an_expression_of_other_arguments_is_shown_how_it_is_written() -> None:
+    cart = rt.load("cartpole")
+
+    def message(objective: rt.objectives.Objective) -> str:
+        with pytest.raises(FailedExpression) as caught:
+            rt.Phase(cart, 1.0, rt.State(q=0, v=0), rt.State(q=0, v=0), objective)
+        return str(caught.value)
+
+    assert "called with 1 argument: write lambda point: ..." in message(rt.Lagrange(lambda q, v: q[0] ** 2))
+    assert "called with 2 arguments: write lambda start, end: ..." in message(rt.Mayer(lambda end: end.q[0]))
+    assert "called with 1 argument and reads" in message(rt.objectives.Tracking(lambda: {"q": [0, 0]}))
+
+
 def test_errors_of_robotraj_pass_through() -> None:
     def fails() -> None:
         raise unknown_name("state", "w", ["x", "v"])

@@ -31,6 +31,11 @@ class Objective(OneLine, ABC):
         # sum([...]) starts from the integer 0.
         if isinstance(other, int | float) and other == 0:
             return self
+        if isinstance(other, int | float | np.number):
+            raise InputError(
+                f"{other:g} is no objective that can be added to {self}. A number multiplies a term as its weight, "
+                f"{other:g} * rt.Duration(); a constant changes no optimum, so leave it out."
+            )
         if not isinstance(other, Objective):
             return NotImplemented
         return Sum((*self.terms, *other.terms))
@@ -38,7 +43,12 @@ class Objective(OneLine, ABC):
     __radd__ = __add__
 
     def __sub__(self, other: object) -> Objective:
-        return self + (-other) if isinstance(other, Objective) else NotImplemented
+        if isinstance(other, Objective):
+            return self + (-other)
+        return self + (-other) if isinstance(other, int | float | np.number) else NotImplemented
+
+    def __rsub__(self, other: object) -> Objective:
+        return -self + other
 
     def __neg__(self) -> Objective:
         return self * -1.0

@@ -82,9 +82,8 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
         The directory does not exist, or the path is one.
     """
     named = Path(path)
-    target = output_path(
-        named if named.suffix == ".npz" else named.with_name(f"{named.name}.npz"), (), "the saved solution"
-    )
+    whole = named.suffix == ".npz" or named.is_dir()
+    target = output_path(named if whole else named.with_name(f"{named.name}.npz"), (), "the saved solution")
     packer = Packer()
     data = {
         "problem": pack_problem(contents.problem, packer),

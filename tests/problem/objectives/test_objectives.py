@@ -38,6 +38,12 @@ def test_sums_multiples_and_python_sum_agree() -> None:
     assert found == pytest.approx([found[0]] * 3, rel=1e-9)
 
 
+@pytest.mark.parametrize("wrong", [lambda: SQUARE + 1.0, lambda: 2 - SQUARE, lambda: SQUARE - 3, lambda: 1 + SQUARE])
+def test_a_number_is_no_objective_but_its_weight(wrong: object) -> None:
+    with pytest.raises(rt.InputError, match="multiplies a term as its weight"):
+        wrong()  # type: ignore[operator]
+
+
 def test_effort_weighs_joints_by_order_or_by_name() -> None:
     start, end = rt.State(q=[0, 0.5], v=0), rt.State(q=[0.5, -0.2], v=0)
 
