@@ -8,7 +8,7 @@ from .phase_solution import PhaseSolution
 from .proof import Goals, Proof
 from .records import MeshStep
 from .reserves.shares import Share
-from .sample import JointMotion, Sample
+from .sample import Sample
 from .solution import Solution
 from .storage.load import load_solution
 from .violation import Violation
@@ -16,7 +16,6 @@ from .violation import Violation
 __all__ = [
     "ControllerReport",
     "Goals",
-    "JointMotion",
     "MeshStep",
     "PhaseSolution",
     "Proof",

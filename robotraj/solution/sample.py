@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 
 Array = NDArray[np.float64]
+JOINTS = ("q", "v", "a", "tau")
+"""Names of what a sample has of a robot's joints."""
 Value = TypeVar("Value", bound="float | Array", covariant=True)
 """What a sample has of each variable: a float at one time, an array at several."""
 Times: TypeAlias = float | Sequence[float] | Array
@@ -38,23 +40,45 @@ def as_times(t: Times) -> Array:
     return times
 
 
-class JointMotion(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class JointMotion(OneLine):
     """Motion of a robot's joints at a time (shape (n,)) or at m times (shape (m, n)).
 
     Attributes
     ----------
-    q : ndarray (nq,) or (m, nq)
-        Positions [rad, m]; quaternions have length 1.
-    v, a : ndarray (nv,) or (m, nv)
-        Velocities and accelerations [rad/s, m/s; rad/s^2, m/s^2].
-    tau : ndarray (nu,) or (m, nu)
-        Torques of the actuated joints [N m, N].
+    q, v, a, tau : ndarray
+        As of ``Sample``.
     """
 
     q: Array
     v: Array
     a: Array
     tau: Array
+
+
+class _OfRobot:
+    """An attribute of a robot's sample; that of a System raises an error with the names of its variables."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, sample: None, owner: type) -> _OfRobot: ...
+    @overload
+    def __get__(self, sample: Sample[Any], owner: type) -> Array: ...
+
+    def __get__(self, sample: Sample[Any] | None, owner: type) -> Array | _OfRobot:
+        if sample is None:
+            return self
+        if sample.joints is None:
+            kinds = (("x", sample.x), ("u", sample.u))
+            lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
+            raise NoSuchValue(
+                f"The sample of a System has no {self.name!r}, which is that of a robot's joints. "
+                f"Read its variables by name: sample.{', sample.'.join(lists)}."
+            )
+        found: Array = getattr(sample.joints, self.name)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +91,17 @@ class Sample(OneLine, Generic[Value]):
         [s].
     x, z, u : Named
         States, algebraic variables and controls by name, each a float or (m,).
+    q : ndarray
+        Positions of a robot, (nq,) or (m, nq) [rad, m]; quaternions have length 1. A ``System`` has none of these four.
+    v, a : ndarray
+        Its velocities and accelerations, (nv,) or (m, nv) [rad/s, m/s; rad/s^2, m/s^2].
+    tau : ndarray
+        Torques of the actuated joints, (nu,) or (m, nu) [N m, N].
     forces : Named
         Contact forces by contact name, (3,) or (m, 3) [N], with moments (6,) or (m, 6) [N, N m]; world axes. Zero where
         a contact of the plan is not held.
     joints : JointMotion or None
-        The motion of a robot's joints, None for a ``System``; ``q``, ``v``, ``a`` and ``tau`` return its parts.
+        q, v, a and tau of a robot; None for a ``System``.
     """
 
     t: Value
@@ -81,35 +111,10 @@ class Sample(OneLine, Generic[Value]):
     forces: Named[Array] = field(default_factory=lambda: Named("contact", (), ()))
     joints: JointMotion | None = None
 
-    @property
-    def q(self) -> Array:
-        """Positions of a robot, (nq,) or (m, nq) [rad, m]; a ``System`` has none."""
-        return self._of_robot("q").q
-
-    @property
-    def v(self) -> Array:
-        """Velocities of a robot, (nv,) or (m, nv) [rad/s, m/s]; a ``System`` has none."""
-        return self._of_robot("v").v
-
-    @property
-    def a(self) -> Array:
-        """Accelerations of a robot, (nv,) or (m, nv) [rad/s^2, m/s^2]; a ``System`` has none."""
-        return self._of_robot("a").a
-
-    @property
-    def tau(self) -> Array:
-        """Torques of a robot's actuated joints, (nu,) or (m, nu) [N m, N]; a ``System`` has none."""
-        return self._of_robot("tau").tau
-
-    def _of_robot(self, name: str) -> JointMotion:
-        if self.joints is None:
-            kinds = (("x", self.x), ("u", self.u))
-            lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
-            raise NoSuchValue(
-                f"The sample of a System has no {name!r}, which is that of a robot's joints. "
-                f"Read its variables by name: sample.{', sample.'.join(lists)}."
-            )
-        return self.joints
+    q = _OfRobot()
+    v = _OfRobot()
+    a = _OfRobot()
+    tau = _OfRobot()
 
     def with_contacts(self, sizes: Mapping[str, int]) -> Sample[Value]:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
@@ -137,5 +142,5 @@ def join(samples: Sequence[Sample[Array]], order: NDArray[np.int_]) -> Sample[Ar
         stack_named([s.z for s in samples]),
         stack_named([s.u for s in samples]),
         stack_named([s.forces for s in samples]),
-        JointMotion(*(stack(parts) for parts in zip(*moved, strict=True))) if moved else None,
+        JointMotion(*(stack([getattr(one, name) for one in moved]) for name in JOINTS)) if moved else None,
     )
