@@ -36,7 +36,7 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
             except TypeError as misfit:
                 raise _refusal(function, keywords, misfit, package) from None
             raise error
-        if type(found) not in _known:
+        if type(found) not in _returned:
             _guard_value(found)
         return found
 
@@ -61,6 +61,7 @@ def guard(cls: type) -> None:
 
 def _guard_value(value: object) -> None:
     """Guard the class of a value that a public call returns, and those of its fields or entries."""
+    _returned.add(type(value))
     guard(type(value))
     fields = getattr(value, "__dict__", {}).values() if _is_ours(type(value)) else ()
     for part in list(value if isinstance(value, list | tuple) else fields):
@@ -72,6 +73,8 @@ def _is_ours(cls: type) -> bool:
 
 
 _known: set[type] = set()
+_returned: set[type] = set()
+"""Classes of values that a call returned; those of their fields are guarded too."""
 
 
 def _refusal(function: Callable[..., Any], given: dict[str, object], error: TypeError, package: str) -> WrongArguments:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import Any, Generic, TypeAlias, TypeVar, overload
+from typing import Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,31 +56,6 @@ class JointMotion(OneLine):
     tau: Array
 
 
-class _OfRobot:
-    """An attribute of a robot's sample; that of a System raises an error with the names of its variables."""
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    @overload
-    def __get__(self, sample: None, owner: type) -> _OfRobot: ...
-    @overload
-    def __get__(self, sample: Sample[Any], owner: type) -> Array: ...
-
-    def __get__(self, sample: Sample[Any] | None, owner: type) -> Array | _OfRobot:
-        if sample is None:
-            return self
-        if sample.joints is None:
-            kinds = (("x", sample.x), ("u", sample.u))
-            lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
-            raise NoSuchValue(
-                f"The sample of a System has no {self.name!r}, which is that of a robot's joints. "
-                f"Read its variables by name: sample.{', sample.'.join(lists)}."
-            )
-        found: Array = getattr(sample.joints, self.name)
-        return found
-
-
 @dataclass(frozen=True, eq=False)
 class Sample(OneLine, Generic[Value]):
     """Values of a trajectory at a time (shape (n,)) or at m times (shape (m, n)).
@@ -111,10 +86,31 @@ class Sample(OneLine, Generic[Value]):
     forces: Named[Array] = field(default_factory=lambda: Named("contact", (), ()))
     joints: JointMotion | None = None
 
-    q = _OfRobot()
-    v = _OfRobot()
-    a = _OfRobot()
-    tau = _OfRobot()
+    @property
+    def q(self) -> Array:  # noqa: D102, described above
+        return self._of_robot("q").q
+
+    @property
+    def v(self) -> Array:  # noqa: D102, described above
+        return self._of_robot("v").v
+
+    @property
+    def a(self) -> Array:  # noqa: D102, described above
+        return self._of_robot("a").a
+
+    @property
+    def tau(self) -> Array:  # noqa: D102, described above
+        return self._of_robot("tau").tau
+
+    def _of_robot(self, name: str) -> JointMotion:
+        if self.joints is None:
+            kinds = (("x", self.x), ("u", self.u))
+            lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
+            raise NoSuchValue(
+                f"The sample of a System has no {name!r}, which is that of a robot's joints. "
+                f"Read its variables by name: sample.{', sample.'.join(lists)}."
+            )
+        return self.joints
 
     def with_contacts(self, sizes: Mapping[str, int]) -> Sample[Value]:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
