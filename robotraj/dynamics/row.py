@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+
+if TYPE_CHECKING:
+    from robotraj.dynamics.variable import Scalar
 
 LEAST_SIZE = 1e-2
 """Least size of a row with one bound, in its unit: smaller bounds, such as 1e-6 kg, mostly stand for 0."""
@@ -53,20 +57,28 @@ class Magnitude(Measure):
 
 @dataclass(frozen=True)
 class Angle(Measure):
-    """An angle a, whose row is (1 - cos(a)) / (1 - cos(limit)), with 0 < limit < pi."""
+    """An angle a, whose row is sqrt((1 + x) / 2) with x = (1 - cos(a)) / (1 - cos(limit)) and 0 < limit < pi.
+
+    The row is 1 at the limit. It is smooth at a = 0 and almost linear in a beyond the limit, so that a linear model
+    leads back from far outside. x itself is quadratic: beside a narrow limit, its linear model halves the angle.
+    """
 
     limit: float
     unit: str = "rad"
 
     def of(self, value: float) -> float:
-        """Return arccos(1 - value (1 - cos(limit)))."""
+        """Return the angle of a row's value."""
         if not np.isfinite(value):
             return value
-        return float(np.arccos(np.clip(1.0 - value * (1.0 - np.cos(self.limit)), -1.0, 1.0)))
+        return float(np.arccos(np.clip(1.0 - (2.0 * value**2 - 1.0) * (1.0 - np.cos(self.limit)), -1.0, 1.0)))
 
     def value_of(self, quantity: float) -> float:
-        """Return (1 - cos(quantity)) / (1 - cos(limit))."""
-        return float((1.0 - np.cos(quantity)) / (1.0 - np.cos(self.limit)))
+        """Return the row's value at an angle."""
+        return float(self.row(np.cos(quantity)))
+
+    def row(self, cosine: Scalar) -> Scalar:
+        """Return the row's value at cos(a), symbolic or numeric."""
+        return (0.5 + (0.5 / (1.0 - np.cos(self.limit))) * (1.0 - cosine)) ** 0.5
 
 
 @dataclass(frozen=True)

@@ -169,3 +169,19 @@ def test_impossible_values_are_refused(arm, constraint, words):
 def test_one_of_needs_candidates():
     with pytest.raises(rt.InputError, match="chooses among constraints"):
         rt.constraints.OneOf([])
+
+
+def test_a_narrow_cone_beside_a_line_is_planned_from_a_guess_far_outside(arm):
+    home = np.array([0.2, -1.6, 1.2, -1.2, -1.57, 0.0])
+    first = _pose(arm, home)
+    last = pin.SE3(first.rotation, first.translation - [0.0, 0.0, 0.35])
+    narrow = [
+        rt.constraints.LinearPath("tool0", first.translation, last.translation),
+        rt.constraints.FrameAxis("tool0", direction=first.rotation[:, 2], angle=np.deg2rad(0.5)),
+        rt.AtEnd(rt.FramePose("tool0", last)),
+    ]
+    smooth = rt.Duration() + 1e-3 * rt.objectives.SpeedVariation()
+    solution = rt.plan(rt.Phase(arm, (0.1, 10), rt.State(q=home, v=0), rt.State(v=0), smooth, narrow))
+    # Between the times with the orientation kept, 0.3296 s, and within 5 degrees.
+    assert solution.proof.holds and 0.3003 < solution.duration < 0.3296
+    assert solution.iterations < 1500

@@ -26,8 +26,9 @@ Array = NDArray[np.float64]
 class FrameAxis(Constraint):
     """An axis e of a frame keeps within an angle of a direction d of the world: (R_f e)' d >= cos(angle).
 
-    The row is (1 - (R_f e)' d) / (1 - cos(angle)) <= 1. With angle 0 the two components of R_f e across d are 0. Those
-    rows are held with their rates, as ``PathConstraint`` describes, and the frame turns freely about the axis.
+    The row is sqrt((1 + x) / 2) <= 1 with x = (1 - (R_f e)' d) / (1 - cos(angle)). With angle 0 the two components of
+    R_f e across d are 0. Those rows are held with their rates, as ``PathConstraint`` describes, and the frame turns
+    freely about the axis.
 
     Parameters
     ----------
@@ -57,19 +58,20 @@ class FrameAxis(Constraint):
         axis, wanted = (unit_vector(v, f"FrameAxis of {self.frame!r}") for v in (self.axis, self.direction))
         if not 0.0 <= self.angle < np.pi:
             raise InputError(f"FrameAxis of {self.frame!r}: the angle is {self.angle} rad; it lies from 0 to below pi.")
-        frame, room = self.frame, 1.0 - np.cos(self.angle)
-        if room == 0.0:
+        frame, limit = self.frame, self.angle
+        exact = np.cos(limit) == 1.0
+        if exact:
             across = perpendicular(wanted)
             rows = [Row(f"frame axis {name}", "rad", 0.0, 0.0, frame) for name in ("across", "across too")]
             rows.append(Row("frame axis half turn", "", 0.0, np.inf, frame, selects_root=True))
         else:
-            rows = [Row("frame axis angle", "", -np.inf, 1.0, frame, measure=Angle(self.angle))]
+            rows = [Row("frame axis angle", "", -np.inf, 1.0, frame, measure=Angle(limit))]
 
         def expression(point: RobotPoint) -> list[Scalar]:
             pointing = turned(point.frame(frame).rotation, axis)
             along = dot(wanted, pointing)
-            if room > 0.0:
-                return [(1.0 - along) / room]
+            if not exact:
+                return [Angle(limit).row(along)]
             return [*(dot(direction, pointing) for direction in across), along]
 
         return BoundConstraint("frame axis", tuple(rows), expression)

@@ -71,10 +71,10 @@ class PoseRegion(Constraint):
         if not 0.0 <= self.angle < np.pi:
             raise InputError(f"The {what} has the angle {self.angle} rad; it lies from 0 to below pi.")
         rows = [Row(f"region position {AXES[i]}", "m", lower[i], upper[i], frame) for i in kept]
-        exact, room = self.angle == 0.0, 1.0 - np.cos(self.angle)
+        exact, limit = np.cos(self.angle) == 1.0, self.angle
         axis = None if self.free_axis is None else unit_vector(self.free_axis, what)
         if not exact:
-            rows.append(Row("region angle", "", -np.inf, 1.0, frame, measure=Angle(self.angle)))
+            rows.append(Row("region angle", "", -np.inf, 1.0, frame, measure=Angle(limit)))
         else:
             names = AXES if axis is None else AXES[:2]
             rows += [Row(f"region rotation {name}", "rad", 0.0, 0.0, frame) for name in names]
@@ -90,12 +90,12 @@ class PoseRegion(Constraint):
                 pointing = turned(view.rotation, axis)
                 along = dot(rotation @ axis, pointing)
                 if not exact:
-                    return [*values, (1.0 - along) / room]
+                    return [*values, Angle(limit).row(along)]
                 return [*values, *(dot(direction, pointing) for direction in across), along]
             error = rotation.T @ view.rotation
             trace = error[0, 0] + error[1, 1] + error[2, 2]
             if not exact:
-                return [*values, 0.5 * (3.0 - trace) / room]
+                return [*values, Angle(limit).row(0.5 * (trace - 1.0))]
             skew = [error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]]
             return [*values, *(0.5 * s for s in skew), trace]
 
