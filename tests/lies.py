@@ -30,11 +30,12 @@ class Liar(PhaseSolution):
         lies = dict(self.changes)
         times = np.asarray(sample.t)
         changed: dict[str, Any] = {}
-        told = {n: lies[n](times[..., None], getattr(sample, n)) for n in ("q", "v", "tau") if n in lies}
-        if told and sample.joints is not None:
-            changed["joints"] = replace(sample.joints, **told)
+        for name in ("q", "v"):
+            if name in lies:
+                changed[name] = lies[name](times[..., None], getattr(sample, name))
         if "tau" in lies:
-            tau = told["tau"]
+            tau = lies["tau"](times[..., None], sample.tau)
+            changed["tau"] = tau
             changed["u"] = Named("control", list(sample.u), [tau[..., i] for i in range(tau.shape[-1])])
         if "u" in lies:
             values = [lies["u"](times, np.asarray(sample.u[name])) for name in sample.u]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, overload
 
 import casadi as ca
@@ -23,7 +22,7 @@ from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.problem.sizes.motion_sizes import same_variables
 from robotraj.robot.tangent import normalised
-from robotraj.solution.sample import JointMotion, Sample, Times, as_times
+from robotraj.solution.sample import JointSample, Sample, Times, as_times, no_forces
 from robotraj.transcription.driven_motion import Inputs, inputs_of
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -155,7 +154,7 @@ class PhaseSolution(OneLine):
         named_controls: Named[float | Array] = Named("control", [v.name for v in controls], u.T)
         known_times = times if times.ndim else float(times)
         robot = self.phase.robot
-        sample: Sample[Any] = Sample(known_times, states, algebraic, named_controls)
+        sample: Sample[Any] = Sample(known_times, states, algebraic, named_controls, no_forces())
         if self.phase.path is not None:
             return self._on_path(self.phase.path, sample, x, self.inputs.at(times, interval))
         if robot is None:
@@ -165,7 +164,8 @@ class PhaseSolution(OneLine):
         # Polynomials of a quaternion have length 1 at collocation points, and nearly 1 in between.
         q = normalised(robot.model, x[..., : robot.nq])
         v, tau = x[..., robot.nq : end], u[..., : robot.nu]
-        return replace(sample, forces=self._forces(algebraic), joints=JointMotion(q, v, accelerations, tau))
+        forces = self._forces(algebraic)
+        return JointSample(known_times, states, algebraic, named_controls, forces, q, v, accelerations, tau)
 
     def _within(self, times: Array, interval: int | NDArray[np.int_] | None) -> Array:
         """Return the times; refuse those outside the phase, and intervals that it does not have."""
@@ -223,7 +223,7 @@ class PhaseSolution(OneLine):
         states = _joined(body.free.states, np.concatenate([q, v], axis=-1), sample.x)
         algebraic = _joined(body.free.algebraic, a, sample.z)
         controls = _joined(body.free.controls, tau, sample.u)
-        return replace(sample, x=states, z=algebraic, u=controls, joints=JointMotion(q, v, a, tau))
+        return JointSample(sample.t, states, algebraic, controls, sample.forces, q, v, a, tau)
 
     def _forces(self, algebraic: Named[float | Array]) -> Named[Array]:
         """Return contact forces in world axes, (3,) or (6,) each, or (m, 3) or (m, 6) for m times."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
-from typing import Generic, TypeAlias, TypeVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,22 +41,6 @@ def as_times(t: Times) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class JointMotion(OneLine):
-    """Motion of a robot's joints at a time (shape (n,)) or at m times (shape (m, n)).
-
-    Attributes
-    ----------
-    q, v, a, tau : ndarray
-        As of ``Sample``.
-    """
-
-    q: Array
-    v: Array
-    a: Array
-    tau: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Sample(OneLine, Generic[Value]):
     """Values of a trajectory at a time (shape (n,)) or at m times (shape (m, n)).
 
@@ -66,51 +50,44 @@ class Sample(OneLine, Generic[Value]):
         [s].
     x, z, u : Named
         States, algebraic variables and controls by name, each a float or (m,).
-    q : ndarray
-        Positions of a robot, (nq,) or (m, nq) [rad, m]; quaternions have length 1. A ``System`` has none of these four.
-    v, a : ndarray
-        Its velocities and accelerations, (nv,) or (m, nv) [rad/s, m/s; rad/s^2, m/s^2].
-    tau : ndarray
-        Torques of the actuated joints, (nu,) or (m, nu) [N m, N].
     forces : Named
         Contact forces by contact name, (3,) or (m, 3) [N], with moments (6,) or (m, 6) [N, N m]; world axes. Zero where
         a contact of the plan is not held.
-    joints : JointMotion or None
-        q, v, a and tau of a robot; None for a ``System``.
+    q, v, a, tau : ndarray
+        Those of ``JointSample``. Where the plan moves a ``System``, an error names its variables.
     """
 
     t: Value
     x: Named[Value]
     z: Named[Value]
     u: Named[Value]
-    forces: Named[Array] = field(default_factory=lambda: Named("contact", (), ()))
-    joints: JointMotion | None = None
+    forces: Named[Array]
 
-    @property
-    def q(self) -> Array:  # noqa: D102, described above
-        return self._of_robot("q").q
+    if TYPE_CHECKING:
+        # Type checkers cannot know which kind a plan returns.
+        @property
+        def q(self) -> Array: ...  # noqa: D102, as of JointSample
 
-    @property
-    def v(self) -> Array:  # noqa: D102, described above
-        return self._of_robot("v").v
+        @property
+        def v(self) -> Array: ...  # noqa: D102, as of JointSample
 
-    @property
-    def a(self) -> Array:  # noqa: D102, described above
-        return self._of_robot("a").a
+        @property
+        def a(self) -> Array: ...  # noqa: D102, as of JointSample
 
-    @property
-    def tau(self) -> Array:  # noqa: D102, described above
-        return self._of_robot("tau").tau
+        @property
+        def tau(self) -> Array: ...  # noqa: D102, as of JointSample
 
-    def _of_robot(self, name: str) -> JointMotion:
-        if self.joints is None:
+    else:
+
+        def __getattr__(self, name: str) -> object:
+            if name not in JOINTS or "x" not in vars(self):
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             kinds = (("x", self.x), ("u", self.u))
             lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
             raise NoSuchValue(
                 f"The sample of a System has no {name!r}, which is that of a robot's joints. "
                 f"Read its variables by name: sample.{', sample.'.join(lists)}."
             )
-        return self.joints
 
     def with_contacts(self, sizes: Mapping[str, int]) -> Sample[Value]:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""
@@ -119,6 +96,31 @@ class Sample(OneLine, Generic[Value]):
         shape = np.shape(self.t)
         held = {name: self.forces[name] if name in self.forces else np.zeros((*shape, n)) for name, n in sizes.items()}
         return replace(self, forces=Named("contact", list(held), list(held.values())))
+
+
+@dataclass(frozen=True, eq=False)
+class JointSample(Sample[Value]):
+    """A sample of a plan that moves a robot.
+
+    Attributes
+    ----------
+    q : ndarray
+        Positions, (nq,) or (m, nq) [rad, m]; quaternions have length 1.
+    v, a : ndarray
+        Velocities and accelerations, (nv,) or (m, nv) [rad/s, m/s; rad/s^2, m/s^2].
+    tau : ndarray
+        Torques of the actuated joints, (nu,) or (m, nu) [N m, N].
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+
+
+def no_forces() -> Named[Array]:
+    """Return the forces of a plan without contacts."""
+    return Named("contact", (), ())
 
 
 def join(samples: Sequence[Sample[Array]], order: NDArray[np.int_]) -> Sample[Array]:
@@ -131,12 +133,12 @@ def join(samples: Sequence[Sample[Array]], order: NDArray[np.int_]) -> Sample[Ar
         names = [name for name in parts[0] if all(name in part for part in parts)]
         return Named(parts[0].kind, names, [stack([part[name] for part in parts]) for name in names])
 
-    moved = [s.joints for s in samples if s.joints is not None]
-    return Sample(
+    parts = (
         stack([s.t for s in samples]),
         stack_named([s.x for s in samples]),
         stack_named([s.z for s in samples]),
         stack_named([s.u for s in samples]),
         stack_named([s.forces for s in samples]),
-        JointMotion(*(stack([getattr(one, name) for one in moved]) for name in JOINTS)) if moved else None,
     )
+    moved = [s for s in samples if isinstance(s, JointSample)]
+    return JointSample(*parts, *(stack([getattr(s, n) for s in moved]) for n in JOINTS)) if moved else Sample(*parts)
