@@ -384,9 +384,10 @@ def test_only_a_guess_on_its_feet_lets_the_barrier_fall_early(monkeypatch: pytes
     monkeypatch.setattr(rt.InteriorPoint, "_options", recorded)
     robot = rt.load("solo12", root="floating", limits={"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7})
     steps = [rt.gait.trot(robot, step_length=length, duration=0.2, clearance=0.04) for length in (0.07, 0.08)]
-    mesh = rt.Mesh(4)
-    chained = rt.sweep(steps, chain=True, mesh=mesh, solver=rt.InteriorPoint(threads=1))
+    mesh, once = rt.Mesh(4), rt.interval_limits.ConstraintGeneration(rounds=0)
+    chained = rt.sweep(steps, chain=True, mesh=mesh, solver=rt.InteriorPoint(threads=1), interval_limits=once)
     assert all(solution.success for solution in chained)
-    rt.plan(steps[0], mesh, solver=rt.InteriorPoint(threads=1, barrier_factor=50.0), progress=False)
+    steep = rt.InteriorPoint(threads=1, barrier_factor=50.0)
+    rt.plan(steps[0], mesh, solver=steep, interval_limits=once, progress=False)
     rt.plan(EVERY["block"](), MESH, progress=False)
     assert factors == [3000.0, 100.0, 50.0, 100.0]

@@ -60,6 +60,7 @@ class LiveScene:
         return {
             "hull": np.round(hull_of(self._visuals, world), 4).tolist(),
             "stature": round(stature_of(self._visuals, world[0]), 4),
+            "surroundings": [],
             "ground": {"level": 0.0, "surface": False},
             "body": None,
             "joints": {

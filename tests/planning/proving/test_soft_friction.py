@@ -12,8 +12,10 @@ from robotraj.planning.sizes.shares import shares_of
 
 
 def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
-    robot = rt.load(name, root="fixed" if name in ("z1", "ur5") else "floating")
-    return rt.Problem([rt.Phase(robot, 1.0, rt.State(q=robot.neutral, v=0), rt.State(v=0), objective)])
+    fixed = name in ("z1", "ur5")
+    robot = rt.load(name, root="fixed" if fixed else "floating")
+    end = rt.State(v=0) if fixed else rt.State(v={each: 0 for each in robot.actuated})
+    return rt.Problem([rt.Phase(robot, 1.0, rt.State(q=robot.neutral, v=0), end, objective)])
 
 
 @pytest.mark.parametrize(

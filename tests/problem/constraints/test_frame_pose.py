@@ -13,7 +13,8 @@ PLACE = pin.SE3(pin.exp3(np.array([0.3, -1.0, 0.5])), np.array([0.4, 0.2, 0.3]))
 
 
 def ending_at(constraint: rt.constraints.Constraint, robot: rt.robot.Robot = UR5) -> rt.Phase:
-    return rt.Phase(robot, 2.0, rt.State(v=0), rt.State(v=0), rt.Effort(), [rt.AtEnd(constraint)])
+    end = rt.State(v=0) if robot.root == "fixed" else rt.State()
+    return rt.Phase(robot, 2.0, rt.State(v=0), end, rt.Effort(), [rt.AtEnd(constraint)])
 
 
 def test_a_homogeneous_matrix_is_the_pose_of_its_parts() -> None:
