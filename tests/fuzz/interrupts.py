@@ -3,7 +3,8 @@
 Each attempt repeats one action until the press ends it. It is right if the action ends as ``KeyboardInterrupt`` within
 a second of processor time. The error holds whatever was finished, and every file is whole.
 
-Python drops a press in the callback of a weakref. Calls of robotraj heed it, other code does not: a second one follows.
+Python drops a press in the callback of a weakref. Calls of robotraj heed it, other code does not, such as the one that
+frees a plan after the call: a second press follows.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import sys
 import threading
 import time
 import warnings
@@ -21,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import robotraj as rt
+from robotraj._util.system import interrupts as presses
 from robotraj.planning.many import sweep as sweep_module
 from robotraj.solution.errors import PlanInterrupted
 from robotraj.solvers.status import Status
@@ -86,6 +89,12 @@ class Interrupts:
                 os.kill(os.getpid(), signal.SIGINT)
                 wait = AGAIN
 
+        dropped: list[bool] = []
+
+        def drop(ignored: sys.UnraisableHookArgs) -> None:
+            dropped.append(presses._before.get() is None)
+
+        before, sys.unraisablehook = sys.unraisablehook, drop
         user = threading.Thread(target=press)
         user.start()
         error: BaseException | None = None
@@ -98,9 +107,10 @@ class Interrupts:
             error = caught
         seconds = time.process_time() - pressed[-1] if pressed else 0.0
         user.join()
+        sys.unraisablehook = before
         if not isinstance(error, KeyboardInterrupt):
             return f"{type(error).__name__}: {error}"
-        if len(pressed) > 1 and kind in HEEDED:
+        if len(pressed) > 1 and kind in HEEDED and not any(dropped):
             return "it took a second press"
         if seconds > LONGEST:
             return f"it took {seconds:.2f} s of processor time"
