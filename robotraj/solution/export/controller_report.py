@@ -221,12 +221,10 @@ def _differences(
         if order:
             values = np.diff(values, axis=0) * rate
         low, high = (side[moving] for side in limits.sides(name))
-        bounds = np.where(values > 0.0, high, -low)
-        with np.errstate(invalid="ignore"):
-            shares = np.where(np.isfinite(bounds), np.abs(values) / bounds, 0.0)
-        if name == "position":
-            shares = np.maximum(low - values, values - high)
-        k, joint = np.unravel_index(int(np.argmax(shares)), shares.shape)
+        below, above = low - values, values - high
+        sizes = np.max(np.where(np.isfinite([low, high]), np.abs([low, high]), 0.0), axis=0)
+        excess = np.maximum(below, above) / np.where((order > 0) & (sizes > 0.0), sizes, 1.0)
+        k, joint = np.unravel_index(int(np.argmax(excess)), excess.shape)
         unit = points.units[joint] + ("", "/s", "/s^2", "/s^3")[order]
         label = "speed" if name == "velocity" else name
         if not np.isfinite([low, high]).any():
@@ -235,8 +233,10 @@ def _differences(
                 remedy = f"no limit is known; plan with limits={{'{name}': ...}}"
                 yield Requirement(label, False if known.rates_limited else None, largest, np.nan, unit, remedy=remedy)
             continue
-        bound = float(bounds[k, joint]) if order else float(high[joint] if values[k, joint] > 0 else low[joint])
+        is_low = below[k, joint] > above[k, joint]
+        # Speeds and their rates below a lower limit are stated as magnitudes in that direction.
+        sign = -1.0 if is_low and order else 1.0
+        figure, bound = sign * float(values[k, joint]), sign * float((low if is_low else high)[joint])
         where = f"{points.joints[joint]} at {max(0.0, (k - HELD + order) / rate):.4g} s"
-        holds = bool(shares[k, joint] <= (1.0 if order else 0.0) + ROUNDING)
-        figure = float(abs(values[k, joint]) if order else values[k, joint])
+        holds = bool(excess[k, joint] <= ROUNDING)
         yield Requirement(label, holds, figure, bound, unit, where, f"plan with robot.limits.scaled({name}=0.99)")

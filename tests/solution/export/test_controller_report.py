@@ -71,6 +71,21 @@ def test_what_fails_is_named_with_its_figure_and_a_remedy(franka, abrupt):
         rt.solution.controller_report(franka, "fri", rate=0.0)
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_joint_that_may_turn_one_way_only_is_judged_by_both_of_its_limits(way):
+    # A limit of 0 on one side divided rest by zero.
+    pair = rt.between(0.0, 2.0) if way > 0.0 else rt.between(-2.0, 0.0)
+    robot = rt.load("two_link_arm", limits={"velocity": {"shoulder": pair}, "effort": 20.0})
+    ends = rt.State(q=0, v=0), rt.State(q=[0.5 * way, 0.1], v=0)
+    plan = rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort()))
+    accepted = by_name(rt.solution.controller_report(plan, "joint_trajectory_controller"))["speed"]
+    assert accepted.holds and np.isfinite([accepted.figure, accepted.bound]).all()
+    other = rt.load("two_link_arm", limits={"velocity": {"shoulder": rt.between(*sorted((0.0, -2.0 * way)))}}).limits
+    refused = by_name(rt.solution.controller_report(plan, "joint_trajectory_controller", limits=other))["speed"]
+    assert not refused.holds and refused.bound == 0.0 and refused.where.startswith("shoulder")
+    assert refused.figure == pytest.approx(np.abs(plan.at(np.linspace(0.0, 1.0, 1001)).v[:, 0]).max(), rel=1e-2)
+
+
 def test_a_motion_that_does_not_end_at_rest_is_not_accepted():
     robot = rt.load("two_link_arm")
     ends = rt.State(q=0, v=0), rt.State(q=[0.2, 0.1], v=[0.5, 0.0])
