@@ -241,9 +241,6 @@ def plan(
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
     if settings.goals is not None and any(phase.robot is not None for phase in problem.phases):
-        from robotraj.planning.diagnosis.self_collision import check_own_ends
-
-        check_own_ends(problem)
         fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
         if fixed and any(phase.constraints for phase in problem.phases):
             from robotraj.planning.diagnosis.oscillation import warn_of_oscillation

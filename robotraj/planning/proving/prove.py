@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robotraj.planning.diagnosis.self_collision import overlapping_ends
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import KeptApart
+from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.settings import Settings
+from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
@@ -17,7 +19,13 @@ from robotraj.solvers.status import Status
 def prove(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
 ) -> Solution:
-    """Plan on finer and finer meshes until ``settings.goals`` hold, and again where links overlap."""
+    """Plan on finer and finer meshes until ``settings.goals`` hold, and again where links overlap.
+
+    Where links overlap at a fixed end, one iteration on the first mesh is all that is solved.
+    """
+    if conflicts := overlapping_ends(problem):
+        once = replace(settings, solver=settings.solver.at_most(1), restarts=Restarts(0))
+        return replace(solve(problem, guess, once, progress), status=Status.INFEASIBLE, conflicts=conflicts)
     found = run(problem, guess, settings, progress)
     apart = KeptApart(problem, settings, progress)
     try:

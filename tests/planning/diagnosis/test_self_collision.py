@@ -1,4 +1,4 @@
-"""Ends at which the links of a robot overlap are refused before planning."""
+"""Ends at which the links of a robot overlap exclude every motion, and are named before planning."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import warnings
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.self_collision import check_own_ends
+from robotraj.planning.diagnosis.self_collision import overlapping_ends
 
 FREE, FOLDED = (0, -1.5, 0.5, -1.2, 0, 0), (0, -1.5, 2.8, 1.1, 1.3, 0)
 
@@ -16,14 +16,19 @@ def reach(end: tuple[float, ...]) -> rt.Phase:
     return rt.Phase(rt.load("ur5"), 1.0, rt.State(q=FREE, v=0), rt.State(q=end, v=0), rt.Effort(), name="fold")
 
 
-def test_links_that_overlap_at_an_end_are_refused_with_their_depth() -> None:
-    with pytest.raises(rt.InputError, match=r"'fold': at the end .*wrist_\d_link.* overlap by 0\.\d+ m. Choose"):
+def test_links_that_overlap_at_an_end_exclude_every_motion_and_are_named_with_their_depth() -> None:
+    with pytest.raises(rt.NoSolutionFound, match=r"at the end they overlap by 0\.\d+ m: choose another end") as error:
         rt.plan(reach(FOLDED))
+    failed = error.value.solution
+    assert failed.status.value == "infeasible" and failed.iterations <= 1
+    assert "wrist_3_link and upper_arm_link" in failed.cause
+    assert failed.conflicts[0].needed == pytest.approx(-0.042, abs=2e-3)
 
 
 def test_an_end_with_overlaps_is_allowed_where_it_is_free_or_self_collision_is_false() -> None:
     assert rt.plan(reach(FOLDED).with_(self_collision=False)).success
-    check_own_ends(rt.Problem([reach(FOLDED).with_(end=rt.State(q={"shoulder_pan_joint": 0.0}, v=0))]))
+    free = reach(FOLDED).with_(end=rt.State(q={"shoulder_pan_joint": 0.0}, v=0))
+    assert not overlapping_ends(rt.Problem([free]))
 
 
 def test_self_collision_is_stated_by_the_phase_and_checked() -> None:
