@@ -2,9 +2,11 @@
 
 On the ground, x'' = w^2 (x - p) with the mean p of the feet and w^2 = g / h, so that
 
-    x(t) = p + (x_0 - p) cosh(w t) + (v_0 / w) sinh(w t);
+    x(t) = p + ((x_0 - p) sinh(w (T - t)) + (x_1 - p) sinh(w t)) / sinh(w T)
 
-in flight x'' = 0 and z'' = -g. The condition on the last state is a linear equation for the first.
+over a phase of duration T from x_0 to x_1; in flight x'' = 0 and z'' = -g. Equal speeds on both sides of every knot are
+linear equations for the positions there. From its first state, the motion would grow with exp(w t), so that round-off
+would decide the last steps of a long walk.
 Source: Kajita, Kanehiro, Kaneko, Yokoi and Hirukawa, The 3D linear inverted pendulum mode, IROS 2001.
 """
 
@@ -39,41 +41,59 @@ class Pendulum:
     feet: Sequence[float]
     rate: float
 
-    def _advance(self, phase: int, duration: float) -> tuple[Array, Array]:
-        """Return A and b of (x, v) -> A (x, v) + b, over a part of a phase."""
-        w, p = self.rate, self.feet[phase]
-        if np.isnan(p):
-            return np.array([[1.0, duration], [0.0, 1.0]]), np.zeros(2)
-        c, s = np.cosh(w * duration), np.sinh(w * duration)
-        return np.array([[c, s / w], [w * s, c]]), np.array([p * (1.0 - c), -p * w * s])
+    def _span(self, phase: int) -> float:
+        """Return w T of a phase, 0 in flight."""
+        duration = float(self.times[phase + 1]) - float(self.times[phase])
+        return 0.0 if np.isnan(self.feet[phase]) else self.rate * duration
 
-    def _whole(self) -> tuple[Array, Array]:
-        matrix, vector = np.eye(2), np.zeros(2)
-        for i, duration in enumerate(np.diff(self.times)):
-            a, b = self._advance(i, float(duration))
-            matrix, vector = a @ matrix, a @ vector + b
-        return matrix, vector
+    def _speeds(self, phase: int) -> tuple[Array, Array]:
+        """Return A and b of the speeds A (x_0, x_1) + b at both ends of a phase [m/s]."""
+        span = self._span(phase)
+        if span == 0.0:
+            per = 1.0 / (float(self.times[phase + 1]) - float(self.times[phase]))
+            return np.array([[-per, per], [-per, per]]), np.zeros(2)
+        near, far = self.rate / np.tanh(span), self.rate / np.sinh(span)
+        p = float(self.feet[phase])
+        return np.array([[-near, far], [-far, near]]), np.array([p * (near - far), p * (far - near)])
+
+    def _knots(self, ends: Sequence[tuple[Sequence[float], Sequence[float], float]]) -> Array:
+        """Return the positions at the knots [m]: the speed is continuous, and two equations hold at the ends.
+
+        Each of ``ends`` has the factors of the first and of the last (x, v), and the sum.
+        """
+        count = len(self.feet)
+        matrix, vector = np.zeros((count + 1, count + 1)), np.zeros(count + 1)
+        speeds = [self._speeds(i) for i in range(count)]
+        for i in range(count - 1):
+            (before, rest), (after, other) = speeds[i], speeds[i + 1]
+            matrix[i, i : i + 2] += before[1]
+            matrix[i, i + 1 : i + 3] -= after[0]
+            vector[i] = other[0] - rest[1]
+        for row, (first, last, total) in enumerate(ends, start=count - 1):
+            matrix[row, 0] += first[0]
+            matrix[row, -1] += last[0]
+            matrix[row, :2] += first[1] * speeds[0][0][0]
+            matrix[row, -2:] += last[1] * speeds[-1][0][1]
+            vector[row] = total - first[1] * speeds[0][1][0] - last[1] * speeds[-1][1][1]
+        return np.asarray(np.linalg.lstsq(matrix, vector, rcond=1e-9)[0])
 
     def repeating(self, sign: float, gain: float) -> Array:
-        """Return the first state (x, v) of the motion whose last is sign (x, v) + (gain, 0)."""
-        matrix, vector = self._whole()
-        return np.asarray(np.linalg.lstsq(matrix - sign * np.eye(2), np.array([gain, 0.0]) - vector, rcond=1e-9)[0])
+        """Return the positions (n + 1,) at the knots of n phases [m], with last (x, v) = sign first (x, v) + (gain, 0)."""
+        return self._knots([((-sign, 0.0), (1.0, 0.0), gain), ((0.0, -sign), (0.0, 1.0), 0.0)])
 
     def joining(self, first: float, last: float) -> Array:
-        """Return the first state (x, v) of the motion from one position to another."""
-        matrix, vector = self._whole()
-        return np.array([first, (last - vector[0] - matrix[0, 0] * first) / matrix[0, 1]])
+        """Return the positions (n + 1,) at the knots of n phases [m] of the motion from one position to another."""
+        return self._knots([((1.0, 0.0), (0.0, 0.0), first), ((0.0, 0.0), (1.0, 0.0), last)])
 
-    def at(self, start: Array, t: float) -> Array:
-        """Return the state (x, v) at a time [s]."""
-        state = np.asarray(start, dtype=float)
-        for i, (begin, end) in enumerate(zip(self.times[:-1], self.times[1:], strict=True)):
-            last = i == len(self.times) - 2
-            a, b = self._advance(i, min(t, end) - begin if not last else t - begin)
-            state = a @ state + b
-            if t <= end or last:
-                break
-        return state
+    def at(self, knots: Array, t: float) -> float:
+        """Return the position at a time [s] of a motion with these positions at the knots [m]."""
+        i = int(np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.feet) - 1))
+        begin, end = float(self.times[i]), float(self.times[i + 1])
+        span, share, p = self._span(i), (t - begin) / (end - begin), float(self.feet[i])
+        if span == 0.0:
+            return float(knots[i] + share * (knots[i + 1] - knots[i]))
+        before, after = (np.sinh(span * part) / np.sinh(span) for part in (1.0 - share, share))
+        return float(p + (knots[i] - p) * before + (knots[i + 1] - p) * after)
 
 
 def heights(

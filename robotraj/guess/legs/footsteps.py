@@ -242,15 +242,15 @@ class Footsteps:
             pendulum = Pendulum(times, middles, float(np.sqrt(gravity / self.above)))
             if self.schedule.repeat is not None:
                 sign = self.schedule.sign if axis == "y" else 1.0
-                start = pendulum.repeating(sign, gain)
+                knots = pendulum.repeating(sign, gain)
             else:
-                start = pendulum.joining(begin, begin + gain)
-            paths[axis] = (pendulum, start)
+                knots = pendulum.joining(begin, begin + gain)
+            paths[axis] = (pendulum, knots)
         levels = self._levels(standing_at)
         z = heights(times, levels, [not f for f in self.grounded], gravity, self.schedule.repeat is not None)
 
         def at(t: float) -> Array:
-            across = {axis: float(pendulum.at(start, t)[0]) for axis, (pendulum, start) in paths.items()}
+            across = {axis: pendulum.at(knots, t) for axis, (pendulum, knots) in paths.items()}
             return np.array([across["x"], across.get("y", float(self._standing_com[1])), float(z(t))])
 
         return at

@@ -22,21 +22,41 @@ def trot() -> rt.Problem:
     return gait.trot(robot, step_length=0.1, duration=0.25, clearance=0.03)
 
 
+def _speed(pendulum: Pendulum, knots: np.ndarray, t: float, side: int) -> float:
+    """One-sided difference of second order [m/s]."""
+    h = 1e-5 * side
+    x = [pendulum.at(knots, t + k * h) for k in range(3)]
+    return (-3.0 * x[0] + 4.0 * x[1] - x[2]) / (2.0 * h)
+
+
 def test_a_pendulum_obeys_its_equation() -> None:
     pendulum = Pendulum([0.0, 0.4, 0.7], [0.1, np.nan], 3.2)
-    start = np.array([0.02, 0.5])
+    knots = pendulum.joining(0.02, 0.3)
+    assert (pendulum.at(knots, 0.0), pendulum.at(knots, 0.7)) == pytest.approx((0.02, 0.3))
+    assert _speed(pendulum, knots, 0.4, -1) == pytest.approx(_speed(pendulum, knots, 0.4, 1), abs=1e-8)
     h = 1e-4
     for t, acceleration in ((0.2, lambda x: 3.2**2 * (x - 0.1)), (0.55, lambda x: 0.0)):
-        x, v = np.array([pendulum.at(start, t + k * h) for k in (-1, 0, 1)]).T
-        assert v[1] == pytest.approx((x[2] - x[0]) / (2 * h), rel=1e-6)
+        x = [pendulum.at(knots, t + k * h) for k in (-1, 0, 1)]
         assert (x[2] - 2 * x[1] + x[0]) / h**2 == pytest.approx(acceleration(x[1]), abs=1e-5)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_pendulum_repeats(sign: float) -> None:
     pendulum = Pendulum([0.0, 0.1, 0.5], [0.05, 0.2], 3.0)
-    start = pendulum.repeating(sign, 0.3)
-    np.testing.assert_allclose(pendulum.at(start, 0.5), sign * start + [0.3, 0.0], atol=1e-12)
+    knots = pendulum.repeating(sign, 0.3)
+    assert knots[-1] == pytest.approx(sign * knots[0] + 0.3)
+    assert _speed(pendulum, knots, 0.5, -1) == pytest.approx(sign * _speed(pendulum, knots, 0.0, 1), abs=1e-8)
+
+
+def test_a_pendulum_above_many_steps_stays_between_its_feet() -> None:
+    """x lies between its feet where it starts and ends there: the maximum principle of x'' = w^2 (x - p)."""
+    count = 60
+    feet = np.cumsum(np.random.default_rng(0).uniform(0.0, 0.1, count))
+    pendulum = Pendulum(np.linspace(0.0, 30.0, count + 1), feet, 6.0)
+    knots = pendulum.joining(feet[0], feet[-1])
+    path = [pendulum.at(knots, t) for t in np.linspace(0.0, 30.0, 1001)]
+    assert feet[0] - 1e-12 <= min(path) <= max(path) <= feet[-1] + 1e-12
+    assert np.min(np.diff(path)) > -1e-12
 
 
 def test_a_flight_is_a_parabola() -> None:
