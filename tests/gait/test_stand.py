@@ -12,6 +12,7 @@ import robotraj as rt
 from robotraj import gait
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.guess.legs.stance import BalancedStance
 
 ROBOTS = [
     ("five_link", "planar", PointContact),
@@ -131,3 +132,15 @@ def test_a_crouch_is_one_of_the_legs_alone() -> None:
     assert len(others) == 3 and np.all(np.abs(low[others]) < 0.1)
     # A twisted torso would need unlike legs.
     np.testing.assert_allclose(low[[10, 16]], low[10], atol=0.01)
+
+
+def test_soles_that_limits_keep_from_their_places_lie_flat_beside_them() -> None:
+    """In simple_humanoid's file an ankle has another joint's limits, and its neutral places are out of reach."""
+    robot = rt.load("simple_humanoid", root="floating")
+    sole, feet = partial(rt.FlatFoot, length=0.2, width=0.1, offset=(0.0, 0.0, -0.1)), ("l_ankle", "r_ankle")
+    q = rt.gait.stand(robot, feet, sole)
+    stance = BalancedStance(robot, tuple(sole(foot).bound_to(robot) for foot in feet))
+    rows, _ = stance.places(q, stance.locate(q))
+    np.testing.assert_allclose(rows, 0.0, atol=1e-9)
+    lower, upper = robot.limits.position_lower[6:], robot.limits.position_upper[6:]
+    assert np.all((q[7:] >= lower - 1e-12) & (q[7:] <= upper + 1e-12))

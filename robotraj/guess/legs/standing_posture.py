@@ -48,8 +48,8 @@ def upright(robot: Robot, q: Array) -> Array:
 def standing(stance: BalancedStance, height: float | None = None) -> Array:
     """Return the configuration (nq,) with all feet on the ground, bent knees and the centre of mass above the feet.
 
-    The feet keep their horizontal positions of the neutral configuration. If its legs are straight or one of their
-    joints is at a bound, joints at bounds are bent inwards. The centre of mass is then lowered by a twentieth of its
+    The feet keep their horizontal positions of the neutral configuration, or, if the limits of the joints exclude these,
+    the nearest ones. If its legs are straight or one of their joints is at a bound, joints at bounds are bent inwards. The centre of mass is then lowered by a twentieth of its
     height, as far as the legs allow.
 
     Parameters
@@ -89,14 +89,19 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     com = np.array([*middle, ground + target])
     found = stance.reach(start, feet, com, {}, start if straight else q)
     if height is None:
-        return found
+        return _settled(stance, found)
     found = _at_height(stance, found, feet, com, q)
     if abs(_com_height(stance, found) - com[2]) > NEAR_HEIGHT * stance.size:
         # The nearest bend of a knee may lead to its limit.
         start = _bent(stance, q, ONE_SIDED * (upper - lower))
         other = _at_height(stance, stance.reach(start, feet, com, {}, start), feet, com, q)
         found = min(found, other, key=lambda each: abs(_com_height(stance, each) - com[2]))
-    return found
+    return _settled(stance, found)
+
+
+def _settled(stance: BalancedStance, q: Array) -> Array:
+    """Put the feet on the ground where they are, which changes nothing where they already are on it."""
+    return stance.settle(q, stance.locate(q), stance.lifted({}))
 
 
 def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
