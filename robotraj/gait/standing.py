@@ -28,9 +28,10 @@ def stand(
 ) -> Array:
     """Return a standing configuration (nq,) [m, rad]: feet on the ground, bent knees, the mass above the feet.
 
-    The feet keep their horizontal positions of the neutral configuration. The root is upright, and joints are inside
-    their limits and near the neutral ones. Straight legs are bent at the knees, because the equations are singular
-    with straight ones, and so are legs with a joint at a limit, which could not extend.
+    The feet keep their horizontal positions of the neutral configuration, or the nearest ones within the limits of the
+    joints. The root is upright, and joints are inside their limits and near the neutral ones. Straight legs are bent at
+    the knees, because the equations are singular with straight ones, and so are legs with a joint at a limit, which
+    could not extend.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ class Pendulum:
         return np.asarray(np.linalg.lstsq(matrix, vector, rcond=1e-9)[0])
 
     def repeating(self, sign: float, gain: float) -> Array:
-        """Return the positions (n + 1,) at the knots of n phases [m], with last (x, v) = sign first (x, v) + (gain, 0)."""
+        """Return the positions (n + 1,) at the knots of n phases [m]: last (x, v) = sign first (x, v) + (gain, 0)."""
         return self._knots([((-sign, 0.0), (1.0, 0.0), gain), ((0.0, -sign), (0.0, 1.0), 0.0)])
 
     def joining(self, first: float, last: float) -> Array:

@@ -48,9 +48,9 @@ def upright(robot: Robot, q: Array) -> Array:
 def standing(stance: BalancedStance, height: float | None = None) -> Array:
     """Return the configuration (nq,) with all feet on the ground, bent knees and the centre of mass above the feet.
 
-    The feet keep their horizontal positions of the neutral configuration, or, if the limits of the joints exclude these,
-    the nearest ones. If its legs are straight or one of their joints is at a bound, joints at bounds are bent inwards. The centre of mass is then lowered by a twentieth of its
-    height, as far as the legs allow.
+    The feet keep their horizontal positions of the neutral configuration, or the nearest ones within the limits of the
+    joints. If its legs are straight or one of their joints is at a bound, joints at bounds are bent inwards. The centre
+    of mass is then lowered by a twentieth of its height, as far as the legs allow.
 
     Parameters
     ----------

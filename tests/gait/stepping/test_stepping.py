@@ -64,6 +64,15 @@ def test_solo12_starts_and_stops(solo: rt.Robot) -> None:
     assert solution.at(solution.duration).q[0] - solution.at(0.0).q[0] == pytest.approx(0.1, abs=1e-6)
 
 
+@pytest.mark.slow
+def test_many_steps_take_no_more_iterations_than_few(solo: rt.Robot) -> None:
+    feet = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
+    walks = [rt.gait.start_stop(solo, step_length=0.06, count=count, feet=feet) for count in (3, 24)]
+    few, many = (rt.plan(walk, rt.Mesh(3), time_limit=60.0) for walk in walks)
+    assert_it_rests(many)
+    assert many.iterations <= 2 * few.iterations
+
+
 def test_solo12_turns_on_the_spot(solo: rt.Robot) -> None:
     solution = planned(rt.gait.turn(solo, angle=0.3, support=0.0, **SHORT))
     assert_it_rests(solution)
