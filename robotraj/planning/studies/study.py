@@ -15,6 +15,7 @@ from robotraj.planning.studies.store import Store
 if TYPE_CHECKING:
     import pyarrow as pa
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
     from robotraj.planning.studies.cases import Case
     from robotraj.planning.studies.regression import Regressions
@@ -129,6 +130,89 @@ class Study(OneLine):
         for value in values[x][~good]:
             axes.axvline(value, color="0.85", linewidth=0.5, zorder=0)
         return figure
+
+    def to_lerobot(
+        self,
+        folder: str | Path,
+        rate: int = 50,
+        *,
+        action: str = "tau",
+        task: str = "move",
+        robot_type: str | None = None,
+    ) -> Path:
+        """Write the proved motions as a LeRobot data set of layout 3.0, one episode a case.
+
+        ``LeRobotDataset("name", root=folder)`` reads it. ``observation.state`` has q and v, in the order of the rows.
+
+        Parameters
+        ----------
+        folder : path
+            A new folder.
+        rate : int
+            Frames a second.
+        action : str
+            ``"tau"`` [N m, N], or ``"q"`` for the positions of the next frame.
+        task : str
+            What the robot does, in words.
+        robot_type : str, optional
+            Name of the robot.
+
+        Returns
+        -------
+        Path
+            The folder.
+
+        Raises
+        ------
+        InputError
+            The folder is not empty, an option has another value, or no case has a motion.
+        """
+        from robotraj.planning.studies.data_sets.lerobot import write_lerobot
+
+        return write_lerobot(self, folder, rate=rate, action=action, task=task, robot_type=robot_type)
+
+    def to_robomimic(
+        self,
+        path: str | Path,
+        rate: float = 50.0,
+        *,
+        action: str = "tau",
+        name: str = "robotraj",
+        held_out: float = 0.1,
+        scale: ArrayLike | None = None,
+    ) -> Path:
+        """Write the proved motions as robomimic's HDF5 file, one group ``demo_0``, ``demo_1`` ... a case.
+
+        The observation ``state`` has q and v. Rewards and dones are 1 at the last sample. ``mask/train`` and
+        ``mask/valid`` divide the episodes at random, always alike.
+
+        Parameters
+        ----------
+        path : path
+        rate : float
+            Samples a second [Hz].
+        action : str
+            ``"tau"`` [N m, N], or ``"q"`` for the positions of the next sample.
+        name : str
+            Name of the environment.
+        held_out : float
+            Share of the episodes in ``mask/valid``.
+        scale : float or array (nu,), optional
+            Actions are divided by it: robomimic trains on actions from -1 to 1. ``robot.limits.effort`` suits torques.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            h5py is not installed, an option has another value, or no case has a motion.
+        """
+        from robotraj.planning.studies.data_sets.robomimic import write_robomimic
+
+        return write_robomimic(self, path, rate=rate, action=action, name=name, held_out=held_out, scale=scale)
 
     def regressions(self, before: Study, **ratios: float) -> Regressions:
         """Return what became worse since an earlier study; see ``robotraj.planning.studies.regression``."""

@@ -1,0 +1,1 @@
+"""Studies as data sets that learning libraries read. Start with ``episodes.py``."""
