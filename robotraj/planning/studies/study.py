@@ -169,7 +169,7 @@ class Study(OneLine):
         """
         from robotraj.planning.studies.data_sets.lerobot import write_lerobot
 
-        return write_lerobot(self, folder, rate=rate, action=action, task=task, robot_type=robot_type)
+        return write_lerobot(self.store, folder, rate=rate, action=action, task=task, robot_type=robot_type)
 
     def to_robomimic(
         self,
@@ -212,7 +212,7 @@ class Study(OneLine):
         """
         from robotraj.planning.studies.data_sets.robomimic import write_robomimic
 
-        return write_robomimic(self, path, rate=rate, action=action, name=name, held_out=held_out, scale=scale)
+        return write_robomimic(self.store, path, rate=rate, action=action, name=name, held_out=held_out, scale=scale)
 
     def regressions(self, before: Study, **ratios: float) -> Regressions:
         """Return what became worse since an earlier study; see ``robotraj.planning.studies.regression``."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,8 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.planning.studies.rows import CASE, CURVES, KNOTS
+from robotraj.planning.studies.store import Store
 from robotraj.solvers.checks import above_zero
-
-if TYPE_CHECKING:
-    from robotraj.planning.studies.study import Study
 
 Array = NDArray[np.float64]
 
@@ -47,7 +45,7 @@ class Episode:
     action: NDArray[np.float32]
 
 
-def episodes(study: Study, rate: float, action: str) -> Iterator[Episode]:
+def episodes(store: Store, rate: float, action: str) -> Iterator[Episode]:
     """Yield the motions of all cases that were solved, and proved where a proof was asked for.
 
     Rows keep 64 times. Between them q is the cubic through positions and velocities where both have one entry a joint;
@@ -55,7 +53,7 @@ def episodes(study: Study, rate: float, action: str) -> Iterator[Episode]:
 
     Parameters
     ----------
-    study : Study
+    store : Store
     rate : float
         Samples a second [Hz].
     action : str
@@ -69,8 +67,8 @@ def episodes(study: Study, rate: float, action: str) -> Iterator[Episode]:
     above_zero("rate", rate, "Hz")
     if action not in ("tau", "q"):
         raise InputError(f"action= is {action!r}; give 'tau' for torques, or 'q' for the positions of the next sample.")
-    names = [name for name in study.store.columns() if name.startswith(CASE)]
-    table = study.store.table(["key", "success", "proved", "duration", "t", *CURVES, *names])
+    names = [name for name in store.columns() if name.startswith(CASE)]
+    table = store.table(["key", "success", "proved", "duration", "t", *CURVES, *names])
     found = False
     for number in range(table.num_rows):
         (row,) = table.slice(number, 1).to_pylist()
@@ -83,7 +81,7 @@ def episodes(study: Study, rate: float, action: str) -> Iterator[Episode]:
             case = {name.removeprefix(CASE): row[name] for name in names}
             yield Episode(row["key"], case, *_sampled(row, 1.0 / rate, action))
     if not found:
-        raise InputError(f"No case of {str(study.store.folder)!r} has a motion; print(study) counts them by status.")
+        raise InputError(f"No case of {str(store.folder)!r} has a motion; print(study) counts them by status.")
 
 
 def _sampled(row: Mapping[str, Any], step: float, action: str) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

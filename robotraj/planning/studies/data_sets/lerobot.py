@@ -17,11 +17,11 @@ from robotraj._util.errors import InputError
 from robotraj._util.system.whole_files import WholeFile
 from robotraj.planning.studies.data_sets.episodes import Episode, episodes
 from robotraj.planning.studies.rows import arrow
+from robotraj.planning.studies.store import Store
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from robotraj.planning.studies.study import Study
 
 LAYOUT = "v3.0"
 FILES, MEGABYTES = 1000, 100
@@ -34,7 +34,7 @@ Columns = Mapping[str, NDArray[Any]]
 
 
 def write_lerobot(
-    study: Study, folder: str | Path, *, rate: int, action: str, task: str, robot_type: str | None
+    store: Store, folder: str | Path, *, rate: int, action: str, task: str, robot_type: str | None
 ) -> Path:
     """Write a folder that LeRobot reads; see ``Study.to_lerobot``."""
     arrow()
@@ -48,7 +48,7 @@ def write_lerobot(
     every: list[dict[str, Any]] = []
     waiting: list[Columns] = []
     frames, size, file = 0, 0, 0
-    for number, episode in enumerate(episodes(study, rate, action)):
+    for number, episode in enumerate(episodes(store, rate, action)):
         columns = _columns(episode, number, frames, rate)
         count = len(episode.state)
         every.append(_entry(number, frames, count, file, task) | _flat(_statistics(columns)))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,9 +14,7 @@ from numpy.typing import ArrayLike
 from robotraj._util.errors import InputError
 from robotraj._util.system.whole_files import WholeFile
 from robotraj.planning.studies.data_sets.episodes import episodes
-
-if TYPE_CHECKING:
-    from robotraj.planning.studies.study import Study
+from robotraj.planning.studies.store import Store
 
 OBSERVED = "state"
 """Name of the observation: q and v."""
@@ -26,7 +23,7 @@ GYM = 2
 
 
 def write_robomimic(
-    study: Study, path: str | Path, *, rate: float, action: str, name: str, held_out: float, scale: ArrayLike | None
+    store: Store, path: str | Path, *, rate: float, action: str, name: str, held_out: float, scale: ArrayLike | None
 ) -> Path:
     """Write a file that robomimic reads; see ``Study.to_robomimic``."""
     try:
@@ -39,7 +36,7 @@ def write_robomimic(
     lengths: list[int] = []
     with WholeFile(target) as partial, h5py.File(partial, "w") as file:
         data = file.create_group("data")
-        for number, episode in enumerate(episodes(study, rate, action)):
+        for number, episode in enumerate(episodes(store, rate, action)):
             count = len(episode.state) - 1
             own = data.create_group(f"demo_{number}")
             own.attrs["num_samples"], own.attrs["key"] = count, episode.key
