@@ -8,7 +8,7 @@ first state is a path around an overlap, or a motion that overlaps itself and is
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -31,7 +31,9 @@ Array = NDArray[np.float64]
 Bodies = Sequence[OwnBody | None]
 
 MARGIN = 1e-3
-"""Least height of points above the other surface, and its growth with each row of a pair [m]."""
+"""Least height of points above the other surface, and what each further row of a pair adds to its shortfall [m]."""
+SHALLOW = 0.01
+"""Depth of an overlap up to which rows along the motion push it out [m]."""
 CLEAR = 1.5e-3
 """Distance of links at the configurations where rows are fixed [m]."""
 REACH = 0.03
@@ -114,10 +116,12 @@ class FreeSearch:
         """The state with rows along the best solution only."""
         return replace(self, further=tuple(() for _ in self.motions))
 
-    def respond(self, solution: Solution, motions: Sequence[Motion], hit: Sequence[Collection[int]]) -> FreeSearch:
-        """Return the next state after a solve, whose motions overlap in the pairs ``hit`` of each phase."""
+    def respond(self, solution: Solution, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]]) -> FreeSearch:
+        """Return the next state after a solve, whose motions overlap in pairs ``hit`` of each phase, by depths [m]."""
         if any(hit):
-            return self.overlapped(motions, hit)
+            shallow = all(depth <= SHALLOW for depths in hit for depth in depths.values())
+            further = self.overlapped(motions, hit)
+            return replace(further, start=solution) if shallow else further
         best = self.best
         gained = best is None or solution.objective < best.objective - GAIN * abs(best.objective)
         if not gained:
@@ -126,8 +130,11 @@ class FreeSearch:
         fixed = replace(self, motions=tuple(motions), are_free=True, further=nothing, start=solution)
         return replace(fixed, best=solution, behind=self)
 
-    def overlapped(self, motions: Sequence[Motion], hit: Sequence[Collection[int]]) -> FreeSearch:
-        """Return the state with further rows against motions that overlap in the pairs ``hit`` of each phase."""
+    def overlapped(self, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]]) -> FreeSearch:
+        """Return the state with further rows against motions that overlap in pairs ``hit``, by depths [m].
+
+        A pair that overlaps although it has such rows comes that much nearer than they let it.
+        """
         from robotraj.transcription.clearance.surface_rows import NearPair
 
         further = []
@@ -139,7 +146,8 @@ class FreeSearch:
             parted = set(pairs) & held if self.are_free else pairs
             for pair in sorted(parted) if body is not None and phase.path is None else ():
                 along = _Freed(phase, body, pair, motion, free if self.are_free else None)
-                margin = MARGIN * (2 + sum(row.pair == pair for row in more))
+                last = max((row.margin + pairs[pair] for row in more if row.pair == pair), default=MARGIN)
+                margin = last + MARGIN
                 more.append(NearPair(pair, along.configurations, margin, least_at_ends(phase, body, pair), REACH))
             further.append(tuple(more))
         every = tuple(held | frozenset(pairs) for held, pairs in zip(self.pairs, hit, strict=True))

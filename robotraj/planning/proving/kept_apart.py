@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
-from robotraj.planning.proving.free_solution import FreeSearch
+from robotraj.planning.proving.free_solution import SHALLOW, FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHALLOW = 0.01
-"""Depth of an overlap up to which rows along the motion push it out [m]."""
 SEEDS = 4
 """Number of motions from which solves with rows start: the motion that overlaps, where this is shallow; the same with a
 way around the overlaps; and others between its ends."""
@@ -149,7 +147,8 @@ class KeptApart:
             interval_limits=replace(self._settings.interval_limits, rounds=0),
         )
         for _ in range(SOLVES if are_free else PUSHES):
-            solution = solve(self._problem, search.start, coarse, self._progress, surfaces=search.surfaces)
+            near = replace(coarse, solver=coarse.solver.from_nearby()) if isinstance(search.start, Solution) else coarse
+            solution = solve(self._problem, search.start, near, self._progress, surfaces=search.surfaces)
             self._cuts.append(solution)
             if self._is_stopped:
                 return None
@@ -171,13 +170,14 @@ class KeptApart:
     def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt:
         """Return the plan with further rows along a plan that overlaps, on its meshes."""
         self._rounds += 1
-        self._search = search.overlapped([motion_of(part) for part in found.phases], self._open)
+        depths = self._overlaps.depths_at(found, self._open)
+        self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
         settings = replace(self._near, mesh=tuple(part.mesh for part in found.phases))
         return PlanAttempt(found, settings, self._search.surfaces, True)
 
     def _behind(self, best: Solution, search: FreeSearch) -> PlanAttempt:
         """Return the plan with the rows at which the best free solution ended, which keep a finer one near it."""
-        self._rounds, self._search = ROUNDS, replace(search, best=None, behind=None)
+        self._rounds, self._search = 1, replace(search, best=None, behind=None)
         return PlanAttempt(best, self._near, self._search.surfaces, True)
 
     @property

@@ -53,13 +53,15 @@ class OwnOverlaps:
         near = self._near(number, part, every=False)
         return {each.pair: float(each.times[len(each.times) // 2]) for each in near if each.overlaps}
 
-    def sampled(self, number: int, motion: Motion) -> set[int]:
-        """Return the pairs that overlap at equal steps of a motion."""
+    def sampled(self, number: int, motion: Motion) -> dict[int, float]:
+        """Return the pairs that overlap at equal steps of a motion, each with its depth in the middle of them [m]."""
         robot, body = self._problem.phases[number].robot, self.bodies[number]
         if robot is None or body is None:
-            return set()
-        near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)))
-        return set(np.flatnonzero(near.any(axis=0)).tolist())
+            return {}
+        q = motion(np.linspace(0.0, 1.0, SAMPLES))
+        near = pairs_within(robot, body, q)
+        middles = {pair: np.flatnonzero(near[:, pair]) for pair in np.flatnonzero(near.any(axis=0)).tolist()}
+        return {pair: body.depth(robot, q[at[len(at) // 2]], pair) for pair, at in middles.items()}
 
     def deepest(self, found: Solution) -> list[Overlap]:
         """Return the deepest overlap of each pair."""
@@ -70,6 +72,13 @@ class OwnOverlaps:
                     depth, time = deepest_overlap(part.phase.robot, body, in_time(part), each)
                     overlaps.append(Overlap(number, each.pair, max(depth, LEAST), time))
         return overlaps
+
+    def depths_at(self, found: Solution, known: Sequence[Mapping[int, float]]) -> list[dict[int, float]]:
+        """Return the depths of each phase's pairs at their known times [m]."""
+        depths: list[dict[int, float]] = [{} for _ in known]
+        for each in self.at_known_times(found, known):
+            depths[each.phase][each.pair] = each.depth
+        return depths
 
     def at_known_times(self, found: Solution, known: Sequence[Mapping[int, float]]) -> list[Overlap]:
         """Return the overlaps of each phase's pairs at their known times [s], which takes no search."""

@@ -94,7 +94,8 @@ class Solid(OneLine):
     @cached_property
     def corners(self) -> Array:
         """Points (n, 3) all over the surface [m]."""
-        return np.unique(np.round(self._pieces.reshape(-1, 3), 9), axis=0)
+        points = np.round(self._pieces.reshape(-1, 3), 9)
+        return points[_first_of_equal(points)]
 
     @cached_property
     def spots(self) -> Array:
@@ -102,7 +103,7 @@ class Solid(OneLine):
         if not len(self.corners):
             return self.corners
         cell = min(CELL, float(np.ptp(self.corners, axis=0).max()) / 10.0)
-        return np.asarray(self.corners[np.unique(np.floor(self.corners / cell), axis=0, return_index=True)[1]])
+        return np.asarray(self.corners[_first_of_equal(np.floor(self.corners / cell))])
 
     @cached_property
     def _pieces(self) -> Array:
@@ -186,6 +187,12 @@ class Placed:
     def seen_from(self, other: Placed, points: Array) -> Array:
         """Return points (n, 3) of this shape in the axes of another one."""
         return (points @ self.rotation.T + self.position - other.position) @ other.rotation
+
+
+def _first_of_equal(rows: Array) -> npt.NDArray[np.int_]:
+    """Return the index of the first of equal rows (n, 3), in the order of their values."""
+    order = np.lexsort(rows.T[::-1])
+    return order[np.append(True, np.any(np.diff(rows[order], axis=0) != 0.0, axis=1))] if len(rows) else order
 
 
 def touch(first: Placed, second: Placed, margin: float = 0.0) -> bool:

@@ -169,19 +169,19 @@ def _known_points(
 ) -> list[_SurfacePoints]:
     """Return the points of each place; they are computed once."""
     if inner not in each.known:
-        each.known[inner] = [_points(near, function, inner, outer, q, each.reach) for q in each.configurations]
+        body = near.body
+        q = np.tile(near.robot.neutral, (len(each.configurations), 1))
+        q[:, function.positions] = each.configurations[:, function.positions]
+        every = zip(*placements(near.robot, q), strict=True)
+        each.known[inner] = [
+            _points(body, inner, outer, *(body.placed(shape, *joints) for shape in (inner, outer)), each.reach)
+            for joints in every
+        ]
     return each.known[inner]
 
 
-def _points(
-    near: NearSurfaces, function: DistanceFunction, inner: int, outer: int, known: Array, reach: float
-) -> _SurfacePoints:
-    """Return points of a surface and of another one that are near each other in a configuration."""
-    body = near.body
-    q = near.robot.neutral.copy()
-    q[function.positions] = known[function.positions]
-    rotations, origins = (each[0] for each in placements(near.robot, q[None]))
-    moves, stays = (body.placed(shape, rotations, origins) for shape in (inner, outer))
+def _points(body: OwnBody, inner: int, outer: int, moves: Placed, stays: Placed, reach: float) -> _SurfacePoints:
+    """Return points of a surface and of another one that are near each other where the two shapes are."""
     # The nearest points are those of one side.
     nearest, is_first = hull_points(moves, stays), inner < outer
     if nearest[0] > APART:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.free_solution import MARGIN, REACH, FreeSearch
+from robotraj.planning.proving.free_solution import MARGIN, REACH, SHALLOW, FreeSearch
 from robotraj.problem.clearance.own_shapes import own_shapes
 from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
+DEEP = 2.0 * SHALLOW
 FIRST, LAST = np.array([0, -1.5, 0.5, 0.6, 0, 0]), np.array([0, -1.5, 0.5, 2.4, 0, 0])
 
 
@@ -46,7 +47,7 @@ def rows_of(state: FreeSearch) -> NearSurfaces:
     return surfaces
 
 
-def after(state: FreeSearch, objective: float, motion: Any, hit: set[int]) -> FreeSearch:
+def after(state: FreeSearch, objective: float, motion: Any, hit: dict[int, float]) -> FreeSearch:
     solution: Any = Solved(objective)
     return state.respond(solution, [motion], [hit])
 
@@ -56,28 +57,34 @@ def test_rows_are_fixed_along_the_free_motion_everywhere(begin: FreeSearch) -> N
 
 
 def test_a_pair_without_rows_gets_some_along_the_free_motion_first(begin: FreeSearch) -> None:
-    found = after(begin, 3.0, straight, {5})
+    found = after(begin, 3.0, straight, {5: DEEP})
     assert [(each.pair, each.motion) for each in rows_of(found).pairs] == [(5, aside), (9, aside)]
     assert found.best is None and not found.is_over and begin.pairs == (frozenset({9}),)
 
 
-def test_a_pair_with_rows_gets_more_where_the_motions_part_with_growing_margins(begin: FreeSearch) -> None:
-    twice = after(after(begin, 3.0, straight, {9}), 3.0, straight, {9})
+def test_a_pair_with_rows_gets_more_where_the_motions_part_with_margins_beyond_its_depth(begin: FreeSearch) -> None:
+    twice = after(after(begin, 3.0, straight, {9: DEEP}), 3.0, straight, {9: DEEP})
     along, *more = rows_of(twice).pairs
     assert along.motion is aside and along.margin == MARGIN
     assert [(each.pair, each.reach) for each in more] == [(9, REACH), (9, REACH)]
-    assert [each.margin for each in more] == pytest.approx([2 * MARGIN, 3 * MARGIN])
+    assert [each.margin for each in more] == pytest.approx([2 * MARGIN, 3 * MARGIN + DEEP])
+
+
+def test_a_shallow_overlap_is_pushed_out_from_where_it_is_a_deep_one_from_the_free_motion(begin: FreeSearch) -> None:
+    assert after(begin, 3.0, straight, {9: DEEP}).start is begin.start
+    pushed = after(begin, 3.0, straight, {9: 0.5 * SHALLOW}).start
+    assert isinstance(pushed, Solved) and pushed.objective == 3.0
 
 
 def test_a_free_solution_releases_all_rows_but_those_along_itself(begin: FreeSearch) -> None:
-    overlapped = after(begin, 3.0, straight, {9})
-    found = after(overlapped, 2.0, aside, set())
+    overlapped = after(begin, 3.0, straight, {9: DEEP})
+    found = after(overlapped, 2.0, aside, {})
     assert len(rows_of(found).pairs) == 1 and found.start is found.best and found.best.objective == 2.0
     assert found.behind is overlapped and not found.is_over
 
 
 def test_a_gain_below_a_hundredth_ends_the_search_with_the_best_solution(begin: FreeSearch) -> None:
-    first = after(begin, 2.0, aside, set())
-    assert not after(first, 1.97, aside, set()).is_over
-    over = after(first, 1.99, aside, set())
+    first = after(begin, 2.0, aside, {})
+    assert not after(first, 1.97, aside, {}).is_over
+    over = after(first, 1.99, aside, {})
     assert over.is_over and over.best is first.best and over.motions == first.motions
