@@ -172,10 +172,9 @@ def _known_points(
         body = near.body
         q = np.tile(near.robot.neutral, (len(each.configurations), 1))
         q[:, function.positions] = each.configurations[:, function.positions]
-        every = zip(*placements(near.robot, q), strict=True)
         each.known[inner] = [
-            _points(body, inner, outer, *(body.placed(shape, *joints) for shape in (inner, outer)), each.reach)
-            for joints in every
+            _points(body, inner, outer, body.placed(inner, *joints), body.placed(outer, *joints), each.reach)
+            for joints in zip(*placements(near.robot, q), strict=True)
         ]
     return each.known[inner]
 
