@@ -7,6 +7,7 @@ robot. Reaches are drawn as in ``benchmarks/proven/reaches.py``.
 from __future__ import annotations
 
 import json
+import resource
 import sys
 import time
 import warnings
@@ -24,6 +25,8 @@ LARGEST_SHARE = 1e-9
 """Difference from the independent reader that counts as rounding, relative to the size of the quantity."""
 LIMIT = 20.0
 """Processor seconds of one plan."""
+WHOLE, MEMORY = 600, 8 * 2**30
+"""Processor seconds and bytes of one file; its process ends there."""
 DRAWS = 24
 """Reaches that are drawn at most for a file."""
 WIDEST, ROOM, FASTEST, UNLIMITED_SPEED = 3.0, 0.05, 50.0, 3.0
@@ -186,5 +189,7 @@ def report(path: Path, legged: bool) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
+    resource.setrlimit(resource.RLIMIT_CPU, (WHOLE, WHOLE))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     warnings.simplefilter("ignore")
     print(json.dumps(report(Path(sys.argv[1]), len(sys.argv) > 2)))

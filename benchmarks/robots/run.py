@@ -25,8 +25,6 @@ import numpy as np
 
 HERE = Path(__file__).parent
 TABLE = HERE / "RESULTS.md"
-LIMIT = 1200
-"""Wall-clock seconds of one file."""
 HEAD = "| package | file | joints | agreement | plans | slowest [s] | remark |\n|---|---|---|---|---|---|---|"
 
 
@@ -60,10 +58,7 @@ def outcome(path: Path, legged: bool) -> dict[str, Any]:
     command = [sys.executable, str(HERE / "one_file.py"), str(path), *(["legged"] if legged else [])]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     fault: dict[str, Any] = {"load": "error", "agreement": None, "plans": []}
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, env=environment, check=False)
-    except subprocess.TimeoutExpired:
-        return {**fault, "load": "ok", "cause": f"over {LIMIT} s"}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     lines = done.stdout.strip().splitlines()
     if done.returncode or not lines:
         return {**fault, "cause": f"exit {done.returncode}: {done.stderr.strip()[-200:]}"}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
+from robotraj.gait.mirroring.heading import check_up
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, standing
 from robotraj.robot.robot import Robot
@@ -47,9 +48,10 @@ def stand(
     Raises
     ------
     InputError
-        The frames do not exist, feet do not reach the ground, or the height is not reached.
+        The frames do not exist, another axis than z is up, feet do not reach the ground, or the height is not reached.
     """
     names = feet_of(robot, feet)
+    check_up(robot, names)
     stance = BalancedStance(robot, tuple(foot_contact(contact, name).bound_to(robot) for name in names))
     q = standing(stance, height)
     rows, _ = stance.places(q, stance.locate(q))

@@ -66,13 +66,17 @@ class OwnSides(OneLine):
             Greatest distance that the footholds of the phase allow [m].
         """
         rows: list[Constraint] = []
+        root = root_link(robot)
+        # A base that is turned in its root, rt.load(base=), has a link with other axes than the root's.
+        turned = robot.model.frames[robot.frame(root)].placement.rotation.T
         for pair in foot_pairs(robot, list(contacts), standing):
             if pair.first in held and pair.second in held:
                 continue
             soles = min(sum(_half_width(contacts[foot]) for foot in pair[:2]), pair.distance)
             width = min(soles + self.share * (pair.distance - soles), most)
             if width > 0.0:
-                distance = LateralDistance(pair.first, pair.second, root_link(robot), pair.across)
+                x, y, z = (float(part) for part in turned @ pair.across)
+                distance = LateralDistance(pair.first, pair.second, root, (x, y, z))
                 rows.append(PathConstraint(distance, lower=width, name="own sides", unit="m"))
         return rows
 
@@ -88,7 +92,7 @@ class LateralDistance:
     root : str
         Frame of the root link.
     across : tuple of 3 float
-        The axis from the second foot to the first one, in the axes of the root.
+        The axis from the second foot to the first one, in the axes of the root link.
     """
 
     first: str

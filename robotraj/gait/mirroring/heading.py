@@ -17,10 +17,12 @@ ALONG = 0.9
 """Least component of an axis along a direction."""
 DOWN = 0.3
 """Least component of the legs' direction along -z; crouched and sprawled legs have more than half."""
+FOLDED = 0.5
+"""Distance of the feet from the hips, relative to the length of the legs, up to which folded legs point nowhere."""
 
 
 def check_up(robot: Robot, feet: Sequence[str]) -> None:
-    """Check that the legs of a robot point down in its neutral configuration.
+    """Check that the legs of a robot point down in its neutral configuration, unless they are folded there.
 
     Raises
     ------
@@ -29,13 +31,15 @@ def check_up(robot: Robot, feet: Sequence[str]) -> None:
     """
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, robot.neutral)
-    legs = [np.zeros(3)]
+    legs, length = [np.zeros(3)], 0.0
     for foot in feet:
         chain = joints_of_leg(robot, foot)
         if chain:
-            legs.append(data.oMf[robot.frame(foot)].translation - data.oMi[chain[0]].translation)
+            places = [*(data.oMi[joint].translation for joint in chain), data.oMf[robot.frame(foot)].translation]
+            legs.append(places[-1] - places[0])
+            length += float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
     down = np.sum(legs, axis=0)
-    if robot.root == "fixed" or not np.any(down) or -down[2] > DOWN * np.linalg.norm(down):
+    if robot.root == "fixed" or -down[2] > DOWN * np.linalg.norm(down) or np.linalg.norm(down) <= FOLDED * length:
         return
     axis = int(np.argmax(np.abs(down)))
     if abs(down[axis]) < ALONG * np.linalg.norm(down):

@@ -50,7 +50,8 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
 
     The feet keep their horizontal positions of the neutral configuration, or the nearest ones within the limits of the
     joints. If its legs are straight or one of their joints is at a bound, joints at bounds are bent inwards. The centre
-    of mass is then lowered by a twentieth of its height, as far as the legs allow.
+    of mass is then lowered by a twentieth of its height, as far as the legs allow. Legs that are folded up in the
+    neutral configuration start amid their ranges.
 
     Parameters
     ----------
@@ -64,9 +65,9 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     n = ROOT_FREEDOMS[robot.root]
     model, data = robot.model, robot.model.createData()
     if n:
-        # The root first moves vertically until the feet are on the ground on average.
-        rows, _ = stance.places(q, feet)
-        q[1 if robot.root == "planar" else 2] -= float(np.mean(rows[stance.upward]))
+        q = _grounded(stance, q, feet)
+        if _com_height(stance, q) < mean_ground(stance, feet) + LEAST_HEIGHT * stance.size:
+            q = _grounded(stance, _amid_ranges(stance, q), feet)
     com = pin.centerOfMass(model, data, q)
     _, slope = stance.places(q, feet)
     lower, upper = stance.bounds
@@ -102,6 +103,22 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
 def _settled(stance: BalancedStance, q: Array) -> Array:
     """Put the feet on the ground where they are, which changes nothing where they already are on it."""
     return stance.settle(q, stance.locate(q), stance.lifted({}))
+
+
+def _grounded(stance: BalancedStance, q: Array, feet: Mapping[str, float]) -> Array:
+    """Return a configuration whose root is moved vertically until the feet are on the ground on average."""
+    q, (rows, _) = np.array(q), stance.places(q, feet)
+    q[1 if stance.robot.root == "planar" else 2] -= float(np.mean(rows[stance.upward]))
+    return q
+
+
+def _amid_ranges(stance: BalancedStance, q: Array) -> Array:
+    """Return a configuration whose joints with two bounds are in their middle."""
+    lower, upper = stance.bounds
+    both = np.isfinite(lower) & np.isfinite(upper)
+    q = np.array(q)
+    q[len(q) - len(lower) :][both] = 0.5 * (lower[both] + upper[both])
+    return q
 
 
 def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
