@@ -7,7 +7,7 @@ from .compilation import Compilation, precompile
 from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
 from .many.failure import Failure
-from .many.library import Library, library
+from .many.libraries.library import Library, library
 from .many.multistart import Multistart, Optimum, multistart
 from .many.sweep import sweep
 from .many.workers import Interrupted

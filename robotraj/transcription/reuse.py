@@ -103,13 +103,18 @@ def sharing(phase: Phase, known: Phase) -> Phase:
     These are the ends and the values of fixed parameters. Otherwise the phase itself is returned. Functions compare by
     identity, so phases with equal lambdas from several calls differ.
     """
-    numbers = "start", "end", "parameters"
-    if type(phase) is not type(known) or phase.design or phase.parameter_names != known.parameter_names:
-        return phase
-    if not all(_are_equal(phase, known, entry.name) for entry in fields(phase) if entry.name not in numbers):
+    if not same_but_numbers(phase, known):
         return phase
     shared = known.with_(start=phase.start, end=phase.end, parameters=phase.parameters)
     return shared if shared.dae is known.dae else phase
+
+
+def same_but_numbers(phase: Phase, known: Phase) -> bool:
+    """Whether two phases differ at most in their ends and in the values of fixed parameters."""
+    numbers = "start", "end", "parameters"
+    if type(phase) is not type(known) or phase.design or phase.parameter_names != known.parameter_names:
+        return False
+    return all(_are_equal(phase, known, entry.name) for entry in fields(phase) if entry.name not in numbers)
 
 
 def _are_equal(phase: Phase, known: Phase, name: str) -> bool:

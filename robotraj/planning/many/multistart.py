@@ -18,8 +18,8 @@ from robotraj.guess.default import as_guess, default_guess, other_guess
 from robotraj.planning.many.case_limits import CaseLimits
 from robotraj.planning.many.failure import Failure
 from robotraj.planning.many.local_optima import equal_objectives, same_optimum
+from robotraj.planning.many.one_of_many import check_options
 from robotraj.planning.many.starts import Shared, Start
-from robotraj.planning.many.sweep import check_options
 from robotraj.planning.many.workers import Interrupted, run
 from robotraj.planning.plan import plan
 from robotraj.problem.initial_guess import InitialGuess

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
-from inspect import signature
 from os import PathLike
 from typing import TYPE_CHECKING, overload
 
-from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.errors import InputError
 from robotraj.planning.many.case_limits import CaseLimits
 from robotraj.planning.many.failure import Failure, failure_of
+from robotraj.planning.many.one_of_many import check_options, continued, planned
 from robotraj.planning.many.workers import Interrupted, run
-from robotraj.planning.plan import plan
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import with_effort_of
 from robotraj.solution.released import attached, detached, released
 from robotraj.solution.solution import Solution
-from robotraj.solvers.status import Status
-from robotraj.transcription.reuse import sharing
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -28,9 +23,6 @@ if TYPE_CHECKING:
     from robotraj.planning.many.options import GuessedChoices
     from robotraj.planning.studies.cases import Case
     from robotraj.planning.studies.study import Study
-
-OF_ONE = "check", "progress", "watch", "keep_program"
-"""Options of ``rt.plan`` that are for a single plan."""
 
 
 @overload
@@ -50,6 +42,7 @@ def sweep(
     *,
     store: str | PathLike[str],
     executor: Executor | None = None,
+    chain: bool = False,
     keep: str = "trajectory",
     validate: bool = False,
     part: tuple[int, int] = (0, 1),
@@ -93,6 +86,7 @@ def sweep(
         was proved. Neighbouring problems, such as gaits of rising speed, take fewer iterations then. All may stay near
         the local optimum of the first. Problems that differ only in numbers share one program: ends, fixed parameters,
         displacements of links. Their objectives are compared on no second mesh: ``proof.unsettled`` is the neighbour's.
+        With a store, each process starts a plan from the nearest case that it has solved: for cases near each other.
     keep : str
         With a store, ``"trajectory"`` keeps q, v and tau at 64 times, ``"all"`` whole solutions beside the rows.
     validate : bool
@@ -138,9 +132,9 @@ def sweep(
     """
     check_options("rt.sweep", options)
     if callable(problems) or store is not None or cases is not None:
-        if not callable(problems) or store is None or cases is None or chain:
+        if not callable(problems) or store is None or cases is None:
             raise InputError(
-                "A study takes a function, its cases and a folder: rt.sweep(make, cases, store='reaches'); no chain."
+                "A study takes a function, its cases and a folder: rt.sweep(make, cases, store='reaches')."
             )
         from robotraj.planning.studies.begin import StudyPart, study
 
@@ -149,6 +143,7 @@ def sweep(
             cases,
             store,
             executor=executor,
+            chain=chain,
             keep=keep,
             validate=validate,
             part=StudyPart(*part),
@@ -200,51 +195,5 @@ def _chained(problems: Sequence[Problem], options: GuessedChoices) -> list[Solut
     return found
 
 
-def continued(options: GuessedChoices, problem: Problem, last: Solution) -> Solution:
-    """Plan from the solution of the problem before, on its last mesh where that was proved.
-
-    Where this fails, the plan begins on the first mesh of any plan.
-    """
-    if len(problem.phases) == len(last.phases):
-        problem = replace(problem, phases=list(map(sharing, problem.phases, last.problem.phases)))
-    from_last: GuessedChoices = {**options, "guess": last}
-    proof, meshes = last.proof, [part.mesh for part in last.phases]
-    if proof is None or not proof.holds or len(meshes) != len(problem.phases) or options.get("mesh") is not None:
-        return planned(from_last, problem, keep_program=True)
-    found = planned({**from_last, "mesh": meshes, "goals": proof.goals}, problem, keep_program=True)
-    if found.success:
-        return found
-    return with_effort_of(found, planned(from_last, problem, keep_program=True))
-
-
-def check_options(caller: str, options: Mapping[str, object]) -> None:
-    """Refuse options that plans of many problems do not have, before a worker starts.
-
-    Raises
-    ------
-    InputError
-        An option of ``rt.plan`` is for a single plan.
-    UnknownName
-        Naming the options of ``rt.plan``.
-    """
-    known = [name for name in signature(plan).parameters if name not in ("problem", *OF_ONE)]
-    for name in options:
-        if name in OF_ONE:
-            raise InputError(
-                f"{caller} keeps failed plans, shows no iterations and releases programs: leave {name}= out."
-            )
-        if name not in known:
-            raise unknown_name("option of rt.plan", name, known)
-
-
 def _detached(_: GuessedChoices, problem: Problem, found: Solution) -> Solution:
     return detached(found, problem)
-
-
-def planned(options: GuessedChoices, problem: Problem, *, keep_program: bool = False) -> Solution:
-    """Plan one of many problems; a Ctrl-C ends all of them."""
-    found = plan(problem, check=False, progress=False, keep_program=keep_program, **options)
-    if found.status is Status.INTERRUPTED:
-        # Workers ignore Ctrl-C, so it was pressed while this process planned.
-        raise KeyboardInterrupt
-    return found

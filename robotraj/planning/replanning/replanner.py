@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.guess.default import as_guess
 from robotraj.guess.from_solution import FromSolution
 from robotraj.native.build import load_native
 from robotraj.planning.plan import plan
@@ -28,6 +29,7 @@ from robotraj.solvers.parametric import parametric, with_constants
 from robotraj.solvers.stagewise.native import refresh
 from robotraj.solvers.status import STATUSES, Status
 from robotraj.transcription.extract import extract
+from robotraj.transcription.reuse import started_at
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.transcribe import transcribe
@@ -145,6 +147,8 @@ class Replanner:
         end: State | None = None,
         parameters: Mapping[str, float] | None = None,
         obstacles: Sequence[Obstacle] | None = None,
+        *,
+        guess: InitialGuess | Solution | None = None,
     ) -> Replan:
         """Plan from a measured state.
 
@@ -161,6 +165,9 @@ class Replanner:
         obstacles : sequence of Obstacle, optional
             The obstacles of ``rt.CollisionFree`` at their measured poses, in the number and order of the problem; the
             last ones by default. Obstacles that are functions of time follow the clock of the caller.
+        guess : InitialGuess or Solution, optional
+            Where the solver starts, such as a plan of a library; at the last iterate by default. Its multipliers are
+            those of the last step.
 
         Returns
         -------
@@ -179,6 +186,9 @@ class Replanner:
                 raise InputError("step(obstacles=) moves obstacles of rt.CollisionFree, but the problem has none.")
             self._planes.place_obstacles(obstacles)
         formulation = self._program.at(self._numbers.values(t, start, end, parameters or {}))
+        start_of_solver = as_guess(guess)
+        if start_of_solver is not None:
+            self._w = started_at(formulation.nlp, start_of_solver).guess
         if self._planes is not None:
             formulation = with_constants(formulation, self._planes.constants(formulation.nlp, self._w))
         with self._compiled.alone:
@@ -209,6 +219,11 @@ class Replanner:
         ended = time.perf_counter()
         self._returning = max(ended - solved, FORGOTTEN * self._returning)
         return Replan(float(t), self._plan, fresh, status, violation, found.iterations, ended - began)
+
+    @property
+    def phase(self) -> Phase:
+        """The phase that is planned, with the numbers of the first plan."""
+        return self._phase
 
     @property
     def _options(self) -> Options:

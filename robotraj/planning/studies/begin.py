@@ -65,6 +65,7 @@ def study(
     store: str | PathLike[str],
     *,
     executor: Executor | None = None,
+    chain: bool = False,
     keep: str = "trajectory",
     validate: bool = False,
     part: StudyPart | None = None,
@@ -76,14 +77,16 @@ def study(
     if keep not in KEPT:
         raise InputError(f"keep= is {keep!r}; give 'trajectory', or 'all' for whole solutions beside the rows.")
     chosen = {name: value for name, value in options.items() if value is not None}
-    digest = digest_of(make, chosen, keep, validate, own_version())
+    digest = digest_of(make, chosen, keep, validate, own_version(), *(("chain",) if chain else ()))
     every = as_cases(cases, digest)
     folder = Store(Path(store), create=True)
     folder.begin(every, {"digest": digest, "options": str(chosen), "version": own_version(), "keep": keep})
     limits = CaseLimits(chosen.get("time_limit"), chosen.get("memory_limit"))
     first = next(iter(every.by_key.items()))
     columns = Cases(digest, every.names, dict([first]))
-    recipe = Recipe(make, chosen, folder.folder, keep == "all", validate, limits, columns)
+    recipe = Recipe(
+        make, chosen, folder.folder, keep == "all", validate, limits, columns, every.ranges if chain else None
+    )
     try:
         cloudpickle.dumps(recipe)
     except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
@@ -104,4 +107,4 @@ def study(
                 warn(f"{len(lost)} chunks of the study were lost ({why}). Start it again to plan them.")
     finally:
         shown.end()
-    return Study(folder.folder)
+    return Study(folder.folder, make)

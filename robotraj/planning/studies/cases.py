@@ -33,6 +33,16 @@ class Cases:
     names: tuple[str, ...]
     by_key: Mapping[str, Case]
 
+    @property
+    def ranges(self) -> dict[str, float]:
+        """Range of each number."""
+        columns = {name: [case[name] for case in self.by_key.values()] for name in self.names}
+        return {
+            name: float(np.ptp(np.array(values, dtype=float)))
+            for name, values in columns.items()
+            if not any(isinstance(value, str) for value in values)
+        }
+
 
 def as_cases(given: object, digest: str) -> Cases:
     """Return the cases of a list of dicts, a table with named columns, or an array (n, k), columns ``x0``, ``x1`` ...

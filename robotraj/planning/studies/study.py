@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
+    from robotraj.planning.many.libraries.library import Library
     from robotraj.planning.studies.cases import Case
     from robotraj.planning.studies.regression import Regressions
     from robotraj.problem.phase import Phase
@@ -31,6 +33,8 @@ class Study(OneLine):
     ----------
     folder : path
         Folder that ``rt.sweep(make, cases, store=folder)`` wrote.
+    make : callable, optional
+        The function of the study, for ``library``. A folder keeps no function.
 
     Raises
     ------
@@ -38,9 +42,10 @@ class Study(OneLine):
         There is no such study, or pyarrow is not installed.
     """
 
-    def __init__(self, folder: str | Path) -> None:
+    def __init__(self, folder: str | Path, make: Callable[[Case], Problem | Phase] | None = None) -> None:
         arrow()
         self.store = Store(folder)
+        self.make = make
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -106,6 +111,25 @@ class Study(OneLine):
         if not path.exists():
             raise InputError(f'No solution of {key!r} is kept; rt.sweep(..., keep="all") keeps them, see .motion(key).')
         return load_solution(path, problem)
+
+    def library(self, make: Callable[[Case], Problem | Phase] | None = None) -> Library:
+        """Return a library of the solved cases, whose ``plan`` and ``answer`` start from the nearest one.
+
+        Solutions are read from their files when they are the nearest ones. Cases are compared by their numbers.
+
+        Parameters
+        ----------
+        make : callable, optional
+            The function of the study, where ``rt.Study(folder)`` opened it.
+
+        Raises
+        ------
+        InputError
+            There is no ``make``, the study keeps motions alone, no case was solved, or cases have words.
+        """
+        from robotraj.planning.studies.stored_library import stored_library
+
+        return stored_library(self.store, make or self.make)
 
     def plot(self, x: str, y: str = "objective") -> Figure:
         """Draw one column over another, such as ``study.plot("speed", "objective")``; failures are crosses.

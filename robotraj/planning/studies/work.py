@@ -6,20 +6,25 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import cloudpickle
 
 from robotraj._util.errors import InputError
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.planning.many.case_limits import CaseLimits
 from robotraj.planning.many.failure import Failure, failure_of
+from robotraj.planning.many.libraries.neighbours import Neighbours
 from robotraj.planning.many.processes import WorkerDied, kept
 from robotraj.planning.plan import plan
 from robotraj.planning.studies.rows import Row, row_of
 from robotraj.planning.studies.store import Store
+from robotraj.problem.problem import Problem
+from robotraj.solution.released import released
 
 if TYPE_CHECKING:
+    from robotraj.planning.many.options import GuessedChoices
     from robotraj.planning.studies.cases import Case, Cases
     from robotraj.solution.solution import Solution
 
@@ -49,6 +54,8 @@ class Recipe:
     limits : CaseLimits
     cases : Cases
         Digest and columns; workers need no other cases.
+    ranges : mapping of str to float, optional
+        Range of each number of the cases where plans start from solved neighbours; None where they do not.
     """
 
     make: Make
@@ -58,6 +65,12 @@ class Recipe:
     validate: bool
     limits: CaseLimits
     cases: Cases
+    ranges: Mapping[str, float] | None = None
+
+    @cached_property
+    def solved(self) -> dict[tuple[object, ...], Neighbours]:
+        """Neighbours that this process has solved, by the words of their cases."""
+        return {}
 
 
 def planned(recipe: Recipe, key: str, case: Case) -> Row:
@@ -65,13 +78,28 @@ def planned(recipe: Recipe, key: str, case: Case) -> Row:
     began = time.process_time()
     found: Solution | Failure
     try:
-        found = plan(recipe.make(case), check=False, progress=False, **recipe.options)
+        found = _found(recipe, case)
         checked = _validated(found) if recipe.validate and found.success else {}
         if recipe.whole:
             found.save(Store(recipe.folder).solution(key))
     except (Exception, SystemExit) as error:
         found, checked = failure_of(0, error), {}
     return row_of(found, key, case, time.process_time() - began) | checked
+
+
+def _found(recipe: Recipe, case: Case) -> Solution:
+    """Plan a case, from the nearest one that this process has solved where the study is a chain."""
+    posed = recipe.make(case)
+    if recipe.ranges is None:
+        return plan(posed, check=False, progress=False, **recipe.options)
+    words = tuple(value for name, value in case.items() if name not in recipe.ranges)
+    near = recipe.solved.setdefault(words, Neighbours(recipe.ranges))
+    numbers = {name: float(case[name]) for name in recipe.ranges}
+    problem = posed if isinstance(posed, Problem) else Problem([posed])
+    found = near.plan(cast("GuessedChoices", recipe.options), problem, numbers)
+    if found.success:
+        near.add(numbers, found)
+    return released(found)
 
 
 def limited(recipe: bytes, key: str, case: Case) -> Row:

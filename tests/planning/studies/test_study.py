@@ -289,3 +289,51 @@ def test_a_study_with_a_crash_a_hang_and_a_hog_has_197_results_and_three_rows(tm
     failed = {int(row["case_number"]): row["status"] for row in study.failures.to_pylist()}
     assert failed == {17: Status.DIED.value, 90: Status.TIME_LIMIT.value, 150: Status.MEMORY_LIMIT.value}
     assert sum(study.table.column("success").to_pylist()) == 197
+
+
+ARM = rt.load("two_link_arm")
+
+
+def reach(case: Any) -> rt.Phase:
+    ends = rt.State(q=[0.0, 0.3], v=0), rt.State(q=[case["shoulder"], case["elbow"]], v=0)
+    return rt.Phase(ARM, 6.0, *ends, rt.Effort())
+
+
+REACHES = [{"shoulder": s, "elbow": e} for s in (1.0, 1.2) for e in (0.4, 0.6)]
+
+
+def test_a_study_is_a_library_also_after_it_is_opened_again(tmp_path: Path) -> None:
+    """Its plans start on the mesh of the nearest solution, read from its file."""
+    rt.sweep(reach, REACHES, store=tmp_path / "store", keep="all", executor=ThreadPoolExecutor(1))
+    with pytest.raises(rt.InputError, match="keeps no function"):
+        rt.Study(tmp_path / "store").library()
+    library = rt.Study(tmp_path / "store").library(reach)
+    case = {"shoulder": 1.05, "elbow": 0.5}
+    for _ in range(2):
+        found = library.plan(case)
+        assert found.proved and found.phases[0].mesh == library.nearest(case).phases[0].mesh
+    assert found.objective == pytest.approx(rt.plan(reach(case)).objective, rel=1e-3)
+    assert library.answer(case).fresh
+
+
+def test_a_library_needs_whole_solutions(six: rt.Study, tmp_path: Path) -> None:
+    kept = rt.sweep(make, cases(2), store=tmp_path / "store", **OPTIONS)
+    with pytest.raises(rt.InputError, match='keep="all"'):
+        kept.library()
+    assert len(six.library().solutions) == 5
+
+
+def test_a_chained_study_plans_from_what_its_process_has_solved(tmp_path: Path) -> None:
+    """The plans are as good, and take fewer iterations; they are other plans, so their keys differ."""
+    here = ThreadPoolExecutor(1)
+    cold = rt.sweep(reach, REACHES, store=tmp_path / "cold", executor=here)
+    warm = rt.sweep(reach, REACHES, store=tmp_path / "warm", executor=here, chain=True)
+    one, other = (study.figures.to_pylist() for study in (cold, warm))
+    objectives = [
+        {(row["case_shoulder"], row["case_elbow"]): row["objective"] for row in rows} for rows in (one, other)
+    ]
+    for case, value in objectives[0].items():
+        assert objectives[1][case] == pytest.approx(value, rel=1e-3)
+    assert all(row["proved"] for row in other)
+    assert sum(row["iterations"] for row in other) < 0.8 * sum(row["iterations"] for row in one)
+    assert not {row["key"] for row in one} & {row["key"] for row in other}

@@ -56,6 +56,53 @@ def test_a_plan_of_the_library_is_the_optimum_of_its_case(slides: Library) -> No
     assert found.objective == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.fixture(scope="module")
+def reaches() -> Library:
+    """Motions of an arm to places near each other, each with its proof."""
+    arm = rt.load("two_link_arm")
+
+    def reach(case: dict[str, float]) -> rt.Phase:
+        ends = rt.State(q=[0.0, 0.3], v=0), rt.State(q=[case["shoulder"], case["elbow"]], v=0)
+        return rt.Phase(arm, 6.0, *ends, rt.Effort())
+
+    return library(reach, [{"shoulder": s, "elbow": e} for s in (1.0, 1.2) for e in (0.4, 0.6)])
+
+
+def test_a_plan_from_the_nearest_case_is_proved_on_its_mesh_in_fewer_iterations(reaches: Library) -> None:
+    case = {"shoulder": 1.13, "elbow": 0.55}
+    cold = rt.plan(reaches.make(case))
+    found = reaches.plan(case)
+    assert found.proved and found.objective == pytest.approx(cold.objective, rel=1e-3)
+    assert found.phases[0].mesh == reaches.nearest(case).phases[0].mesh and len(found.refinement) == 1
+    assert found.iterations < 0.6 * cold.iterations
+
+
+def test_all_solutions_of_a_library_share_one_program_and_keep_none(reaches: Library) -> None:
+    """The next plan changes the numbers of the program that the last one used."""
+    from robotraj.solvers.compiled import origin_of
+    from robotraj.solvers.kept_multipliers import KeptMultipliers
+
+    assert all(isinstance(each.multipliers, KeptMultipliers) for each in reaches.solutions)
+    used = []
+    for case in ({"shoulder": 1.02, "elbow": 0.42}, {"shoulder": 1.18, "elbow": 0.58}):
+        reaches.plan(case)
+        (holder,) = reaches._neighbours._programs.values()
+        origin = origin_of(holder.multipliers)
+        assert origin is not None
+        used.append(origin.compiled)
+    assert used[0] is used[1]
+
+
+def test_an_answer_meets_its_rows_near_the_optimum(reaches: Library) -> None:
+    for case in ({"shoulder": 1.07, "elbow": 0.45}, {"shoulder": 1.15, "elbow": 0.55}):
+        answer, optimum = reaches.answer(case), reaches.plan(case)
+        assert answer.fresh and answer.violation < 1e-4
+        q = answer.at(6.0).q
+        assert q == pytest.approx([case["shoulder"], case["elbow"]], abs=1e-6)
+        times = np.linspace(0.0, 6.0, 20)
+        assert np.abs(answer.at(times).q - optimum.at(times).q).max() < 0.02
+
+
 def test_motions_are_exported_as_arrays(slides: Library) -> None:
     """They hold q(s) = L (3 s^2 - 2 s^3)."""
     file = io.BytesIO()

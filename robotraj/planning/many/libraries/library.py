@@ -3,32 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.guess.earlier.blend import Blend
 from robotraj.planning.many.failure import Failure, failure_of
-from robotraj.planning.many.sweep import check_options, continued, planned
-from robotraj.planning.plan import plan
+from robotraj.planning.many.libraries.neighbours import Neighbours, row_of
+from robotraj.planning.many.one_of_many import check_options
+from robotraj.planning.replanning.replanner import Replanner
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.problem.state import State
+from robotraj.solution.errors import NoSolutionFound
 from robotraj.solution.released import released
 from robotraj.solution.solution import Solution
+from robotraj.transcription.reuse import same_but_numbers
+from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from robotraj.planning.many.options import Choices, GuessedChoices
+    from robotraj.planning.replanning.replan import Replan
 
 Array = NDArray[np.float64]
 Case = Mapping[str, float]
 
+ANSWERED = 16
+"""Intervals of an answer without a proof."""
 USED = 1e-9
 """Least weight of a solution that a blend uses."""
 
@@ -43,7 +54,7 @@ class Library(OneLine):
         From the numbers of a case by name to its problem.
     cases : tuple of mapping of str to float
         Cases that were solved.
-    solutions : tuple of Solution
+    solutions : sequence of Solution
         Their solutions.
     failures : tuple of (mapping of str to float, Solution or Failure)
         Cases that were not solved, with what came of them.
@@ -51,7 +62,7 @@ class Library(OneLine):
 
     make: Callable[[Case], Problem | Phase]
     cases: tuple[Case, ...]
-    solutions: tuple[Solution, ...]
+    solutions: Sequence[Solution]
     failures: tuple[tuple[Case, Solution | Failure], ...]
 
     def weights(self, case: Case) -> Array:
@@ -71,8 +82,8 @@ class Library(OneLine):
         if not self.cases:
             raise InputError("The library has no solutions: every case failed, as library.failures states.")
         names = sorted(self.cases[0])
-        asked = _row(case, names)
-        rows = np.array([_row(each, names) for each in self.cases])
+        asked = row_of(case, names)
+        rows = np.array([row_of(each, names) for each in self.cases])
         away = (rows - asked) / _ranges(rows)
         found = linprog(
             np.sum(away**2, axis=1),
@@ -91,15 +102,64 @@ class Library(OneLine):
         used = [int(i) for i in np.flatnonzero(weights)]
         return Blend([self.solutions[i] for i in used], weights[used])
 
+    def nearest(self, case: Case) -> Solution:
+        """Return the solution of the nearest case.
+
+        Raises
+        ------
+        InputError
+            The case has other numbers than those of the library, or nothing was solved.
+        """
+        found = self._neighbours.nearest(case)
+        if found is None:
+            raise InputError("The library has no solutions: every case failed, as library.failures states.")
+        return found
+
     def plan(self, case: Case, **options: Unpack[Choices]) -> Solution:
-        """Plan a case from the blend of the solutions around it; further options are those of ``rt.plan``.
+        """Plan a case from the nearest solution: its mesh, program and multipliers; further options are of ``rt.plan``.
+
+        The plan is proved as every other. Only its objective is compared on no second mesh: ``proof.unsettled`` is the
+        neighbour's. The first plan on a mesh builds its program, which later ones use.
 
         Raises
         ------
         NoSolutionFound
             No motion was found.
         """
-        return plan(self.make(case), guess=self.guess(case), **options)
+        check_options("library.plan", options)
+        self.nearest(case)
+        chosen = cast("GuessedChoices", options)
+        found = self._neighbours.plan(chosen, _posed(self.make(case)), case)
+        if not found.success:
+            raise NoSolutionFound(f"the case {dict(case)!r} was not solved: {found.cause}\n{found}", found)
+        return released(found)
+
+    def answer(self, case: Case) -> Replan:
+        """Return a motion of a case within milliseconds, without a proof: a step of ``rt.Replanner``.
+
+        The first answer builds the program of the step, on ``ANSWERED`` intervals. Its limits hold at their points.
+
+        Raises
+        ------
+        InputError
+            The problems are of several phases, or their starts are not fixed, as of every ``rt.Replanner``.
+        """
+        near, problem = self.nearest(case), _posed(self.make(case))
+        phase, steps = problem.phases[0], self.__dict__.get("_steps")
+        if steps is None or len(problem.phases) != 1 or not same_but_numbers(phase, steps.phase):
+            steps = self.__dict__["_steps"] = Replanner(problem, Mesh(ANSWERED), guess=near)
+        numbers = {name: float(value) for name, value in phase.parameters.items() if is_number(value)}
+        return steps.step(0.0, phase.start or State(), phase.end, numbers, guess=near)
+
+    @cached_property
+    def _neighbours(self) -> Neighbours:
+        names = sorted(self.cases[0]) if self.cases else []
+        rows = np.array([row_of(each, names) for each in self.cases]).reshape(len(self.cases), len(names))
+        ranges = _ranges(rows) if len(rows) else np.ones(0)
+        found = Neighbours(dict(zip(names, ranges.tolist(), strict=True)))
+        for number, case in enumerate(self.cases):
+            found.add(case, partial(self.solutions.__getitem__, number))
+        return found
 
     def arrays(self, samples: int = 50) -> dict[str, Array]:
         """Return all motions as arrays, for learning and control: ``np.savez("gaits.npz", **library.arrays())``.
@@ -155,46 +215,39 @@ def library(
     if not len(cases) or not all(isinstance(case, Mapping) and case for case in cases):
         raise InputError(f"cases= must be mappings such as {{'speed': 0.3}}, one or more; got {cases!r}.")
     names = sorted(cases[0])
-    rows = np.array([_row(case, names) for case in cases])
-    rows = rows / _ranges(rows)
+    rows = np.array([row_of(case, names) for case in cases])
+    ranges = _ranges(rows)
+    neighbours = Neighbours(dict(zip(names, ranges.tolist(), strict=True)))
+    rows = rows / ranges
     known: dict[int, Solution] = {}
     failed: dict[int, Solution | Failure] = {}
-    while left := [i for i in range(len(cases)) if i not in known and i not in failed]:
-        at, near = left[0], None
-        if known:
-            pairs = [(float(np.sum((rows[i] - rows[j]) ** 2)), i, j) for i in left for j in known]
-            _, at, near = min(pairs)
+    # Squared distance of each case to the nearest one that is solved; NaN where it was planned.
+    away = np.full(len(cases), np.inf)
+    for _ in cases:
+        at = int(np.nanargmin(away))
+        away[at] = np.nan
         try:
-            posed = make(cases[at])
-            problem = posed if isinstance(posed, Problem) else Problem([posed])
-            found = (
-                planned(options, problem, keep_program=True)
-                if near is None
-                else continued(options, problem, known[near])
-            )
+            found = neighbours.plan(options, _posed(make(cases[at])), cases[at])
         except Exception as error:
             failed[at] = failure_of(at, error)
             continue
-        (known if found.success else failed)[at] = found
+        if not found.success:
+            failed[at] = found
+            continue
+        known[at] = released(found)
+        neighbours.add(cases[at], found)
+        away = np.minimum(away, np.sum((rows - rows[at]) ** 2, axis=1))
     solved = sorted(known)
     return Library(
         make,
         tuple(dict(cases[i]) for i in solved),
-        tuple(released(known[i]) for i in solved),
+        tuple(known[i] for i in solved),
         tuple((dict(cases[i]), failed[i]) for i in sorted(failed)),
     )
 
 
-def _row(case: Case, names: Sequence[str]) -> Array:
-    """Return the numbers of a case in the order of their names."""
-    if sorted(case) != list(names):
-        raise InputError(
-            f"The case {dict(case)!r} has other numbers than {', '.join(names)}, which all cases must have."
-        )
-    row = np.array([float(case[name]) for name in names])
-    if not np.isfinite(row).all():
-        raise InputError(f"The case {dict(case)!r} has numbers that are not finite.")
-    return row
+def _posed(given: Problem | Phase) -> Problem:
+    return given if isinstance(given, Problem) else Problem([given])
 
 
 def _ranges(rows: Array) -> Array:
