@@ -38,5 +38,7 @@ def contents(path: str | os.PathLike[str], most: int, what: str = "The file") ->
             if found.st_size > most:
                 raise InputError(f"{named} has {found.st_size / 1e6:.1f} MB, above {most / 1e6:.1f} MB.")
             return file.read(found.st_size)
+    except InputError:
+        raise
     except (OSError, ValueError) as error:  # a ValueError is a path with a null character
         raise InputError(f"{named} cannot be read: {getattr(error, 'strerror', None) or error}.") from error

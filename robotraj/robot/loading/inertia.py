@@ -57,7 +57,9 @@ def _listed(moments: NDArray[np.float64]) -> str:
 
 
 def check_bodies(name: str, model: pin.Model) -> None:
-    """Refuse moving bodies, links joined by fixed joints together, with an infinite or indefinite inertia.
+    """Refuse moving bodies with a negative mass, or an infinite or indefinite inertia.
+
+    Links joined by fixed joints are one body.
 
     Raises
     ------
@@ -69,6 +71,11 @@ def check_bodies(name: str, model: pin.Model) -> None:
     # Finite entries of links far apart overflow where their inertias are summed.
     finite = np.isfinite(inertias).all(axis=(1, 2))
     faults = [f"{joint!r} (larger than any number)" for joint, fine in zip(joints, finite, strict=True) if not fine]
+    faults += [
+        f"{joint!r} (a mass of {body.mass:g} kg)"
+        for joint, body in zip(joints, bodies, strict=True)
+        if not (0.0 <= body.mass < np.inf and np.isfinite(body.lever).all())
+    ]
     every = principal_moments(np.where(finite[:, None, None], inertias, 0.0))
     faults += [
         f"{joint!r} ({triangle_fault(moments, body.mass)})"
@@ -77,7 +84,7 @@ def check_bodies(name: str, model: pin.Model) -> None:
     ]
     if faults:
         raise InputError(
-            f"{name}: bodies with impossible inertias are moved by joint {'; '.join(faults)}. Correct the URDF."
+            f"{name}: bodies with impossible inertias are moved by joint {'; '.join(faults)}. Correct the file."
         )
 
 

@@ -131,6 +131,7 @@ def _wrapper(wrapper: pin.RobotWrapper) -> Description:
 
 def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
     found = read_mjcf(path, folders)
+    check_bodies(repr(str(path)), found.model)
     return Description(
         found.model.name or path.stem,
         found.model,

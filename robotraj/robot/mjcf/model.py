@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -12,10 +13,10 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
-from robotraj.robot.loading.packages import is_inside
-from robotraj.robot.meshes.reading import read_meshes
+from robotraj.robot.mjcf.checks import check_numbers
 from robotraj.robot.mjcf.defaults import Attributes, Defaults
 from robotraj.robot.mjcf.defaults import joints as joints_of
+from robotraj.robot.mjcf.meshes import PlainCopy
 from robotraj.robot.mjcf.springs import joint_springs
 from robotraj.robot.urdf.lenient import parsed
 from robotraj.robot.urdf.numbers import numbers
@@ -79,15 +80,8 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     root = _root(path)
     if root.find(".//include") is not None:
         raise InputError(f"{str(path)!r} includes other files; load the one with the bodies of the robot, or a URDF.")
-    _check_meshes(root, path, folders)
-    try:
-        model = pin.buildModelFromMJCF(str(path))
-        kinds = (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION)
-        visual, collision = (pin.buildGeomFromMJCF(model, str(path), kind) for kind in kinds)
-    except Exception as error:  # the reader raises errors of several libraries
-        raise InputError(
-            f"Pinocchio cannot read the MJCF {str(path)!r}: {error}. Give a URDF, or a pin.Model of your own."
-        ) from error
+    check_numbers(repr(str(path)), root)
+    model, shapes = _built(root, path, folders)
     joints = [model.names[i] for i in range(1, model.njoints)]
     defaults = Defaults(root)
     every = [(each.tag, defaults.of(each)) for group in root.findall("actuator") for each in group]
@@ -110,28 +104,31 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             "limits={'effort': {joint: largest}}."
         )
     driven = tuple(joint for joint in joints if joint in {own.get("joint") for _, own in actuators})
-    return MjcfModel(model, (visual, collision), driven if actuators else None, efforts, springs, tuple(findings))
+    return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings))
+
+
+def _built(
+    root: Element, path: Path, folders: Sequence[Path] | None
+) -> tuple[pin.Model, tuple[pin.GeometryModel, pin.GeometryModel]]:
+    """Return the model and its shapes for display and for collisions."""
+    with tempfile.TemporaryDirectory(prefix="robotraj-") as place:
+        copy = PlainCopy(root, path, folders, Path(place))
+        file = str(copy.file)
+        try:
+            model = pin.buildModelFromMJCF(file)
+            visual = pin.buildGeomFromMJCF(model, file, pin.GeometryType.VISUAL)
+            collision = pin.buildGeomFromMJCF(model, file, pin.GeometryType.COLLISION)
+        except Exception as error:  # the reader raises errors of several libraries
+            raise InputError(
+                f"Pinocchio cannot read the MJCF {str(path)!r}: {error}. Give a URDF, or a pin.Model of your own."
+            ) from error
+    for shapes in (visual, collision):
+        copy.name_sources(shapes)
+    return model, (visual, collision)
 
 
 def _root(path: Path) -> Element:
     return parsed(contents(path, MAX_BYTES, "The MJCF file"))
-
-
-def _check_meshes(root: Element, path: Path, folders: Sequence[Path] | None) -> None:
-    """Read every mesh in a process under limits first, since Pinocchio's reader has none."""
-    compiler = root.find("compiler")
-    given = {} if compiler is None else compiler.attrib
-    folder = path.parent / (given.get("meshdir") or given.get("assetdir") or "")
-    files = [folder / name for mesh in root.findall("asset/mesh") if (name := mesh.get("file"))]
-    outside = [file for file in files if folders is not None and not is_inside(file, folders)]
-    if outside:
-        raise InputError(
-            f"{str(path)!r}: the mesh {str(outside[0])!r} lies outside the folder of the file; package_dirs= with its "
-            "folder or trust_paths=True reads it."
-        )
-    for file, read in read_meshes(files).items():
-        if isinstance(read, str):
-            raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {read}.")
 
 
 def _effort(tag: str, actuator: Attributes) -> tuple[float, float] | None:

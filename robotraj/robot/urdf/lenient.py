@@ -16,6 +16,8 @@ AMPERSAND = re.compile(r"&(?!#?\w{1,40};)")
 ENCODING = re.compile(rb"<\?xml\b[^>]*encoding\s*=\s*[\"']([A-Za-z0-9._-]+)[\"']")
 HEAD = 1_000
 """Bytes at the beginning of a file in which its encoding is declared."""
+DEEPEST = 200
+"""Largest depth of elements; functions that call themselves for each child have room for it."""
 DEFINITIONS = ("xacro:property", "xacro:arg", "xacro:macro")
 """Elements of xacro that have no effect where nothing uses them."""
 
@@ -31,10 +33,21 @@ def parsed(data: bytes) -> Element:
     text = AMPERSAND.sub("&amp;", _without_declaration(_without_comments(decoded(data))))
     builder, parser = TreeBuilder(), expat.ParserCreate()
 
+    depth = 0
+
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            raise ValueError(f"more than {DEEPEST} elements lie in each other")
         builder.start(tag, {key: value for key, value in attributes.items() if key.partition(":")[0] != "xmlns"})
 
-    parser.StartElementHandler, parser.EndElementHandler = start, builder.end
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.CharacterDataHandler = builder.data
     parser.buffer_text = True
     try:

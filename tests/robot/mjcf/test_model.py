@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -93,4 +95,64 @@ def test_what_is_not_read_is_named(tmp_path):
     with pytest.raises(rt.InputError, match="includes other files"):
         rt.load(write(tmp_path, more='<include file="other.xml"/>'))
     with pytest.raises(rt.InputError, match="Pinocchio cannot read the MJCF"):
-        rt.load(write(tmp_path, geom='<geom type="box" size="a b c"/><joint type="screw"/>'))
+        rt.load(write(tmp_path, geom=BOX + '<joint type="screw"/>'))
+
+
+@pytest.mark.parametrize("name", ["mtllib", "outer"])
+def test_files_that_meshes_name_are_not_opened(tmp_path, name):
+    """The reader of OBJ would wait for the pipe without end, and read what lies above the folder of meshes."""
+    folder = tmp_path / "robot"
+    (folder / "meshes").mkdir(parents=True)
+    os.mkfifo(folder / "meshes" / "pipe.mtl")
+    box = trimesh.creation.box((0.1, 0.1, 0.2)).export(file_type="obj")
+    (folder / "meshes" / "mtllib.obj").write_text("mtllib pipe.mtl\n" + box.replace("mtllib", "#"))
+    (folder / "meshes" / "outer.obj").write_text("mtllib ../../../etc/passwd\n" + box.replace("mtllib", "#"))
+    asset, geom = f'<asset><mesh name="box" file="{name}.obj"/></asset>', '<geom type="mesh" mesh="box"/>'
+    shape = rt.load(write(folder, asset, geom)).collision_model.geometryObjects[1]
+    assert shape.meshPath == str(folder / "meshes" / f"{name}.obj")
+    shape.geometry.computeLocalAABB()
+    box = shape.geometry.aabb_local
+    np.testing.assert_allclose(box.max_ - box.min_, [0.1, 0.1, 0.2], atol=1e-6)
+
+
+def test_meshes_of_every_compiler_and_class_lie_inside(tmp_path):
+    (tmp_path / "inner" / "meshes").mkdir(parents=True)
+    trimesh.creation.box((0.1, 0.1, 0.2)).export(tmp_path / "box.stl")
+    mesh, geom = '<mesh name="box" file="box.stl"/>', '<geom type="mesh" mesh="box"/>'
+    for asset in (
+        f'<asset>{mesh}</asset><compiler meshdir="../.."/>',
+        '<default><mesh file="../../box.stl"/></default><asset><mesh name="box"/></asset>',
+        f"<asset><x>{mesh.replace('box.stl', '../../box.stl')}</x></asset>",
+    ):
+        with pytest.raises(rt.InputError, match="lies outside the folder|cannot be read"):
+            rt.load(write(tmp_path / "inner", asset, geom))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('size="0.02 0.02 0.1"', 'size="nan 0.02 0.1"', r"size='nan 0.02 0.1' of <geom>.* not finite"),
+        ('size="0.02 0.02 0.1"', 'size="a b c"', "size='a b c' of <geom>"),
+        ('axis="0 0 1"', 'axis="0 0 0"', "axis='0 0 0' of <joint> 'slide' is no direction"),
+        ('axis="0 0 1"', 'axis="nan 0 1"', "axis='nan 0 1' of <joint> 'slide'"),
+        ('mass="0.5"', 'mass="-0.5"', "mass='-0.5' of <inertial>.* is negative"),
+        ('diaginertia="0.01 0.01 0.002"', 'diaginertia="0.01 -0.01 0.002"', "of <inertial>.* is negative"),
+        ('size="0.02 0.02 0.1"', 'size="1e308"', "up to 1e"),
+        ('name="fore"', 'name="' + "f" * 5000 + '"', "5000 characters"),
+    ],
+)
+def test_numbers_that_no_robot_has_are_refused(tmp_path, old, new, message):
+    """Pinocchio's reader leaves memory as it was where a text is no number."""
+    path = write(tmp_path)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(rt.InputError, match=message):
+        rt.load(path)
+
+
+def test_endless_nesting_is_refused(tmp_path):
+    path = tmp_path / "deep.xml"
+    path.write_text("<mujoco><worldbody>" + "<body><joint/>" * 3000 + "</body>" * 3000 + "</worldbody></mujoco>")
+    with pytest.raises(rt.InputError, match="more than 200 elements lie in each other"):
+        rt.load(path)

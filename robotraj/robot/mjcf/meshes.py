@@ -1,0 +1,88 @@
+"""A copy of an MJCF file whose meshes are plain triangles beside it.
+
+Pinocchio's reader opens whatever the meshes name, has no limits, and is another parser of XML. It is given this copy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+import pinocchio as pin
+
+from robotraj._util.errors import InputError
+from robotraj.robot.loading.packages import is_inside
+from robotraj.robot.meshes.arrays import MeshArrays
+from robotraj.robot.meshes.reading import read_meshes
+
+STL = np.dtype([("corners", "<f4", (4, 3)), ("attributes", "<u2")])
+"""A triangle of a binary STL: normal and corners."""
+
+
+class PlainCopy:
+    """The copy, in a folder of its own.
+
+    Parameters
+    ----------
+    root : Element
+        The file; its meshes are renamed.
+    path : Path
+        Place of the file.
+    folders : sequence of Path or None
+        Folders whose meshes are read; None for all.
+    place : Path
+        The folder.
+
+    Raises
+    ------
+    InputError
+        A mesh lies elsewhere, or cannot be read within the limits of meshes.
+    """
+
+    def __init__(self, root: Element, path: Path, folders: Sequence[Path] | None, place: Path) -> None:
+        self.file = place / path.name
+        self._sources: dict[str, Path] = {}
+        compilers = list(root.iter("compiler"))
+        given = {name: value for compiler in compilers for name, value in compiler.attrib.items()}
+        folder = path.parent / (given.get("meshdir") or given.get("assetdir") or "")
+        stripped = given.get("strippath") == "true"
+        meshes = [mesh for mesh in root.iter("mesh") if mesh.get("file")]
+        names = [mesh.get("file", "").replace("\\", "/") for mesh in meshes]
+        files = [folder / (Path(name).name if stripped else name) for name in names]
+        outside = [file for file in files if folders is not None and not is_inside(file, folders)]
+        if outside:
+            raise InputError(
+                f"{str(path)!r}: the mesh {str(outside[0])!r} lies outside the folder of the file; package_dirs= with "
+                "its folder or trust_paths=True reads it."
+            )
+        read = read_meshes(files)
+        for number, (mesh, file) in enumerate(zip(meshes, files, strict=True)):
+            found = read[file]
+            if isinstance(found, str):
+                raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {found}.")
+            plain = place / f"{number}.stl"
+            plain.write_bytes(_stl(found))
+            self._sources[str(plain)] = file
+            mesh.set("name", mesh.get("name") or file.stem)
+            mesh.set("file", str(plain))
+        for compiler in compilers:
+            for name in ("meshdir", "assetdir", "strippath"):
+                compiler.attrib.pop(name, None)
+        ElementTree.ElementTree(root).write(self.file, encoding="utf-8")
+
+    def name_sources(self, shapes: pin.GeometryModel) -> None:
+        """Give shapes the paths of the files that their meshes came from."""
+        for shape in shapes.geometryObjects:
+            if shape.meshPath in self._sources:
+                shape.meshPath = str(self._sources[shape.meshPath])
+
+
+def _stl(mesh: MeshArrays) -> bytes:
+    corners = mesh.vertices[mesh.triangles]
+    triangles = np.zeros(len(corners), STL)
+    triangles["corners"][:, 0] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    triangles["corners"][:, 1:] = corners
+    return bytes(80) + np.uint32(len(corners)).tobytes() + triangles.tobytes()
