@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from robotraj._util.errors import InputError
+from robotraj._util.system.regular_files import contents
 from robotraj._util.system.whole_files import WholeFile
+from robotraj.planning.studies.parquet_files import KEY, read_parquet
 from robotraj.planning.studies.rows import CASE, Row, arrow, schema_of
 
 if TYPE_CHECKING:
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from robotraj.planning.studies.cases import Cases
 
 ROWS, SOLUTIONS, CASES, FACTS = "rows", "solutions", "cases.parquet", "study.json"
+LARGEST_FACTS = 10**6
+"""Largest size of the facts [bytes]."""
 
 
 class Store:
@@ -54,8 +58,8 @@ class Store:
         rows = [{"key": key, **_prefixed(case)} for key, case in cases.by_key.items()]
         table = pa.Table.from_pylist(rows, schema=schema)
         known = self.cases() if (self.folder / CASES).exists() else None
-        if known is not None and known.schema.names == table.schema.names:
-            table = _distinct(pa.concat_tables([table, known], promote_options="permissive"))
+        if known is not None and known.schema.equals(table.schema):
+            table = _distinct(pa.concat_tables([table, known]))
         self._write(table, self.folder / CASES)
         with WholeFile(self.folder / FACTS) as partial:
             partial.write_text(json.dumps(facts, indent=1, sort_keys=True))
@@ -63,7 +67,12 @@ class Store:
     def facts(self) -> dict[str, Any]:
         """Return what the study was begun with: digest, options, version."""
         path = self.folder / FACTS
-        return dict(json.loads(path.read_text())) if path.exists() else {}
+        if not path.exists():
+            return {}
+        try:
+            return dict(json.loads(contents(path, LARGEST_FACTS, "The file of a study")))
+        except (ValueError, TypeError, RecursionError) as error:
+            raise InputError(f"The file {str(path)!r} of the study is damaged: {str(error)[:200]}.") from error
 
     def add(self, rows: Sequence[Row], cases: Cases) -> None:
         """Write rows as one file.
@@ -83,30 +92,32 @@ class Store:
     def table(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Read the rows, each key once."""
         pa = arrow()
-        import pyarrow.parquet as parquet
-
         files = self._files()
         if not files:
             return pa.table({name: pa.array([], pa.string()) for name in columns or ["key"]})
-        tables = [parquet.read_table(path, columns=None if columns is None else list(columns)) for path in files]
-        whole = pa.concat_tables(tables, promote_options="permissive")
-        return _distinct(whole) if "key" in whole.column_names else whole
+        wanted = None if columns is None else list(dict.fromkeys(["key", *columns]))
+        tables = [read_parquet(path, wanted, wanted or schema_of({}).names) for path in files]
+        try:
+            return _distinct(pa.concat_tables(tables, promote_options="permissive"))
+        except pa.ArrowException as error:
+            raise InputError(f"The files in {str(self.folder / ROWS)!r} are of several studies: {error}.") from error
 
     def columns(self) -> list[str]:
         """Names of the columns of the rows; the key alone before there is one."""
-        import pyarrow.parquet as parquet
-
-        files = self._files()
-        return list(parquet.read_schema(files[0]).names) if files else ["key"]
+        return (
+            list(read_parquet(files[0], needed=schema_of({}).names).column_names)
+            if (files := self._files())
+            else ["key"]
+        )
 
     def cases(self) -> pa.Table:
         """Read the cases: key and columns."""
-        import pyarrow.parquet as parquet
-
-        return parquet.read_table(self.folder / CASES)
+        return read_parquet(self.folder / CASES)
 
     def solution(self, key: str) -> Path:
-        """File of the whole solution of a key."""
+        """File of the whole solution of a key, which is one of hexadecimal digits."""
+        if not KEY.fullmatch(key):
+            raise InputError(f"{key[:50]!r} is no key of a study; the column 'key' of its table has them.")
         return self.folder / SOLUTIONS / f"{key}.npz"
 
     def _files(self) -> list[Path]:
