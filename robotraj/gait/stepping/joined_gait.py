@@ -250,7 +250,7 @@ class JoinedGait:
 
 
 def joined_gait(gait: PlannedGait, count: object, what: str) -> JoinedGait:
-    """Return the cycle of a planned gait, given to ``rt.gait.start`` or ``stop`` (``what``).
+    """Return the cycle of a planned gait, given to a call such as ``"rt.gait.start"`` (``what``).
 
     Raises
     ------
@@ -258,17 +258,17 @@ def joined_gait(gait: PlannedGait, count: object, what: str) -> JoinedGait:
         The motion does not repeat, its ground is not level, or the count is not positive.
     """
     if not isinstance(count, int) or count < 1:
-        raise InputError(f"rt.gait.{what}(count) is {count!r}; give at least 1 period.")
+        raise InputError(f"{what}(count) is {count!r}; give at least 1 period.")
     problem = getattr(gait, "problem", None)
     if not isinstance(problem, Problem):
-        raise InputError(f"rt.gait.{what} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")
+        raise InputError(f"{what} needs the solution of a gait, as of rt.gait.walk; got {type(gait).__name__}.")
     links = [link.repeat if isinstance(link, Touchdown) else link for link in problem.links]
     repeats = [link for link in links if isinstance(link, Mirror | Periodic)]
     if not repeats or problem.phases[0].robot is None:
-        raise InputError(f"The motion given to rt.gait.{what} does not repeat; plan one of rt.gait.walk, run or trot.")
+        raise InputError(f"The motion given to {what} does not repeat; plan one of rt.gait.walk, run or trot.")
     cycle = JoinedGait(gait, repeats[0])
     if not isinstance(_ground(cycle.contact), Flat):
-        raise InputError(f"The gait given to rt.gait.{what} is not on level ground; plan it on rt.terrain.Flat().")
+        raise InputError(f"The gait given to {what} is not on level ground; plan it on rt.terrain.Flat().")
     return cycle
 
 

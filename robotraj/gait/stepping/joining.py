@@ -46,7 +46,7 @@ def start(
         The motion does not repeat, its ground is not level, or a count or duration is not positive. Or the robot
         cannot stand on the footholds of a single period.
     """
-    cycle = joined_gait(gait, count, "start")
+    cycle = joined_gait(gait, count, "rt.gait.start")
     supports = [Support(cycle.feet, cycle.rest(shift, "start"), "stand")]
     for k in range(count):
         supports += cycle.period(k - count)
@@ -70,7 +70,7 @@ def stop(
     above the standing feet of the last period. In a single period these feet stay on their footholds of the gait, and
     of two point feet the other one lands where it stops the fall. Parameters and errors are those of ``start``.
     """
-    cycle = joined_gait(gait, count, "stop")
+    cycle = joined_gait(gait, count, "rt.gait.stop")
     supports = [support for k in range(count) for support in cycle.period(k)]
     supports.append(Support(cycle.feet, cycle.rest(shift, "stop"), "stop"))
     first = gait.at(0.0)

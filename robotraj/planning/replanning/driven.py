@@ -46,13 +46,17 @@ def driven(replans: Sequence[Replan], until: float) -> Solution:
     Raises
     ------
     InputError
-        Fewer than two steps, or times that do not ascend.
+        Fewer than two steps, times that do not ascend, or plans of a gait, whose contacts change.
     """
     times = np.array([*(replan.t for replan in replans), float(until)])
     if len(replans) < 2 or not np.all(np.diff(times) > 0.0):
         raise InputError(
             f"driven() got {len(replans)} plans with times {times[:-1].tolist()} and until={until}; give at least two "
             "plans whose times ascend up to until."
+        )
+    if any(replan.later for replan in replans):
+        raise InputError(
+            "driven() joins plans of one phase, but those of a gait change their contacts; keep each plan."
         )
     sites = lobatto_sites(SITES)
     curves = []

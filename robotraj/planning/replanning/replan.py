@@ -27,7 +27,7 @@ class Replan(OneLine):
     t : float
         Time of the step [s], on the clock of the caller.
     motion : PhaseSolution
-        The planned motion, on the same clock.
+        The planned motion, on the same clock; of a gait its current phase.
     fresh : bool
         Whether the iterate of this step meets its rows. Otherwise ``motion`` is that of the last step that did.
     status : Status
@@ -37,6 +37,8 @@ class Replan(OneLine):
     iterations : int
     seconds : float
         Wall-clock time of the step.
+    later : tuple of PhaseSolution
+        The phases of a gait after the current one.
     """
 
     t: float
@@ -46,6 +48,7 @@ class Replan(OneLine):
     violation: float
     iterations: int
     seconds: float
+    later: tuple[PhaseSolution, ...] = ()
 
     @property
     def start(self) -> float:
@@ -55,7 +58,8 @@ class Replan(OneLine):
     @property
     def end(self) -> float:
         """Time at which the plan ends [s]."""
-        return self.motion.t0 + self.motion.duration
+        last = (self.motion, *self.later)[-1]
+        return last.t0 + last.duration
 
     @overload
     def at(self, t: float) -> Sample[float]: ...
@@ -67,9 +71,11 @@ class Replan(OneLine):
     def at(self, t: float | Array) -> Sample[Any]:
         """Evaluate the plan at a time, or at times (m,), on the clock of the caller [s].
 
-        Times before the start and after the end are taken as the start and the end.
+        Times before the start and after the end are taken as the start and the end. Several times lie in one phase.
         """
-        return self.motion.at(self.within(t))
+        times = self.within(t)
+        part = next((each for each in self.later[::-1] if np.min(times) >= each.t0), self.motion)
+        return part.at(times)
 
     def within(self, t: float | Array) -> Array:
         """Return times, those outside the plan moved to its ends [s]."""

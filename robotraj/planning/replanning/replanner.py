@@ -3,55 +3,36 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robotraj._util.errors import InputError
+from robotraj.gait.checks import positive
 from robotraj.guess.default import as_guess
-from robotraj.guess.from_solution import FromSolution
-from robotraj.native.build import load_native
 from robotraj.planning.plan import plan
+from robotraj.planning.replanning.deadline import Deadline
+from robotraj.planning.replanning.gait_loop import GaitLoop
+from robotraj.planning.replanning.gait_ticks import repeats
+from robotraj.planning.replanning.horizon import Horizon
 from robotraj.planning.replanning.replan import Replan
-from robotraj.planning.replanning.step_numbers import StepNumbers
-from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
-from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
-from robotraj.solvers.compiled import CompiledOrigin, origin_of
-from robotraj.solvers.formulation import first_barrier
 from robotraj.solvers.interior_point import InteriorPoint
-from robotraj.solvers.objective_scale import of_program
-from robotraj.solvers.parametric import parametric, with_constants
-from robotraj.solvers.stagewise.native import refresh
-from robotraj.solvers.status import STATUSES, Status
-from robotraj.transcription.extract import extract
-from robotraj.transcription.reuse import started_at
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
     from robotraj.dynamics.obstacles.base import Obstacle
-    from robotraj.native import Options
     from robotraj.problem.initial_guess import InitialGuess
     from robotraj.problem.phase import Phase
-    from robotraj.solvers.formulation import Formulation
-    from robotraj.transcription.clearance.plane_rows import PlaneRows
-
-Array = NDArray[np.float64]
 
 INTERVALS = 50
 """Number of intervals of the default mesh."""
-FORGOTTEN = 0.9
-"""Decrease, from step to step, of the time that is reserved for checking and returning the iterate."""
-UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
-"""Statuses after which the iterate is the start of the next solve."""
-FEASIBLE = 1e-4
-"""Largest violation of a scaled row at which an iterate is a plan."""
+MOST_ITERATIONS = 30
+"""Iterations after which a step of a gait ends by default: the next measured state is better than the rest of them."""
+PERIOD = 0.02
+"""Default time between the steps of a gait [s]."""
 
 
 class Replanner:
@@ -62,27 +43,39 @@ class Replanner:
     deadline. An iterate that meets the rows is the new plan, converged or not. Otherwise the earlier plan is kept, and
     the next step continues from the iterate.
 
+    Of a gait that repeats, the horizon moves: it is the rest of the current phase and ``ahead`` phases after it. A
+    program is made for every instant of the gait at which a step may be. Each starts from its own solution of one cycle
+    before.
+
     Parameters
     ----------
     problem : Phase or Problem
         One phase whose start is fixed. A step may change the fixed values of its ends, fixed parameters and the time of
         its start. A moving goal is a parameter or a function of ``point.t``. Obstacles of ``rt.CollisionFree`` are
-        functions of time, or are given with every step.
+        functions of time, or are given with every step. Or a gait that repeats on level ground, as of
+        ``rt.gait.trot``: each step plans it from a measured state alone, with its speed and heading. Its places along
+        the ground follow the robot.
     mesh : Mesh, optional
-        50 Hermite-Simpson intervals by default.
+        50 Hermite-Simpson intervals by default. For a gait, 4 in its longest phase.
     deadline : float, optional
         Wall-clock seconds of a step; none by default. The solver stops before an iteration that would end too late if
         it took as long as the one before. It leaves the time that earlier steps took to check and return the iterate.
     guess : InitialGuess or Solution, optional
-        Guess of the first plan.
+        Guess of the first plan; of a gait its solution, which is then not planned again.
     solver : InteriorPoint, optional
-        Solver of the steps. The default has a tolerance of 1e-4 and a first barrier of 1e-3. A smaller barrier takes
-        more iterations near the last solution, since limits become active or inactive from step to step.
+        Solver of the steps. The default has a tolerance of 1e-4 and a first barrier of 1e-3. That of a gait ends after
+        30 iterations, and its barrier follows the violation at the start. A smaller barrier takes more iterations near
+        the last solution, since limits become active or inactive from step to step.
+    period : float
+        About the time between the steps of a gait [s].
+    ahead : int
+        Number of phases after the current one in the horizon of a gait.
 
     Raises
     ------
     InputError
-        The problem has several phases, its start is not fixed, or its ends cannot change without a new program.
+        The problem has several phases and does not repeat, its start is not fixed, or its ends cannot change without a
+        new program.
     NoSolutionFound
         The first plan was not found.
 
@@ -102,43 +95,38 @@ class Replanner:
         deadline: float | None = None,
         guess: InitialGuess | Solution | None = None,
         solver: InteriorPoint | None = None,
+        period: float = PERIOD,
+        ahead: int = 2,
     ) -> None:
-        phases = problem.phases if isinstance(problem, Problem) else (problem,)
-        if len(phases) != 1:
-            raise InputError(f"A Replanner plans one phase, but the problem has {len(phases)}.")
         if deadline is not None and not deadline > 0.0:
             raise InputError(f"Replanner(deadline) must be above 0 s, got {deadline!r}.")
         if solver is not None and not isinstance(solver, InteriorPoint):
             raise InputError(f"Replanner(solver) must be an rt.InteriorPoint, got {solver!r}.")
-        self.deadline = deadline
-        self._solver = solver or InteriorPoint(tolerance=1e-4, initial_barrier=1e-3)
-        self.first: Solution = plan(
+        self._deadline = Deadline(deadline)
+        self._gait: GaitLoop | None = None
+        if isinstance(problem, Problem) and repeats(problem):
+            every = positive(period, PERIOD, "Replanner(period)")
+            own = solver or InteriorPoint(tolerance=1e-4, max_iterations=MOST_ITERATIONS)
+            self._gait = GaitLoop(problem, mesh, guess, own, every, ahead, deadline)
+            self.first: Solution = self._gait.gait
+            """The plan that was solved when the replanner was made; the gait, if it repeats."""
+            return
+        phases = problem.phases if isinstance(problem, Problem) else (problem,)
+        if len(phases) != 1:
+            raise InputError(
+                f"A Replanner plans one phase, or a gait that repeats; this problem has {len(phases)} phases, and no "
+                "rt.Periodic or rt.Mirror closes it."
+            )
+        self.first = plan(
             problem,
             mesh=mesh or Mesh(INTERVALS, HermiteSimpson()),
             guess=guess,
             solver=InteriorPoint(fallback=None),
             keep_program=True,
         )
-        """The plan that was solved when the replanner was made."""
-        origin, self._planes = origin_of(self.first.multipliers), None
-        if any(isinstance(each, CollisionFree) for each in phases[0].constraints):
-            self._planes, origin = _with_planes(self.first)
-        if origin is None:
-            raise InputError(
-                "A Replanner needs the program of rt.InteriorPoint, which solved this problem without one. Give "
-                "another mesh or scheme."
-            )
-        self._phase = self.first.phases[0].phase
-        self._compiled = origin.compiled
-        self._numbers = StepNumbers(origin.formulation.nlp)
-        self._program = parametric(origin.formulation, self._numbers.columns, self._numbers.scalars)
-        self._w, self._lam = np.array(origin.w), np.array(origin.lam)
+        solver = solver or InteriorPoint(tolerance=1e-4, initial_barrier=1e-3)
+        self._horizon = Horizon(self.first, solver, of_gait=False)
         self._plan = self.first.phases[0]
-        start = origin.formulation.start(origin.w)
-        program = origin.formulation.program
-        self._returning = 0.0
-        self._barrier = self._solver.initial_barrier or first_barrier(origin.formulation)
-        self._scale = of_program(origin.compiled.native, start, program, self._barrier, origin.nlp)
 
     def step(
         self,
@@ -149,6 +137,7 @@ class Replanner:
         obstacles: Sequence[Obstacle] | None = None,
         *,
         guess: InitialGuess | Solution | None = None,
+        contacts: Collection[str] | None = None,
     ) -> Replan:
         """Plan from a measured state.
 
@@ -156,8 +145,10 @@ class Replanner:
         ----------
         t : float
             Time of the measurement [s], on a clock of the caller's choice. It is ``point.t`` at the start of the plan.
+            A gait begins its first cycle at 0.
         start : State
-            The measured state. Measurement errors may move it beyond its limits.
+            The measured state. Measurement errors may move it beyond its limits. Of a gait, standing feet are put on
+            the ground, and at rest.
         end : State, optional
             The new end, which fixes the same values as that of the problem; the last one by default.
         parameters : mapping of str to float, optional
@@ -168,6 +159,9 @@ class Replanner:
         guess : InitialGuess or Solution, optional
             Where the solver starts, such as a plan of a library; at the last iterate by default. Its multipliers are
             those of the last step.
+        contacts : collection of str, optional
+            Of a gait, the frames of the feet that were measured on the ground. The gait goes on to its next phase when
+            its feet land early, and waits for feet that land late. By default the clock alone decides.
 
         Returns
         -------
@@ -178,84 +172,28 @@ class Replanner:
         ------
         InputError
             A state leaves values open that the problem fixes, a parameter is unknown, the number of obstacles differs,
-            or a number is not finite.
+            or a number is not finite. A gait is given more than contacts, or another problem contacts.
         """
-        began = time.perf_counter()
+        if self._gait is not None:
+            if end is not None or parameters or obstacles is not None or guess is not None:
+                raise InputError("A step of a gait takes its time, start and contacts alone.")
+            return self._gait.step(float(t), start, contacts)
+        if contacts is not None:
+            raise InputError("step(contacts=) is of a gait that repeats; the contacts of one phase do not change.")
+        began, horizon = time.perf_counter(), self._horizon
         if obstacles is not None:
-            if self._planes is None:
+            if horizon.planes is None:
                 raise InputError("step(obstacles=) moves obstacles of rt.CollisionFree, but the problem has none.")
-            self._planes.place_obstacles(obstacles)
-        formulation = self._program.at(self._numbers.values(t, start, end, parameters or {}))
-        start_of_solver = as_guess(guess)
-        if start_of_solver is not None:
-            self._w = started_at(formulation.nlp, start_of_solver).guess
-        if self._planes is not None:
-            formulation = with_constants(formulation, self._planes.constants(formulation.nlp, self._w))
-        with self._compiled.alone:
-            refresh(self._compiled.native, formulation.program)
-            left = np.inf if self.deadline is None else self.deadline - self._returning
-            found = self._compiled.native.solve(
-                formulation.start(self._w),
-                formulation.program.lower,
-                formulation.program.upper,
-                self._options,
-                objective_scale=self._scale,
-                callback=None,
-                time_limit=max(0.0, left - (time.perf_counter() - began)),
-                lam=self._lam,
-            )
-        status = STATUSES.get(found.status, Status.SOLVER_ERROR)
+            horizon.planes.place_obstacles(obstacles)
+        values = horizon.numbers.values(t, start, end, parameters or {})
+        found = horizon.solve(values, self._deadline.left(began), as_guess(guess))
         solved = time.perf_counter()
-        w = formulation.columns(found.y)
-        outputs = formulation.nlp.outputs(w)
-        violation = _violation(formulation, w, outputs)
-        fresh = violation <= FEASIBLE
-        if fresh or (status in UNFINISHED and np.isfinite(violation)):
-            # The next step continues from an unfinished iterate. From the earlier one it would not finish either.
-            self._w, self._lam = w, found.lam
-        if fresh:
-            trajectory = extract(formulation.nlp, w, outputs)[0]
-            self._plan = PhaseSolution(self._phase, self.first.phases[0].mesh, trajectory)
-        ended = time.perf_counter()
-        self._returning = max(ended - solved, FORGOTTEN * self._returning)
-        return Replan(float(t), self._plan, fresh, status, violation, found.iterations, ended - began)
+        if found.fresh:
+            self._plan = horizon.motion(found)[0]
+        ended = self._deadline.returned(solved)
+        return Replan(float(t), self._plan, found.fresh, found.status, found.violation, found.iterations, ended - began)
 
     @property
     def phase(self) -> Phase:
-        """The phase that is planned, with the numbers of the first plan."""
-        return self._phase
-
-    @property
-    def _options(self) -> Options:
-        options: Options = load_native().Options(
-            tolerance=self._solver.tolerance,
-            max_iterations=self._solver.max_iterations,
-            initial_barrier=self._barrier,
-            barrier_factor=self._solver.barrier_factor or 100.0,
-            elimination_tolerance=1e-10,
-            bound_relaxation=1e-10,
-        )
-        return options
-
-
-def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
-    """Solve the problem of a plan again from its solution, with the rows on distances of every step."""
-    from robotraj.transcription.clearance.plane_rows import PlaneRows
-
-    settings, problem = first.settings, first.problem
-    assert settings is not None
-    how = settings.engine, settings.interval_limits, settings.smoothing
-    nlp = transcribe(problem, settings.mesh, FromSolution(first), *how)
-    rows = PlaneRows(nlp)
-    found = InteriorPoint(fallback=None).solve(rows.added(nlp))
-    return rows, origin_of(found.multipliers)
-
-
-def _violation(formulation: Formulation, w: Array, outputs: Sequence[Array]) -> float:
-    """Return the largest violation of a scaled row or bound, NaN for an iterate that is no number."""
-    nlp = formulation.nlp
-    rows, variables = nlp.rows, nlp.variables
-    values = nlp.values(w, outputs)
-    of_rows = np.maximum(rows.lower - values, values - rows.upper) * nlp.row_scale
-    of_bounds = np.maximum(variables.lower - w, w - variables.upper) / nlp.scale
-    return max(0.0, float(np.max(of_rows, initial=0.0)), float(np.max(of_bounds, initial=0.0)))
+        """The phase that is planned, with the numbers of the first plan; of a gait its first phase."""
+        return self.first.phases[0].phase

@@ -99,7 +99,7 @@ def test_free_durations_and_systems():
 
 
 def test_bad_input(reach, ur5):
-    with pytest.raises(rt.InputError, match="one phase"):
+    with pytest.raises(rt.InputError, match="no rt.Periodic or rt.Mirror closes it"):
         rt.Replanner(rt.Problem([reach, reach.with_(start=None)], links=[rt.Continuity(0, 1)]))
     with pytest.raises(rt.InputError, match="fixed start"):
         rt.Replanner(reach.with_(start=rt.State(q=START)), mesh=rt.Mesh(10))
