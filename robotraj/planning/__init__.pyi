@@ -6,6 +6,8 @@ Start with ``plan.py``. The room may import every room but ``cli``.
 from .compilation import Compilation, precompile
 from .continuation import ContinuationStep, tightening
 from .kinematic import Kinematic
+from .many.designs.codesign import Codesign, codesign
+from .many.designs.pareto import Front, FrontPoint, pareto
 from .many.failure import Failure
 from .many.libraries.library import Library, library
 from .many.multistart import Multistart, Optimum, multistart
@@ -21,9 +23,12 @@ from .replanning.replan import Replan
 from .settings import Restarts, Settings
 
 __all__ = [
+    "Codesign",
     "Compilation",
     "ContinuationStep",
     "Failure",
+    "Front",
+    "FrontPoint",
     "Interrupted",
     "Kinematic",
     "Library",
@@ -34,11 +39,13 @@ __all__ = [
     "Restarts",
     "Settings",
     "as_path",
+    "codesign",
     "driven",
     "library",
     "multistart",
     "override",
     "plan",
+    "pareto",
     "precompile",
     "retime",
     "stop_on_path",

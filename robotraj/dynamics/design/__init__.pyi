@@ -2,6 +2,7 @@
 
 from .binding import Design, realised
 from .damping import JointDamping
+from .gear import GearRatio
 from .length import LinkLength
 from .mass import BodyMass
 from .payload import Payload
@@ -10,6 +11,7 @@ from .quantity import Quantity
 __all__ = [
     "BodyMass",
     "Design",
+    "GearRatio",
     "JointDamping",
     "LinkLength",
     "Payload",

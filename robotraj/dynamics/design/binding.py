@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Design(OneLine):
-    """A robot whose masses, lengths, payloads or damping are parameters.
+    """A robot whose masses, lengths, payloads, damping or gear ratios are parameters.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Design(OneLine):
                 raise InputError(
                     f"design= has {quantity!r} for parameter {name!r}; give a quantity of the robot: "
                     "rt.design.BodyMass('link'), rt.design.LinkLength('joint'), rt.design.Payload('frame'), "
-                    "rt.design.JointDamping('joint') or a list of them."
+                    "rt.design.JointDamping('joint'), rt.design.GearRatio('joint', 1e-5) or a list of them."
                 )
             key = quantity.check(self.robot)
             if key and key in taken:
@@ -110,7 +110,7 @@ class Design(OneLine):
     def realise(self, values: Mapping[str, float]) -> Robot:
         """Return a copy of the robot whose model has the quantities at given values of the parameters.
 
-        Inertias, joint placements, frame placements and damping change. Limits, names and shapes stay.
+        Inertias, joint placements, frame placements, damping and armature change. Limits, names and shapes stay.
         """
         bodies = self.bodies({name: float(values[name]) for name, _ in self.entries})
         model = self.robot.model.copy()
@@ -124,6 +124,8 @@ class Design(OneLine):
             origin = np.array(ca.DM(bodies.frame_translation(frame))).ravel()
             model.frames[frame].placement.translation = origin
         damping = np.array(ca.DM(bodies.damping)).ravel()
+        if (added := bodies.added_armature) is not None:
+            model.armature = model.armature + np.array(ca.DM(added)).ravel()
         return replace(self.robot, model=model, damping=damping)
 
 

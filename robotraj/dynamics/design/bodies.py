@@ -1,4 +1,4 @@
-"""Mass moments, placements and damping of a robot's bodies, which the quantities of a design replace."""
+"""Mass moments, placements, damping and armature of a robot's bodies, which the quantities of a design replace."""
 
 from __future__ import annotations
 
@@ -56,6 +56,7 @@ class Bodies:
         self._joints: dict[int, Column] = {}
         self._frames: dict[int, Column] = {}
         self._damping: dict[int, Scalar] = {}
+        self._armature: dict[int, Scalar] = {}
 
     def body(self, joint: int) -> Body:
         """Moments of a joint's body."""
@@ -91,6 +92,10 @@ class Bodies:
         """Replace the viscous damping of the joint at ``index`` of v [N m s/rad, N s/m]."""
         self._damping[index] = damping
 
+    def set_armature(self, index: int, armature: Scalar) -> None:
+        """Replace the armature of the joint at ``index`` of v [kg m^2, kg]."""
+        self._armature[index] = armature
+
     @property
     def moved_frames(self) -> tuple[int, ...]:
         """Frames whose placement on their joint differs from the model's."""
@@ -112,3 +117,11 @@ class Bodies:
     def damping(self) -> ca.SX:
         """Viscous damping of every joint, (nv,)."""
         return ca.vertcat(*(self._damping.get(i, own) for i, own in enumerate(self.robot.damping)))
+
+    @property
+    def added_armature(self) -> ca.SX | None:
+        """Armature of every joint beyond the model's, (nv,) [kg m^2, kg]; None where no quantity replaces one."""
+        if not self._armature:
+            return None
+        known = self.robot.model.armature
+        return ca.vertcat(*(self._armature[i] - own if i in self._armature else 0.0 for i, own in enumerate(known)))

@@ -42,6 +42,7 @@ class DesignedModel:
     def __init__(self, symbolic: SymbolicModel, bodies: Bodies) -> None:
         self._symbolic = symbolic
         self._inputs = ca.SX(bodies.inertias), ca.SX(bodies.translations)
+        self._armature = bodies.added_armature
         model = bodies.robot.model
         self._shifts = {
             model.frames[i].name: (
@@ -59,7 +60,23 @@ class DesignedModel:
     def __getattr__(self, name: str) -> Call:
         if name not in EXPRESSIONS:
             raise AttributeError(name)
-        return self._with_design(getattr(self._symbolic, name))
+        function = self._with_design(getattr(self._symbolic, name))
+        return function if self._armature is None else self._with_armature(name, function)
+
+    def _with_armature(self, name: str, function: Call) -> Call:
+        """Return a function with the added armature A: tau + A a, M + diag(A), T + v' A v / 2."""
+        added = self._armature
+        if name == "inverse_dynamics":
+            return lambda q, v, a, *more: function(q, v, a, *more) + added * a
+        if name == "mass_matrix":
+            return lambda q: function(q) + ca.diag(added)
+        if name == "kinetic_energy":
+            return lambda q, v: function(q, v) + 0.5 * ca.dot(v, added * v)
+        if name == "forward_dynamics":
+            # (M + A) a = M a0, in which a0 is the acceleration without it.
+            mass = self._with_design(self._symbolic.mass_matrix)
+            return lambda q, *more: ca.solve(mass(q) + ca.diag(added), ca.mtimes(mass(q), function(q, *more)))
+        return function
 
     def frame_placement(self, frame: str) -> Call:
         """``(q) -> (position, rotation)`` of the frame in world axes."""

@@ -26,6 +26,7 @@ from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.contacts.soles import FourCorners, PressureAndTorsion
 from robotraj.dynamics.design.damping import JointDamping
+from robotraj.dynamics.design.gear import GearRatio
 from robotraj.dynamics.design.length import LinkLength
 from robotraj.dynamics.design.mass import BodyMass
 from robotraj.dynamics.design.payload import Payload
@@ -137,8 +138,8 @@ OF_PROBLEMS: Mapping[str, type] = {
         MechanicalWork,
         # dynamics, contacts, terrain
         ForwardDynamics, InverseDynamics, Kinematics, FlatFoot, ImplicitContact, LineContact, LoopClosure,
-        PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, LinkLength, BodyMass,
-        Payload, Flat, HeightMap, Slope, Steps, ExternalForce, Thruster,
+        PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, GearRatio, LinkLength,
+        BodyMass, Payload, Flat, HeightMap, Slope, Steps, ExternalForce, Thruster,
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
