@@ -108,6 +108,12 @@ class OwnBody(OneLine):
         turn, at = rotations[self.joint[shape]], origins[self.joint[shape]]
         return Placed(self.solids[shape], turn @ self.rotation[shape], turn @ self.position[shape] + at)
 
+    def placed_along(self, shape: int, rotations: Array, origins: Array) -> list[Placed]:
+        """Place a shape at m configurations, by rotations (m, njoints, 3, 3) and origins (m, njoints, 3) [m]."""
+        turns, at = rotations[:, self.joint[shape]], origins[:, self.joint[shape]]
+        places = zip(turns @ self.rotation[shape], turns @ self.position[shape] + at, strict=True)
+        return [Placed(self.solids[shape], *place) for place in places]
+
     def touching(self, robot: Robot, q: Array) -> list[int]:
         """Return the pairs that overlap in a configuration (nq,), also by one shape inside the other."""
         rotations, origins = (each[0] for each in placements(robot, q[None]))

@@ -184,9 +184,13 @@ class Placed:
         """The placement as coal takes it."""
         return coal.Transform3s(self.rotation, self.position)
 
+    def in_world(self, points: Array) -> Array:
+        """Return points (n, 3) of this shape's axes in the world."""
+        return np.asarray(points @ self.rotation.T + self.position)
+
     def seen_from(self, other: Placed, points: Array) -> Array:
         """Return points (n, 3) of this shape in the axes of another one."""
-        return (points @ self.rotation.T + self.position - other.position) @ other.rotation
+        return np.asarray((self.in_world(points) - other.position) @ other.rotation)
 
 
 def _first_of_equal(rows: Array) -> npt.NDArray[np.int_]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +16,13 @@ from numpy.typing import NDArray
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
-from robotraj.robot.collision.placements import placements
-from robotraj.robot.collision.solids import Placed, hull_points, surface_points
 from robotraj.robot.robot import Robot
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.clearance.clearance_rows import with_distances
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of_links
 from robotraj.transcription.clearance.state_places import StateBetween, states_between
+from robotraj.transcription.clearance.surface_points import SurfacePoints, points_between
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 
@@ -33,16 +31,6 @@ Indices = NDArray[np.int_]
 Path = Callable[[Array], Array]
 """From fractions of a phase (m,) to configurations (m, nq)."""
 
-NEAR = 0.03
-"""Height above the other surface up to which a point has a row [m]."""
-APART = 1e-3
-"""Distance of convex hulls from which the plane between them is the row [m]."""
-TOUCHING = 1e-5
-"""Distance of shapes up to which their nearest points have no direction [m]."""
-POINTS = 4
-"""Largest number of points of one surface at one place."""
-SPREAD = 0.02
-"""Least distance between two of these points [m]."""
 ENDS = 0.1
 """Fraction of a phase in which the margin grows from its value at a fixed end."""
 FRACTIONS: Array = np.linspace(0.5 / 60, 1.0 - 0.5 / 60, 60)
@@ -72,8 +60,8 @@ class NearPair:
     margin: float
     ends: tuple[float, float]
     reach: float
-    known: dict[int, list[_SurfacePoints]] = field(default_factory=dict, repr=False)
-    """Points of all places that were computed before, by the shape that carries the first ones."""
+    known: list[tuple[SurfacePoints, SurfacePoints]] = field(default_factory=list, repr=False)
+    """Points of both surfaces at all places, once they are computed."""
 
     @cached_property
     def configurations(self) -> Array:
@@ -98,17 +86,6 @@ class NearSurfaces:
     pairs: tuple[NearPair, ...]
 
 
-class _SurfacePoints(NamedTuple):
-    """Points of one surface near another one: both points in their joints' frames (n, 3), and normals (n, 3)."""
-
-    first: Array
-    second: Array
-    normals: Array
-
-
-NONE = _SurfacePoints(*np.zeros((3, 0, 3)))
-
-
 def with_surface_rows(nlp: Nlp, every: Sequence[NearSurfaces | None]) -> Nlp:
     """Append the rows of each phase to an NLP."""
     table, blocks = ScalarTable.after(nlp.rows), list[Block]()
@@ -124,19 +101,15 @@ def _blocks(
     nlp: Nlp, near: NearSurfaces, phase: int, places: list[StateBetween], each: NearPair, table: ScalarTable
 ) -> list[Block]:
     """Return the blocks of a pair: one for the points of each of both surfaces."""
-    first, second = near.body.pairs[each.pair].tolist()
     numbers = table.numbers([Entry(phase, "clearance", near.body.label(each.pair), "m")])
+    first, second = near.body.joint[near.body.pairs[each.pair]].tolist()
+    functions = function_of_links(near.robot, first, second), function_of_links(near.robot, second, first)
     found = []
-    for inner, outer in ((first, second), (second, first)):
-        function = function_of_links(near.robot, int(near.body.joint[inner]), int(near.body.joint[outer]))
-        chosen = _known_points(near, each, function, inner, outer)
-        counts = [len(points.first) for points in chosen]
-        if not any(counts):
+    for function, points in zip(functions, _known_points(near, each, functions[0].positions), strict=True):
+        at, *coordinates = points
+        if not len(at):
             continue
-        at = np.repeat(np.arange(len(places)), counts)
-        constants = np.concatenate(
-            [np.column_stack([p.first, p.second, p.normals, np.zeros(len(p.first))]) for p in chosen]
-        )
+        constants = np.column_stack([*coordinates, np.zeros(len(at))])
         rank = table.add_above(np.repeat(numbers, len(at)), FRACTIONS[at], _lower(each, FRACTIONS[at]))
         found.append(_block(nlp, function, [places[k] for k in at.tolist()], constants, rank))
     return found
@@ -164,80 +137,12 @@ def _lower(each: NearPair, fractions: Array) -> Array:
     return np.asarray((grown + (each.margin - grown) * away).min(axis=1))
 
 
-def _known_points(
-    near: NearSurfaces, each: NearPair, function: DistanceFunction, inner: int, outer: int
-) -> list[_SurfacePoints]:
-    """Return the points of each place; they are computed once."""
-    if inner not in each.known:
-        body = near.body
+def _known_points(near: NearSurfaces, each: NearPair, positions: Indices) -> tuple[SurfacePoints, SurfacePoints]:
+    """Return the points of both surfaces at all places; they are computed once."""
+    if not each.known:
+        first, second = near.body.pairs[each.pair].tolist()
+        # The joints that move neither of the two against the other are neutral, as they are in the rows.
         q = np.tile(near.robot.neutral, (len(each.configurations), 1))
-        q[:, function.positions] = each.configurations[:, function.positions]
-        each.known[inner] = [
-            _points(body, inner, outer, body.placed(inner, *joints), body.placed(outer, *joints), each.reach)
-            for joints in zip(*placements(near.robot, q), strict=True)
-        ]
-    return each.known[inner]
-
-
-def _points(body: OwnBody, inner: int, outer: int, moves: Placed, stays: Placed, reach: float) -> _SurfacePoints:
-    """Return points of a surface and of another one that are near each other where the two shapes are."""
-    # The nearest points are those of one side.
-    nearest, is_first = hull_points(moves, stays), inner < outer
-    if nearest[0] > APART:
-        # One plane separates the hulls.
-        return _between(body, inner, outer, moves, stays, nearest) if is_first and nearest[0] <= reach else NONE
-    nearest = surface_points(moves, stays) if is_first else (0.0, *nearest[1:])
-    first = _between(body, inner, outer, moves, stays, nearest) if nearest[0] > TOUCHING else NONE
-    lowest = _lowest(body, inner, outer, moves, stays)
-    return _SurfacePoints(*map(np.concatenate, zip(first, lowest, strict=True)))
-
-
-def _between(
-    body: OwnBody, inner: int, outer: int, moves: Placed, stays: Placed, nearest: tuple[float, Array, Array]
-) -> _SurfacePoints:
-    """Return the nearest points of two shapes that are apart."""
-    apart, *points = nearest
-    own, other = (
-        _in_joint(body, shape, (point - each.position) @ each.rotation)[None]
-        for shape, each, point in zip((inner, outer), (moves, stays), points, strict=True)
-    )
-    return _SurfacePoints(own, other, (points[0] - points[1])[None] / apart)
-
-
-def _lowest(body: OwnBody, inner: int, outer: int, moves: Placed, stays: Placed) -> _SurfacePoints:
-    """Return the lowest points of a surface above another one, at least ``SPREAD`` apart."""
-    own = moves.solid.spots
-    there = moves.seen_from(stays, own)
-    lower, upper = stays.solid.box
-    close = np.flatnonzero(np.all((there > lower - NEAR) & (there < upper + NEAR), axis=1))
-    if not close.size or not len(stays.solid.spots):
-        return NONE
-    heights = stays.solid.heights(there[close], NEAR)
-    close, heights = close[heights < NEAR], heights[heights < NEAR]
-    chosen: list[int] = []
-    while close.size and len(chosen) < POINTS:
-        chosen.append(int(close[np.argmin(heights)]))
-        apart = np.linalg.norm(own[close] - own[chosen[-1]], axis=1) > SPREAD
-        close, heights = close[apart], heights[apart]
-    if not chosen:
-        return NONE
-    kept, feet, normals = _feet(stays, there[chosen])
-    return _SurfacePoints(
-        _in_joint(body, inner, own[chosen][kept]), _in_joint(body, outer, feet), normals @ stays.rotation.T
-    )
-
-
-def _feet(stays: Placed, points: Array) -> tuple[Indices, Array, Array]:
-    """Return which points are near a surface, the nearest points on it and its normals there, all in its axes."""
-    inside = stays.solid.contains(points)
-    feet = np.array([stays.solid.nearest(point) for point in points])
-    apart = points - feet
-    length = np.linalg.norm(apart, axis=1)
-    normals = np.where(inside, -1.0, 1.0)[:, None] * apart / np.maximum(length, 1e-12)[:, None]
-    # A point on the surface has no direction to it.
-    kept = np.flatnonzero((inside | (length < NEAR)) & (length > 1e-6))
-    return kept, feet[kept], normals[kept]
-
-
-def _in_joint(body: OwnBody, shape: int, points: Array) -> Array:
-    return np.asarray(points @ body.rotation[shape].T + body.position[shape])
+        q[:, positions] = each.configurations[:, positions]
+        each.known.append(points_between(near.robot, near.body, first, second, q, each.reach))
+    return each.known[0]

@@ -10,13 +10,8 @@ from robotraj.robot.collision.own_body import own_body
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.solids import distance, hull_distance
 from robotraj.transcription.clearance.state_places import state_places, states_between
-from robotraj.transcription.clearance.surface_rows import (
-    APART,
-    FRACTIONS,
-    NearPair,
-    NearSurfaces,
-    with_surface_rows,
-)
+from robotraj.transcription.clearance.surface_points import APART
+from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair, NearSurfaces, with_surface_rows
 from robotraj.transcription.nlp import Nlp
 from tests.programs import nlp_of
 
