@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import Contact, copied
+from robotraj.robot.collision.solids import Solid
 from robotraj.robot.robot import Robot
+from robotraj.robot.root import root_of
 from robotraj.robot.sides.images import places_of
 from robotraj.robot.sides.other_side import WORDS as WORDS_OF_NAMES
 
@@ -20,6 +23,10 @@ WORDS = ("sole", "foot", "toe")
 """Parts of the names of feet; the first one that any frame has is used."""
 LEVEL = 0.15
 """Height above the lowest end of a limb up to which others are feet too, relative to that of the robot."""
+
+SHANK = 0.25
+"""Depth of a link's shapes below its joint, relative to the distance of the joint from the hip, above which the link is
+a part of a leg and no foot."""
 
 
 def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
@@ -32,8 +39,8 @@ def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        A frame does not exist or is named twice, or there are no feet by name and place. The message lists the frames
-        at the ends of the limbs.
+        A frame does not exist or is named twice, there are no feet by name and place, or legs have no frames at their
+        ends. The message lists the frames at the ends of the limbs.
     """
     if feet is not None:
         names = (feet,) if isinstance(feet, str) else tuple(feet)
@@ -49,6 +56,7 @@ def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
             return tuple(name for name in found if len(_words(name)) == _fewest_words(robot, name, found))
     standing = standing_ends(robot)
     if len(standing) > 1:
+        _check_ends(robot, standing)
         return standing
     raise InputError(
         f"No frame of {robot.name!r} is named like a foot; give feet=[...]. Frames at the ends of its limbs: "
@@ -56,16 +64,62 @@ def feet_of(robot: Robot, feet: Sequence[str] | None) -> tuple[str, ...]:
     )
 
 
+def _check_ends(robot: Robot, feet: Sequence[str]) -> None:
+    """Check that the legs do not reach far beyond the frames of their feet.
+
+    Raises
+    ------
+    InputError
+        A foot is the frame of a long link at its last joint, such as a knee, and the end of this link has no frame.
+    """
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, robot.neutral)
+    hips, found = len(root_of(robot.root).joints) + 1, []
+    lowest = _lowest_points(robot, data)
+    for foot in feet:
+        frame = model.frames[robot.frame(foot)]
+        joint, chain = frame.parentJoint, model.supports[frame.parentJoint]
+        if len(chain) > hips and not frame.placement.translation.any():
+            leg = data.oMi[joint].translation - data.oMi[chain[hips]].translation
+            if data.oMi[joint].translation[2] - lowest.get(joint, np.inf) > SHANK * np.linalg.norm(leg):
+                found.append(frame)
+    if found:
+        names = ", ".join(repr(str(frame.name)) for frame in found)
+        raise InputError(
+            f"The legs of {robot.name!r} have no frames at their ends: those of links {names} are at the joints before "
+            "them. Add a link by a fixed joint at the end of each leg to the URDF, and name these in feet=[...]. If "
+            "the origins of the links do touch the ground, name the links in feet=[...]."
+        )
+
+
+def _lowest_points(robot: Robot, data: pin.Data) -> dict[int, float]:
+    """Return the height of the lowest corner of the boxes around the collision shapes of each joint [m]."""
+    lowest: dict[int, float] = {}
+    for shape in robot.collision_model.geometryObjects:
+        place = data.oMi[shape.parentJoint] * shape.placement
+        corners = product(*np.transpose(Solid(shape.geometry).box))
+        heights = [float(place.act(np.array(corner))[2]) for corner in corners]
+        lowest[shape.parentJoint] = min(*heights, lowest.get(shape.parentJoint, np.inf))
+    return lowest
+
+
 def standing_ends(robot: Robot) -> tuple[str, ...]:
     """Return the lowest frame of each limb that reaches the ground with the root upright, in the neutral configuration.
 
-    A limb reaches it if it ends within ``LEVEL`` of the height of the robot from the lowest one, below the root.
+    A limb reaches it if it ends within ``LEVEL`` of the height of the robot from the lowest one, below the root. The
+    frame of a limb's last joint is no end of the limb where other frames move with it: it is the lowest one of a leg
+    that is folded up.
     """
     places, model = places_of(robot, robot.neutral), robot.model
     lowest: dict[int, str] = {}
+    at_joint: set[str] = set()
     for name in limb_ends(robot):
-        joint = int(model.frames[robot.frame(name)].parentJoint)
-        if joint not in lowest or places[name][2] <= places[lowest[joint]][2]:
+        frame = model.frames[robot.frame(name)]
+        joint = int(frame.parentJoint)
+        if not frame.placement.translation.any():
+            at_joint.add(name)
+        first = joint not in lowest or lowest[joint] in at_joint
+        if first or (name not in at_joint and places[name][2] <= places[lowest[joint]][2]):
             lowest[joint] = name
     heights = np.array([places[name][2] for name in lowest.values()])
     root = places[next(frame.name for frame in model.frames if frame.parentJoint == 1)][2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -89,3 +90,35 @@ def test_feet_of_robots_without_the_word(name, feet):
     robot = rt.load(name, root="floating")
     assert set(rt.gait.feet_of(robot, None)) == feet
     assert np.isfinite(rt.gait.stand(robot)).all()
+
+
+def test_legs_without_frames_at_their_ends_are_named(tmp_path):
+    dog(tmp_path, NAMES["nothing"])
+    tree = ElementTree.parse(tmp_path / "dog.urdf")
+    root = tree.getroot()
+    for each in [*root]:
+        if each.get("name") in (*NAMES["nothing"], *(f"{leg}_tip" for leg in LEGS)):
+            root.remove(each)
+    ball = '<collision><origin xyz="0 0 -0.25"/><geometry><sphere radius="0.02"/></geometry></collision>'
+    for leg in LEGS:
+        root.find(f"link[@name='shank_{leg}']").append(ElementTree.fromstring(ball))
+    tree.write(tmp_path / "dog.urdf")
+    robot = rt.load(tmp_path / "dog.urdf", root="floating")
+    with pytest.raises(rt.InputError, match="no frames at their ends: those of links 'shank_fl', .* fixed joint"):
+        rt.gait.feet_of(robot, None)
+    shanks = [f"shank_{leg}" for leg in LEGS]
+    assert rt.gait.feet_of(robot, shanks) == tuple(shanks)
+
+
+def test_the_frame_of_a_last_joint_is_no_foot_where_the_leg_goes_on(tmp_path):
+    """A shank that is folded up ends above its knee, whose frame is then the lowest one of the leg."""
+    dog(tmp_path, NAMES["nothing"])
+    text = (tmp_path / "dog.urdf").read_text(encoding="utf-8")
+    folded = text.replace(KNEE, LIMIT.format(0.3, 2.8))
+    for foot in NAMES["nothing"]:
+        tip = f'<child link="{foot}"/><origin xyz="0 0 -0.25"/>'
+        assert tip in folded
+        folded = folded.replace(tip, tip.replace("-0.25", "0.25"))
+    (tmp_path / "dog.urdf").write_text(folded, encoding="utf-8")
+    robot = rt.load(tmp_path / "dog.urdf", root="floating")
+    assert sorted(rt.gait.feet_of(robot, None)) == sorted(NAMES["nothing"])
