@@ -87,8 +87,8 @@ def _check_ends(robot: Robot, feet: Sequence[str]) -> None:
         names = ", ".join(repr(str(frame.name)) for frame in found)
         raise InputError(
             f"The legs of {robot.name!r} have no frames at their ends: those of links {names} are at the joints before "
-            "them. Add a link by a fixed joint at the end of each leg to the URDF, and name these in feet=[...]. If "
-            "the origins of the links do touch the ground, name the links in feet=[...]."
+            "them. Add a frame at the end of each leg (a link on a fixed joint, or a site of MJCF), and name these "
+            "in feet=[...]. If the origins of the links do touch the ground, name the links in feet=[...]."
         )
 
 
@@ -140,13 +140,15 @@ def _fewest_words(robot: Robot, name: str, names: Sequence[str]) -> int:
 
 
 def limb_ends(robot: Robot) -> tuple[str, ...]:
-    """Return the links that are fixed to joints without child joints."""
+    """Return the links, and the sites of MJCF, that are fixed to joints without child joints."""
     model = robot.model
     carrying = {model.parents[i] for i in range(1, model.njoints)}
     return tuple(
         frame.name
         for frame in model.frames
-        if frame.type == pin.FrameType.BODY and frame.parentJoint and frame.parentJoint not in carrying
+        if frame.type in (pin.FrameType.BODY, pin.FrameType.OP_FRAME)
+        and frame.parentJoint
+        and frame.parentJoint not in carrying
     )
 
 

@@ -122,3 +122,20 @@ def test_the_frame_of_a_last_joint_is_no_foot_where_the_leg_goes_on(tmp_path):
     (tmp_path / "dog.urdf").write_text(folded, encoding="utf-8")
     robot = rt.load(tmp_path / "dog.urdf", root="floating")
     assert sorted(rt.gait.feet_of(robot, None)) == sorted(NAMES["nothing"])
+
+
+def test_sites_of_mjcf_at_the_ends_of_legs_are_feet(tmp_path):
+    inertial = '<inertial pos="0 0 -0.1" mass="0.5" diaginertia="0.01 0.01 0.01"/>'
+    legs = "".join(
+        f'<body name="thigh_{leg}" pos="{x} {y} 0"><joint name="{leg}_hip" axis="0 1 0" range="-1 2"/>{inertial}'
+        f'<body name="shank_{leg}" pos="0 0 -0.2"><joint name="{leg}_knee" axis="0 1 0" range="-2.4 -0.2"/>{inertial}'
+        f'<geom type="sphere" size="0.02" pos="0 0 -0.2"/><site name="{leg}_tip" pos="0 0 -0.2"/></body></body>'
+        for leg, (x, y) in LEGS.items()
+    )
+    (tmp_path / "dog.xml").write_text(
+        '<mujoco model="dog"><compiler angle="radian" autolimits="true"/><worldbody><body name="trunk"><freejoint/>'
+        f'<inertial pos="0 0 0" mass="8" diaginertia="0.1 0.1 0.1"/>{legs}</body></worldbody></mujoco>',
+        encoding="utf-8",
+    )
+    robot = rt.load(tmp_path / "dog.xml", root="floating")
+    assert sorted(rt.gait.feet_of(robot, None)) == sorted(f"{leg}_tip" for leg in LEGS)
