@@ -87,11 +87,9 @@ class Study(OneLine):
         InputError
             No case has the key, or its problem failed.
         """
-        table = self.store.table(["key", "t", *CURVES])
-        keys = table.column("key").to_pylist()
-        if key not in keys:
-            raise unknown_name("case of the study with the key", key, keys)
-        (row,) = table.slice(keys.index(key), 1).to_pylist()
+        row = self.store.row(key, ["t", *CURVES])
+        if row is None:
+            raise unknown_name("case of the study with the key", key, self.store.keys())
         if row["t"] is None:
             raise InputError(f"Case {key!r} has no motion, since its plan failed; see study.failures.")
         curves = {name: np.array(row[name], np.float32) for name in CURVES if row[name] is not None}
