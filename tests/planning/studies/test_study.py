@@ -303,15 +303,14 @@ REACHES = [{"shoulder": s, "elbow": e} for s in (1.0, 1.2) for e in (0.4, 0.6)]
 
 
 def test_a_study_is_a_library_also_after_it_is_opened_again(tmp_path: Path) -> None:
-    """Its plans start on the mesh of the nearest solution, read from its file."""
+    """Its plans start at the nearest motion, read from its file, and share the mesh of the first."""
     rt.sweep(reach, REACHES, store=tmp_path / "store", keep="all", executor=ThreadPoolExecutor(1))
     with pytest.raises(rt.InputError, match="keeps no function"):
         rt.Study(tmp_path / "store").library()
     library = rt.Study(tmp_path / "store").library(reach)
     case = {"shoulder": 1.05, "elbow": 0.5}
-    for _ in range(2):
-        found = library.plan(case)
-        assert found.proved and found.phases[0].mesh == library.nearest(case).phases[0].mesh
+    first, found = library.plan({"shoulder": 1.1, "elbow": 0.45}), library.plan(case)
+    assert first.proved and found.proved and found.phases[0].mesh == first.phases[0].mesh
     assert found.objective == pytest.approx(rt.plan(reach(case)).objective, rel=1e-3)
     assert library.answer(case).fresh
 

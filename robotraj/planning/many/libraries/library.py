@@ -238,12 +238,15 @@ def library(
         neighbours.add(cases[at], found)
         away = np.minimum(away, np.sum((rows - rows[at]) ** 2, axis=1))
     solved = sorted(known)
-    return Library(
+    made = Library(
         make,
         tuple(dict(cases[i]) for i in solved),
         tuple(known[i] for i in solved),
         tuple((dict(cases[i]), failed[i]) for i in sorted(failed)),
     )
+    # Later plans use the program of the first one as well.
+    made.__dict__["_neighbours"] = neighbours
+    return made
 
 
 def _posed(given: Problem | Phase) -> Problem:

@@ -1,11 +1,11 @@
-"""Solved neighbours of a case: a plan starts from the mesh, the program, the multipliers and the proof of the nearest.
+"""Solved neighbours of a case, from the nearest of which its plan starts: with its motion, multipliers and proof.
 
-Solutions keep raw multipliers. One program a mesh is kept, of the last plan on it, for all solutions on that mesh.
+All plans start on the mesh of the first one and use its program. The first plan is more accurate than its goal, so that
+the others mostly need no further mesh. Solutions keep raw multipliers and no program.
 """
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -17,12 +17,13 @@ from robotraj._util.errors import InputError
 from robotraj.guess.from_solution import FromSolution
 from robotraj.planning.many.one_of_many import continued, planned
 from robotraj.problem.problem import Problem
+from robotraj.solution.proof import Goals
 from robotraj.solution.released import released
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import LazyMultipliers
 from robotraj.solvers.compiled import CompiledOrigin, origin_of
 from robotraj.solvers.kept_multipliers import KeptMultipliers
-from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.extract import extract
 from robotraj.transcription.transcribe import start_of
 
 if TYPE_CHECKING:
@@ -31,8 +32,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Case = Mapping[str, float]
 
-PROGRAMS = 2
-"""Number of meshes whose programs are kept."""
+RESERVE = 4.0
+"""Ratio by which the equations of the first plan are more accurate than their goal, for the others on its mesh."""
+GOALS = "mesh", "tolerance", "goals", "settings"
+"""Options of a plan that decide on its mesh or on its goals."""
 
 
 class Neighbours:
@@ -49,15 +52,12 @@ class Neighbours:
         self._ranges = np.array([ranges[name] or 1.0 for name in self.names])
         self._rows: list[Array] = []
         self._solutions: list[Solution | Callable[[], Solution]] = []
-        self._programs: OrderedDict[tuple[Mesh, ...], Solution] = OrderedDict()
+        self._first: Solution | None = None
 
     def add(self, case: Case, solution: Solution | Callable[[], Solution]) -> None:
         """Add a solution, or the function that reads it from its file when it is the nearest one."""
         self._rows.append(self._row(case))
-        if isinstance(solution, Solution):
-            self._keep_program(solution)
-            solution = released(solution)
-        self._solutions.append(solution)
+        self._solutions.append(released(solution) if isinstance(solution, Solution) else solution)
 
     def nearest(self, case: Case) -> Solution | None:
         """Return the solution of the nearest case; None where there is none."""
@@ -72,52 +72,54 @@ class Neighbours:
     def plan(self, options: GuessedChoices, problem: Problem, case: Case) -> Solution:
         """Plan the problem of a case from the nearest solution, if there is one."""
         near = self.nearest(case)
-        if near is None:
-            return planned(options, problem, keep_program=True)
-        found = continued(options, problem, self._with_program(near))
-        self._keep_program(found)
+        if self._first is not None:
+            return continued(options, problem, self._first if near is None else _on_mesh_of(self._first, near))
+        found = _first_plan(options if near is None else {**options, "guess": near}, problem)
+        if found.success:
+            self._first = found
         return found
 
     def _row(self, case: Case) -> Array:
         return row_of(case, self.names) / self._ranges
 
-    def _keep_program(self, solution: Solution) -> None:
-        """Keep the program of a solution for its mesh, if the program can serve other ones."""
-        origin = origin_of(solution.multipliers)
-        if origin is None or solution.added_rows or origin.nlp.keeps_clear or not solution.success:
-            return
-        meshes = _meshes(solution)
-        self._programs[meshes] = solution
-        self._programs.move_to_end(meshes)
-        while len(self._programs) > PROGRAMS:
-            self._programs.popitem(last=False)
 
-    def _with_program(self, known: Solution) -> Solution:
-        """Return a solution with the program that is kept for its mesh, at its own motion and multipliers."""
-        holder = self._programs.get(_meshes(known))
-        origin = None if holder is None else origin_of(holder.multipliers)
-        if holder is None or origin is None or known.added_rows:
-            return known
-        moved = _moved(origin, known)
-        given = known.multipliers or holder.multipliers
-        assert given is not None
-        multipliers = LazyMultipliers(lambda: given.plain, given.sizes, moved)
-        return replace(known, problem=holder.problem, multipliers=multipliers)
+def _first_plan(options: GuessedChoices, problem: Problem) -> Solution:
+    """Plan with a reserve of accuracy, unless the options decide on the mesh or the goals."""
+    if not any(options.get(name) is not None for name in GOALS):
+        goals = Goals()
+        found = planned({**options, "goals": replace(goals, error=goals.error / RESERVE)}, problem, keep_program=True)
+        if found.proved and found.proof is not None:
+            return replace(found, proof=replace(found.proof, goals=goals))
+    return planned(options, problem, keep_program=True)
+
+
+def _on_mesh_of(first: Solution, near: Solution) -> Solution:
+    """Return the motion, multipliers and proof of a solution on the mesh and the program of the first one.
+
+    Where that program cannot serve others, the solution is returned as it is.
+    """
+    origin = origin_of(first.multipliers)
+    if origin is None or first.added_rows or origin.nlp.keeps_clear or len(near.phases) != len(first.phases):
+        return near
+    moved = _moved(origin, near)
+    trajectories = extract(moved.nlp, moved.w)
+    phases = tuple(replace(part, trajectory=own) for part, own in zip(first.phases, trajectories, strict=True))
+    given = first.multipliers
+    assert given is not None
+    multipliers = LazyMultipliers(lambda: given.plain, given.sizes, moved)
+    return replace(first, phases=phases, proof=near.proof, multipliers=multipliers)
 
 
 def _moved(origin: CompiledOrigin, known: Solution) -> CompiledOrigin:
     """Return the origin of a program at another motion on its mesh, with that motion's multipliers if it has some."""
     kept, nlp = known.multipliers, origin.nlp
-    if isinstance(kept, KeptMultipliers) and kept.w.shape == origin.w.shape and kept.lam.shape == origin.lam.shape:
+    meshes = [part.mesh for part in known.phases] == [layout.mesh for layout in nlp.layouts]
+    if meshes and isinstance(kept, KeptMultipliers) and kept.lam.shape == origin.lam.shape:
         w, lam = kept.w, kept.lam
     else:
         w = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, FromSolution(known))
         lam = origin.lam
     return CompiledOrigin(nlp, w, origin.formulation, lam, origin.compiled, origin.accuracy)
-
-
-def _meshes(solution: Solution) -> tuple[Mesh, ...]:
-    return tuple(part.mesh for part in solution.phases)
 
 
 def row_of(case: Case, names: Sequence[str]) -> Array:
