@@ -12,6 +12,8 @@ from robotraj.solution.records import Lack
 
 SMOOTH = 0.02
 """Largest height of teeth of a control, relative to its limit."""
+FRICTION = 3e-3
+"""Share of Coulomb's friction that may be left out: the simulated joint then stays within a hundredth of its range."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,8 @@ class Proof(OneLine):
         Largest shortfall of a distance of ``CollisionFree`` in the proof [m]; 0 where all distances are proved.
     roughness : float
         Height of the largest teeth of a torque or another control, relative to its limit (``smoothness.roughness``).
+    friction : float
+        Share of Coulomb's friction that the smooth law leaves out (``planning.proving.sharp_friction``).
     """
 
     error: float
@@ -74,6 +78,7 @@ class Proof(OneLine):
     goals: Goals
     shortfall: float = 0.0
     roughness: float = 0.0
+    friction: float = 0.0
 
     @property
     def motion_holds(self) -> bool:
@@ -107,6 +112,8 @@ class Proof(OneLine):
         more = (Lack("distance not proved [m]", self.shortfall, 0.0),) if self.shortfall > 0.0 else ()
         if not self.is_smooth:
             more = (*more, Lack("teeth of a control, of its limit", self.roughness, SMOOTH))
+        if self.friction > 0.0:
+            more = (*more, Lack("dry friction left out by the smooth law", self.friction, FRICTION))
         return (
             Lack("error of the motion", self.error, self.goals.error),
             Lack("excess over limits", self.excess, self.goals.excess),

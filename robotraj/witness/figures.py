@@ -10,7 +10,6 @@ from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
-from robotraj.witness.checks.friction import FrictionGap
 from robotraj.witness.checks.objective import ObjectiveCheck
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.checks.torques import RateError, TorqueError
@@ -64,8 +63,7 @@ class Tolerances(OneLine):
     objective : float or None
         Largest relative difference between the stated objective and the cost of the motion.
     friction : float or None
-        Largest difference of smoothed from Coulomb friction in the mean over a phase, relative to the joint's load.
-        Above it the model is not judged.
+        Largest deviation of a machine with Coulomb's friction, scaled as ``tracking``.
     followed : float or None
         Largest deviation of a joint [rad, m] in MuJoCo, which simulates the plan under ``solution.gains`` if this is
         given. It takes longer than all other checks.
@@ -88,7 +86,7 @@ class Tolerances(OneLine):
     drift: float | None = None
     torques: float | None = 5e-3
     objective: float | None = 2e-3
-    friction: float | None = 5e-2
+    friction: float | None = 2e-2
     followed: float | None = None
 
     def __post_init__(self) -> None:
@@ -150,8 +148,8 @@ class Figures(OneLine):
         Torques and forces against Pinocchio's; None for Systems, and where the time limit was reached before.
     rates : RateError or None
         Velocities against the derivatives of positions.
-    friction : FrictionGap or None
-        Smoothed dry friction against Coulomb's; None without dry friction.
+    friction : Drift, str or None
+        Deviation of a machine with Coulomb's friction, or why it was not simulated; None without dry friction.
     followed : Followed or None
         The robot in MuJoCo; None where ``followed=`` was not asked for.
     objective : ObjectiveCheck or None
@@ -199,7 +197,7 @@ class Figures(OneLine):
     stiff: float | None = None
     torques: TorqueError | None = None
     rates: RateError | None = None
-    friction: FrictionGap | None = None
+    friction: Drift | str | None = None
     followed: Followed | None = None
     objective: ObjectiveCheck | None = None
     proof: Proof | None = None

@@ -15,7 +15,6 @@ from robotraj.solution.reserves.shares import shares_of
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks import energy as energies
 from robotraj.witness.checks.clearance import clearance_of
-from robotraj.witness.checks.friction import friction_gap
 from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.objective import objective_check
 from robotraj.witness.checks.residual import Residual, residual_of
@@ -35,6 +34,7 @@ from robotraj.witness.report import Report
 from robotraj.witness.robustness.followed import Followed
 from robotraj.witness.robustness.followed import followed as follow
 from robotraj.witness.simulation.closed_loop import closed_loop_of
+from robotraj.witness.simulation.coulomb import coulomb_drift, has_dry_friction
 from robotraj.witness.simulation.local_error import local_errors
 from robotraj.witness.simulation.open_loop import open_loop
 
@@ -93,7 +93,7 @@ def validate(
     drift: float | None = None,
     torques: float | None = 5e-3,
     objective: float | None = 2e-3,
-    friction: float | None = 5e-2,
+    friction: float | None = 2e-2,
     followed: float | None = None,
     time_limit: float | None = TIME_LIMIT,
 ) -> Report:
@@ -116,7 +116,7 @@ def validate(
     - contact forces: those of the plan against those of the equations;
     - the ground: feet that swing stay above it, and land from above; left feet stay on the left of right ones;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
-    - dry friction near zero speed: the plan's smoothed law against Coulomb's;
+    - a machine with Coulomb's friction, which may stick, follows each phase within the limits of effort;
     - following, if ``followed=`` gives a deviation: MuJoCo's robot under ``solution.gains``;
     - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
@@ -203,7 +203,7 @@ def validate(
     tracked = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
     loads = within("torques", lambda: torque_error(phases, clock), torques is not None)
     rates = within("rates", lambda: rate_error(phases, sizes_of(solution)), torques is not None)
-    smoothed = within("model", lambda: friction_gap(phases, sizes_of(solution), clock), False)
+    rough = within("model", lambda: coulomb_drift(solution, clock), friction is not None)
     cost = within("objective", lambda: objective_check(solution, clock), objective is not None)
     residuals = within(
         "residuals between collocation points",
@@ -245,12 +245,12 @@ def validate(
         stiff=None if drifted is None else drifted.stiff,
         torques=loads,
         rates=rates,
-        friction=smoothed,
+        friction=rough,
         followed=second,
         objective=cost,
         proof=solution.proof,
         moves_robot=bool(robots),
-        has_friction=any(np.any(np.asarray(p.phase.robot.friction) > 0.0) for p in robots if p.phase.robot),
+        has_friction=any(map(has_dry_friction, phases)),
         avoids_collisions=any(each.avoids_collisions for p in robots for each in p.phase.constraints),
         clearances=tuple(each for nearest, _ in distances for each in nearest),
         self_collisions=tuple(each for body in bodies for each in body.overlaps),

@@ -108,6 +108,15 @@ class KeptApart:
             return replace(with_effort_of(found, before), status=found.status)
         return with_effort_of(found, before) if self._failed else with_effort_of(before, found)
 
+    @property
+    def surfaces(self) -> Sequence[NearSurfaces | None]:
+        """Links that the rows of the last plan keep apart, by phase."""
+        return () if self._search is None else self._search.surfaces
+
+    def is_free(self, found: Solution) -> bool:
+        """Whether no links overlap along a plan that did not along the one before."""
+        return all(pairs or not self._overlaps.of(k, found.phases[k]) for k, pairs in enumerate(self._open))
+
     def judged(self, found: Solution) -> Solution:
         """Return a solution whose proof does not hold where links overlap.
 

@@ -1,4 +1,4 @@
-"""Plan until the plan is proved between its points, and no links of the robot overlap."""
+"""Plan until the plan is proved between its points, by Coulomb's law, and no links of the robot overlap."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import replace
 from robotraj.planning.diagnosis.self_collision import overlapping_ends
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import KeptApart
+from robotraj.planning.proving.sharp_friction import sharpened
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -19,7 +20,7 @@ from robotraj.solvers.status import Status
 def prove(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
 ) -> Solution:
-    """Plan on finer and finer meshes until ``settings.goals`` hold, and again where links overlap.
+    """Plan on finer and finer meshes until ``settings.goals`` hold, again where links overlap, and by Coulomb's law.
 
     Where links overlap at a fixed end, one iteration on the first mesh is all that is solved.
     """
@@ -32,6 +33,7 @@ def prove(
         while (attempt := apart.next_attempt(found)) is not None:
             again = run(problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
             found = apart.kept(found, again)
+        found = sharpened(problem, found, settings, progress, apart)
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)
     return apart.judged(found)

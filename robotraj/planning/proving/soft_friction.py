@@ -57,14 +57,15 @@ def averaging_times(problem: Problem, meshes: Sequence[Mesh], found: Solution | 
 
 def _softer(phase: Phase, softening: float, averaging: float) -> Phase:
     dynamics = phase.dynamics
-    if not _has_friction(phase) or isinstance(dynamics, Kinematics):
+    if not has_friction(phase) or isinstance(dynamics, Kinematics):
         return phase
     if isinstance(dynamics, InverseDynamics):
         return replace(phase, dynamics=replace(dynamics, softening=softening, averaging=averaging))
     return replace(phase, dynamics=replace(dynamics, softening=softening))
 
 
-def _has_friction(phase: Phase) -> bool:
+def has_friction(phase: Phase) -> bool:
+    """Whether a robot on a fixed root moves against dry friction."""
     robot = phase.robot
     if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics):
         return False

@@ -1,15 +1,16 @@
-"""The plan's model of dry friction is near Coulomb's law with sticking."""
+"""A machine with dry friction by Coulomb's law, which may stick, follows the plan with its motors' limits."""
 
 from __future__ import annotations
 
 from robotraj.solution.claims.claim import Claim
 from robotraj.witness.claims.judged import LATE, Scope
+from robotraj.witness.claims.motion import off
 from robotraj.witness.figures import Figures, Tolerances
 
 SCOPE = Scope(
     "model",
-    "Coulomb's law on the planned speeds, in the mean over each phase",
-    "dry friction, which the plan smooths near zero speed, is that of Coulomb's law to a share of the joint's load",
+    "time-stepping simulation of Coulomb's law with sticking, under solution.gains and the limits of effort",
+    "dry friction, which the plan smooths near zero speed, lets the machine follow each phase from its planned state",
     "masses, inertias, damping and friction of the file; backlash, flexible joints, cables",
 )
 
@@ -18,16 +19,17 @@ def model(figures: Figures, tolerances: Tolerances) -> Claim | None:
     """Return the claim on the model of dry friction; None without dry friction."""
     if not figures.has_friction:
         return None
-    gap = figures.friction
-    if gap is None:
+    found = figures.friction
+    if found is None:
         return SCOPE.unknown(LATE)
+    if isinstance(found, str):
+        return SCOPE.unknown(f"There is no simulation: {found}.")
+    row = found.worst
     if tolerances.friction is None:
-        return SCOPE.unknown("No threshold was given.", gap.relative)
-    if gap.relative > tolerances.friction:
-        why = (
-            f"A joint moves so slowly that the plan smooths its dry friction away: {gap}, in phase {gap.phase!r}; "
-            f"{100 * tolerances.friction:.2g} percent are allowed. Give the robot a smaller friction_speed with "
-            "dataclasses.replace(robot, friction_speed=...)."
-        )
-        return SCOPE.unknown(why, gap.relative, tolerances.friction)
-    return SCOPE.judged([], gap.relative, tolerances.friction)
+        return SCOPE.unknown("No threshold was given.", row.relative)
+    advice = (
+        "the plan smooths dry friction too widely. Plan without mesh=, or give the robot a smaller friction_speed with "
+        "dataclasses.replace(robot, friction_speed=...)."
+    )
+    wrong = off("With Coulomb's friction, the robot leaves the plan:", row, tolerances.friction, advice)
+    return SCOPE.judged(wrong, row.relative, tolerances.friction)

@@ -10,6 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.loop import state
+from robotraj.planning.proving import sharp_friction
 from robotraj.transcription.interval_limits import full_friction
 
 GRAVITY = 9.81
@@ -101,6 +102,7 @@ def test_the_witness_notices_a_start_that_the_smooth_friction_alone_allows(
 ) -> None:  # type: ignore[no-untyped-def]
     for module in (full_friction, state):
         monkeypatch.setattr(module, "has_full_friction", lambda phase: False)
+    monkeypatch.setattr(sharp_friction, "FRICTION", np.inf)
     axis, (start, end) = LIFTS[0]
     ends = rt.State(q=[start], v=0), rt.State(q=[end], v=0)
     solution = rt.plan(rt.Phase(axis.robot(tmp_path), (0.01, 20), *ends, rt.Duration()))

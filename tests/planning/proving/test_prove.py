@@ -126,7 +126,7 @@ def test_dry_friction_is_met_step_by_step() -> None:
     phase = rt.Phase(robot, 1.5, start, end, rt.Effort())
     solution = rt.plan(phase)
     assert solution.success and solution.proof is not None and solution.proof.holds
-    assert solution.problem.phases[0].robot.friction_speed == robot.friction_speed
+    assert solution.problem.phases[0].robot.friction_speed <= robot.friction_speed
     at_once = rt.plan(phase, graded(48))
     assert solution.objective < at_once.objective
     assert rt.validate(solution).passed

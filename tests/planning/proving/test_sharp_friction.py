@@ -1,0 +1,55 @@
+"""Plans with dry friction are those of Coulomb's law: closed forms of one mass, from smooth friction on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robotraj as rt
+from robotraj.planning.proving.sharp_friction import missing_friction
+from robotraj.solution.proof import FRICTION
+from tests.lies import axis
+
+G = 9.81
+
+
+def mass(folder: Path, friction: float, smooth: float, speed: float, effort: float, way: str) -> rt.Robot:
+    """A mass of 2 kg on a slide."""
+    dynamics = f'<dynamics friction="{friction}"/>'
+    robot = axis(folder, mass=2.0, effort=effort, speed=speed, axis=way, dynamics=dynamics)
+    return replace(robot, friction_speed=smooth)
+
+
+@pytest.mark.parametrize(("friction", "smooth"), [(4.0, 0.05), (8.0, 0.05), (4.0, 0.5)])
+def test_the_least_effort_rests_for_as_long_as_coulombs_law_has_it(
+    tmp_path: Path, friction: float, smooth: float
+) -> None:
+    """Moving for S seconds costs F^2 S + 12 m^2 d^2 / S^3, and resting nothing."""
+    d, m = 0.2, 2.0
+    moving = (36.0 * m**2 * d**2 / friction**2) ** 0.25
+    ends = rt.State(q=[0], v=0), rt.State(q=[d], v=0)
+    solution = rt.plan(rt.Phase(mass(tmp_path, friction, smooth, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()))
+    assert solution.proof is not None and solution.proof.holds and 0.0 < solution.proof.friction <= FRICTION
+    assert solution.objective == pytest.approx(friction**2 * moving + 12.0 * m**2 * d**2 / moving**3, rel=3e-3)
+    (part,) = solution.phases
+    assert missing_friction(part) == pytest.approx(solution.proof.friction)
+    assert part.phase.robot is not None and part.phase.robot.friction_speed < smooth
+
+
+@pytest.mark.parametrize(
+    ("friction", "speed", "d"), [(4.0, 3.0, 0.2), (8.0, 3.0, 0.2), (8.0, 0.25, 0.2), (4.0, 100.0, 1)]
+)
+def test_the_least_time_of_a_lift_is_that_of_coulombs_law(
+    tmp_path: Path, friction: float, speed: float, d: float
+) -> None:
+    """Full force up to the speed at which full force downwards stops it at the end, or the speed limit."""
+    robot = mass(tmp_path, friction, min(0.5, max(0.05, speed / 64)), speed, 30.0, "0 0 1")
+    up, down = (30.0 - friction) / 2.0 - G, (30.0 + friction) / 2.0 + G
+    peak = np.sqrt(2.0 * d / (1.0 / up + 1.0 / down))
+    exact = peak / up + peak / down if peak < speed else d / speed + speed / 2.0 / up + speed / 2.0 / down
+    solution = rt.plan(rt.Phase(robot, (0.01, 20), rt.State(q=[0], v=0), rt.State(q=[d], v=0), rt.Duration()))
+    assert solution.proof is not None and solution.proof.holds
+    assert -1e-3 < solution.duration / exact - 1.0 < 3e-3
