@@ -30,8 +30,8 @@ WAITING = 3
 """Cases or chunks that wait for each worker, so that none is idle."""
 WINDOW = 5000
 """Chunks at once for an executor of unknown size."""
-WIDEST = 1000
-"""Largest number of cases of a chunk."""
+WIDEST, SHARES = 1000, 64
+"""Largest number of cases of a chunk, and the least number of chunks that are left for an executor of unknown size."""
 
 
 def plan_here(recipe: Recipe, cases: Iterator[tuple[str, Case]], store: Store, progress: Progress) -> None:
@@ -117,7 +117,7 @@ def plan_elsewhere(
             except Exception as error:
                 lost[chunk[0][0]] = f"{type(error).__name__}: {error}"
 
-    for chunk in _chunks(cases, progress):
+    for chunk in _chunks(cases, progress, 2 * known or SHARES):
         try:
             running[executor.submit(plan_chunk, data, chunk)] = chunk
         except RuntimeError as error:
@@ -131,13 +131,18 @@ def plan_elsewhere(
     return lost
 
 
-def _chunks(cases: Iterator[tuple[str, Case]], progress: Progress) -> Iterator[list[tuple[str, Case]]]:
-    """Yield cases of about ``CHUNK`` seconds of work, as measured so far; single ones before the first is done."""
+def _chunks(cases: Iterator[tuple[str, Case]], progress: Progress, shares: int) -> Iterator[list[tuple[str, Case]]]:
+    """Yield cases of about ``CHUNK`` seconds of work, as measured so far; single ones before the first is done.
+
+    A chunk is no larger than one of ``shares`` of the cases that are left, so that all workers end at about one time.
+    """
     chunk: list[tuple[str, Any]] = []
+    handed = 0
     for each in cases:
         chunk.append(each)
-        size = CHUNK * progress.done / max(progress.seconds, 1e-3)
-        if len(chunk) >= min(max(1.0, size), WIDEST):
+        size = min(CHUNK * progress.done / max(progress.seconds, 1e-3), (progress.total - handed) / shares, WIDEST)
+        if len(chunk) >= size:
+            handed += len(chunk)
             yield chunk
             chunk = []
     if chunk:

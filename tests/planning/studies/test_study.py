@@ -336,3 +336,20 @@ def test_a_chained_study_plans_from_what_its_process_has_solved(tmp_path: Path) 
     assert all(row["proved"] for row in other)
     assert sum(row["iterations"] for row in other) < 0.8 * sum(row["iterations"] for row in one)
     assert not {row["key"] for row in one} & {row["key"] for row in other}
+
+
+@pytest.mark.parametrize("shares", [4, 64])
+def test_chunks_are_shares_of_the_cases_that_are_left(shares: int) -> None:
+    """No chunk is larger than its share, every case is in one, and none is empty."""
+    from robotraj.planning.studies.progress import Progress
+
+    count = 500
+    shown = Progress(count, show=False)
+    shown.add(10, 0, 0.1, "first")  # 10 ms each: 20 s of work are 2000 cases
+    every = [(str(i), {"T": 1.0 + i}) for i in range(count)]
+    sizes = [len(chunk) for chunk in dispatch._chunks(iter(every), shown, shares)]
+    left = count
+    for size in sizes:
+        assert 1 <= size <= max(1, int(np.ceil(left / shares)))
+        left -= size
+    assert left == 0 and sizes[0] == int(np.ceil(count / shares))

@@ -1,8 +1,9 @@
-"""What a study costs, and a million plans on a thousand processors: `python benchmarks/scale.py` writes scale.md.
+"""What a study costs, and a million plans on a thousand processors: `python benchmarks/scale/run.py` writes RESULTS.md.
 
 Random reaches of the panda are planned in this process and as a study, in turn; seconds are processor seconds. The
 cluster is simulated from the measured seconds: chunks go to free processors one after the other, some plans never end
-until their limit, and processors fail and come back. What a failed processor had not written is planned again.
+until their limit, and processors fail and come back. What a failed processor had not written is planned again. Chunks
+are no larger than half of a processor's share of the plans that are left, as in ``rt.sweep``.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ STUCK, LIMIT = 1e-4, 20.0
 """Share of plans that never end, and their time limit [s]."""
 START, HANDED, FAILS, BACK = 10.0, 4e-3, 24 * 3600.0, 60.0
 """Start of a worker, time of the scheduler for a chunk, mean time between failures, and pause after one [s]."""
-TABLE = Path(__file__).with_suffix(".md")
+TABLE = Path(__file__).with_name("RESULTS.md")
 
 
 def reach_of(robot: rt.Robot) -> Any:
@@ -85,27 +86,28 @@ def measured() -> tuple[list[tuple[str, str]], NDArray[np.float64], float]:
     return rows, seconds, size
 
 
-def simulated(seconds: NDArray[np.float64], chunk: int, stuck: float) -> tuple[float, float, int]:
-    """Return minutes until all plans are done, the share of processors in use, and the number of lost chunks."""
+def simulated(seconds: NDArray[np.float64], chunk: int, stuck: float) -> tuple[float, float, int, int]:
+    """Return minutes until all plans are done, the share of processors in use, and the chunks lost and written."""
     random = np.random.default_rng(0)
     free = [(START + random.uniform(0.0, 30.0), k) for k in range(PROCESSORS)]
     heapq.heapify(free)
     fails, clock, busy, lost, last = random.exponential(FAILS, PROCESSORS), 0.0, 0.0, 0, 0.0
-    left = PLANS // chunk
+    left, written = PLANS, 0
     while left:
         ready, k = heapq.heappop(free)
         clock = max(clock, ready) + HANDED
-        costs = random.choice(seconds, chunk)
-        took = float(np.where(random.random(chunk) < STUCK, stuck, costs).sum())
+        count = max(1, min(chunk, left // (2 * PROCESSORS)))
+        costs = random.choice(seconds, count)
+        took = float(np.where(random.random(count) < STUCK, stuck, costs).sum())
         if clock + took > fails[k]:
             lost += 1
             back = max(fails[k], clock) + BACK + START
             fails[k] = back + random.exponential(FAILS)
             heapq.heappush(free, (back, k))
             continue
-        busy, left, last = busy + took, left - 1, max(last, clock + took)
+        busy, left, written, last = busy + took, left - count, written + 1, max(last, clock + took)
         heapq.heappush(free, (clock + took, k))
-    return last / 60.0, busy / (last * PROCESSORS), lost
+    return last / 60.0, busy / (last * PROCESSORS), lost, written
 
 
 def main() -> None:
@@ -114,15 +116,15 @@ def main() -> None:
     rows, seconds, size = measured()
     lines = [f"# {PLANS:,} plans on {PROCESSORS:,} processors", "", *(__doc__ or "").splitlines()[2:], ""]
     lines += ["| measured | |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows), ""]
-    lines += ["| simulated | minutes | processors in use | chunks lost |", "|---|---|---|---|"]
+    lines += ["| simulated | minutes | processors in use | chunks lost | files |", "|---|---|---|---|---|"]
     of_chunk = max(1, round(20.0 / float(seconds.mean())))
     for name, chunk, stuck in (
         (f"chunks of 20 s ({of_chunk} plans), limit {LIMIT:g} s", of_chunk, LIMIT),
         (f"chunks of 20 s, stuck plans end after an hour ({STUCK:g} of all)", of_chunk, 3600.0),
         ("chunks of 200 s, limit 20 s", 10 * of_chunk, LIMIT),
     ):
-        minutes, used, lost = simulated(seconds, chunk, stuck)
-        lines.append(f"| {name} | {minutes:.1f} | {used:.0%} | {lost} |")
+        minutes, used, lost, files = simulated(seconds, chunk, stuck)
+        lines.append(f"| {name} | {minutes:.1f} | {used:.0%} | {lost} | {files} |")
     lines += ["", f"The rows take {size * PLANS / 1e9:.1f} GB. With one plan a task, the scheduler would need "]
     lines[-1] += f"{PLANS * HANDED / 60.0:.0f} minutes to hand out the tasks."
     TABLE.write_text("\n".join(lines) + "\n")
