@@ -1,7 +1,8 @@
 """The robot's own body: its exact shapes, the pairs of them that must not overlap, and what cannot be judged.
 
 Three kinds of pairs are not judged. A joint connects their links, or nothing moves them relative to each other; an SRDF
-disables them; or they overlap by construction, in the neutral configuration and in many others.
+disables them; or they overlap by construction, in the neutral configuration and in many others. Where a file names the
+configuration in which a robot with a free root stands, shapes that overlap there are larger than their links.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configu
 from robotraj.robot.collision.placements import joint_tree, placements
 from robotraj.robot.collision.solids import UNBOUNDED, Placed, Solid, depth, distance, one_inside, touch
 from robotraj.robot.collision.unguarded import unguarded_links
+from robotraj.robot.neutral import inside
 from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
 
@@ -185,10 +187,15 @@ def _numbers(pairs: list[tuple[int, int]]) -> Indices:
 
 
 def _by_construction(robot: Robot, body: OwnBody) -> set[frozenset[str]]:
-    """Return the pairs of links that overlap in the neutral configuration and often in others."""
+    """Return the pairs of links that overlap in the neutral configuration and often in others.
+
+    Those of a robot that stands in its neutral configuration overlap by construction in any case.
+    """
     open_ = body.touching(robot, robot.neutral)
     if not open_:
         return set()
+    if _stands(robot):
+        return {frozenset(body.links[shape] for shape in body.pairs[pair].tolist()) for pair in open_}
     counts: Counter[frozenset[str]] = Counter()
     pairs = body.pairs[open_]
     rotations, origins = placements(robot, sampled_configurations(robot, SAMPLED))
@@ -197,6 +204,13 @@ def _by_construction(robot: Robot, body: OwnBody) -> set[frozenset[str]]:
         hit = [(a, b) for a, b in pairs.tolist() if touch(placed[a], placed[b])]
         counts.update({frozenset((body.links[a], body.links[b])) for a, b in hit})
     return {pair for pair, count in counts.items() if count > OFTEN * SAMPLED}
+
+
+def _stands(robot: Robot) -> bool:
+    """Whether a robot with a free root stands in its neutral configuration: its file names one other than zero."""
+    count = robot.nv - robot.limits.free
+    zero = inside(np.zeros(robot.nq), robot.limits)[-count:]
+    return robot.root == "floating" and count > 0 and not np.array_equal(robot.neutral[-count:], zero)
 
 
 def _factors(robot: Robot, body: OwnBody, pairs: Indices) -> Array:

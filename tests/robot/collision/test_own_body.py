@@ -89,6 +89,15 @@ def test_shapes_that_overlap_in_the_posture_of_a_legged_robot_are_left_out() -> 
     assert frozenset(("leg_left_6_link", "leg_right_6_link")) in judged(body)
 
 
+def test_a_robot_with_a_free_root_stands_in_its_neutral_configuration() -> None:
+    """The lower legs and an arm of icub_reduced are inside each other there, though seldom elsewhere."""
+    made = rt.load("icub_reduced", root="floating")
+    body = own_body(made)
+    assert not body.touching(made, made.neutral)
+    assert ("l_lower_leg and r_lower_leg", CONSTRUCTED) in body.left_out
+    assert own_body(rt.load("icub_reduced")).touching(rt.load("icub_reduced"), made.neutral[7:])
+
+
 @pytest.mark.parametrize("name", ["ur5", "panda"])
 def test_a_distance_changes_no_faster_than_its_bound(name: str) -> None:
     arm, rng, step = rt.load(name), np.random.default_rng(3), 1e-3
