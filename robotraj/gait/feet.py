@@ -7,10 +7,12 @@ from itertools import product
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import Contact, copied
 from robotraj.robot.collision.solids import Solid
+from robotraj.robot.neutral import amid
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 from robotraj.robot.sides.images import places_of
@@ -106,11 +108,18 @@ def _lowest_points(robot: Robot, data: pin.Data) -> dict[int, float]:
 def standing_ends(robot: Robot) -> tuple[str, ...]:
     """Return the lowest frame of each limb that reaches the ground with the root upright, in the neutral configuration.
 
-    A limb reaches it if it ends within ``LEVEL`` of the height of the robot from the lowest one, below the root. The
+    Where all limbs end above the root, they are folded or level there, and are looked at amid their ranges. A limb
+    reaches the ground if it ends within ``LEVEL`` of the height of the robot from the lowest one, below the root. The
     frame of a limb's last joint is no end of the limb where other frames move with it: it is the lowest one of a leg
     that is folded up.
     """
-    places, model = places_of(robot, robot.neutral), robot.model
+    if robot.root == "fixed":
+        return ()
+    return _lowest_ends(robot, robot.neutral) or _lowest_ends(robot, amid(robot.neutral, robot.limits))
+
+
+def _lowest_ends(robot: Robot, q: NDArray[np.float64]) -> tuple[str, ...]:
+    places, model = places_of(robot, q), robot.model
     lowest: dict[int, str] = {}
     at_joint: set[str] = set()
     for name in limb_ends(robot):
@@ -123,7 +132,7 @@ def standing_ends(robot: Robot) -> tuple[str, ...]:
             lowest[joint] = name
     heights = np.array([places[name][2] for name in lowest.values()])
     root = places[next(frame.name for frame in model.frames if frame.parentJoint == 1)][2]
-    if not heights.size or robot.root == "fixed" or heights.min() >= root:
+    if not heights.size or heights.min() >= root:
         return ()
     level = heights.min() + LEVEL * (max(place[2] for place in places.values()) - heights.min())
     return tuple(name for name, height in zip(lowest.values(), heights, strict=True) if height <= min(level, root))

@@ -60,6 +60,14 @@ def inside(q: Array, limits: Limits) -> Array:
     return np.where(lower <= upper, np.clip(q, lower, upper), q)
 
 
+def amid(q: Array, limits: Limits) -> Array:
+    """Move each joint with two limits to the middle of its range [rad, m]; a floating root does not move."""
+    lower, upper = limits.positions
+    both = np.isfinite(lower) & np.isfinite(upper)
+    middle = 0.5 * (np.where(both, lower, 0.0) + np.where(both, upper, 0.0))
+    return np.where(both, middle, q)
+
+
 def outside(q: Array, limits: Limits, units: Callable[[], Sequence[str]]) -> dict[str, str]:
     """Describe the joints outside their limits: ``{"elbow": "'elbow' at 0 rad, limits [0.5, 2] rad"}``.
 

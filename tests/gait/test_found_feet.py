@@ -139,3 +139,35 @@ def test_sites_of_mjcf_at_the_ends_of_legs_are_feet(tmp_path):
     )
     robot = rt.load(tmp_path / "dog.xml", root="floating")
     assert sorted(rt.gait.feet_of(robot, None)) == sorted(f"{leg}_tip" for leg in LEGS)
+
+
+def test_legs_that_lie_level_at_zero_stand_and_walk(tmp_path):
+    """Six legs stick out flat in the file, as those of hexapods do; the knees bend downwards only."""
+    parts = [f'<link name="trunk">{INERTIAL.format(2, 0)}</link>']
+    for k in range(6):
+        angle = np.pi * (k + 0.5) / 3
+        leg, along, across = (
+            f"leg{k}",
+            np.array([np.cos(angle), np.sin(angle)]),
+            np.array([-np.sin(angle), np.cos(angle)]),
+        )
+
+        def place(distance, along=along):
+            return f"{distance * along[0]:.6f} {distance * along[1]:.6f} 0"
+
+        turn, limit = f"{across[0]:.9f} {across[1]:.9f} 0", LIMIT.format(-1.6, 1.6)
+        parts += [f'<link name="{leg}_{part}">{INERTIAL.format(0.1, 0)}</link>' for part in ("coxa", "femur", "tibia")]
+        parts += [
+            f'<link name="{leg}_tip"/>',
+            JOINT.format(f"{leg}_a", "revolute", "trunk", f"{leg}_coxa", place(0.1), "0 0 1", LIMIT.format(-0.8, 0.8)),
+            JOINT.format(f"{leg}_b", "revolute", f"{leg}_coxa", f"{leg}_femur", place(0.05), turn, limit),
+            JOINT.format(
+                f"{leg}_c", "revolute", f"{leg}_femur", f"{leg}_tibia", place(0.08), turn, LIMIT.format(0, 2.6)
+            ),
+            JOINT.format(f"{leg}_d", "fixed", f"{leg}_tibia", f"{leg}_tip", place(0.13), "0 0 1", ""),
+        ]
+    (tmp_path / "hexapod.urdf").write_text(f'<robot name="hexapod">{"".join(parts)}</robot>', encoding="utf-8")
+    robot = rt.load(tmp_path / "hexapod.urdf", root="floating")
+    assert rt.gait.feet_of(robot, None) == tuple(f"leg{k}_tip" for k in range(6))
+    assert 0.08 < rt.gait.stand(robot)[2] < 0.2
+    assert rt.plan(rt.gait.walk(robot, step_length=0.03, speed=0.1), time_limit=60).proof.holds

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.singular_legs import bent, singular_legs
 from robotraj.guess.legs.stance import ROOT_FREEDOMS, BalancedStance
+from robotraj.robot.neutral import amid
 from robotraj.robot.root import QUATERNION
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
 
     The feet keep their horizontal positions of the neutral configuration, or the nearest ones within the limits of the
     joints. If its legs are straight or one of their joints is at a bound, joints at bounds are bent inwards. The centre
-    of mass is then lowered by a twentieth of its height, as far as the legs allow. Legs that are folded up in the
-    neutral configuration start amid their ranges.
+    of mass is then lowered by a twentieth of its height, as far as the legs allow. Legs that are folded up or level in
+    the neutral configuration start amid their ranges, with the feet where they are closer together.
 
     Parameters
     ----------
@@ -67,7 +68,9 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     if n:
         q = _grounded(stance, q, feet)
         if _com_height(stance, q) < mean_ground(stance, feet) + LEAST_HEIGHT * stance.size:
-            q = _grounded(stance, _amid_ranges(stance, q), feet)
+            unfolded = amid(q, robot.limits)
+            feet = min(feet, stance.locate(unfolded), key=_spread)
+            q = _grounded(stance, unfolded, feet)
     com = pin.centerOfMass(model, data, q)
     _, slope = stance.places(q, feet)
     lower, upper = stance.bounds
@@ -112,13 +115,9 @@ def _grounded(stance: BalancedStance, q: Array, feet: Mapping[str, float]) -> Ar
     return q
 
 
-def _amid_ranges(stance: BalancedStance, q: Array) -> Array:
-    """Return a configuration whose joints with two bounds are in their middle."""
-    lower, upper = stance.bounds
-    both = np.isfinite(lower) & np.isfinite(upper)
-    q = np.array(q)
-    q[len(q) - len(lower) :][both] = 0.5 * (lower[both] + upper[both])
-    return q
+def _spread(feet: Mapping[str, float]) -> float:
+    """Return the sum of the squares of the feet's horizontal places, to the rounding of one place [m^2]."""
+    return round(sum(value**2 for name, value in feet.items() if name.endswith((".x", ".y"))), 6)
 
 
 def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
