@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from robotraj.planning.many.failure import Failure
     from robotraj.planning.studies.cases import Case
     from robotraj.solution.solution import Solution
+    from robotraj.witness.report import Report
 
 KNOTS = 64
 """Times of the motion of a row, evenly from its start to its end."""
@@ -103,6 +104,11 @@ def row_of(found: Solution | Failure, key: str, case: Case, seconds: float) -> R
         row |= {"proved": solution.proved}
         row |= {name: float(getattr(proof, name)) for name in ("error", "excess", "quadrature", "unsettled")}
     return row | _motion(solution)
+
+
+def drift_of(report: Report) -> float | None:
+    """Return the largest drift of a simulation; None where it was not measured."""
+    return None if report.drift is None else float(report.drift.worst.largest)
 
 
 def _motion(solution: Solution) -> Row:

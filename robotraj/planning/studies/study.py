@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +35,7 @@ class Study(OneLine):
     folder : path
         Folder that ``rt.sweep(make, cases, store=folder)`` wrote.
     make : callable, optional
-        The function of the study, for ``library``. A folder keeps no function.
+        The function of the study, for ``library`` and ``validate``. A folder keeps no function.
 
     Raises
     ------
@@ -109,6 +110,30 @@ class Study(OneLine):
         if not path.exists():
             raise InputError(f'No solution of {key!r} is kept; rt.sweep(..., keep="all") keeps them, see .motion(key).')
         return load_solution(path, problem)
+
+    def validate(self, executor: Executor | None = None) -> pa.Table:
+        """Simulate the whole solutions of the study with plain Pinocchio, as ``rt.validate`` does.
+
+        Systems and expressions need the function of the study: ``rt.Study(folder, make)``.
+
+        Parameters
+        ----------
+        executor : concurrent.futures.Executor, optional
+            As of ``rt.sweep``; by default the processes of this machine, where they pay.
+
+        Returns
+        -------
+        pyarrow.Table
+            For each solved case its key, whether it ``passed``, its largest ``drift``, and a ``message`` of failures.
+
+        Raises
+        ------
+        InputError
+            The study keeps motions alone: ``keep="all"`` keeps solutions.
+        """
+        from robotraj.planning.studies.validation import validated
+
+        return validated(self.store, self.make, executor)
 
     def library(self, make: Callable[[Case], Problem | Phase] | None = None) -> Library:
         """Return a library of the solved cases, whose ``plan`` and ``answer`` start from the nearest one.

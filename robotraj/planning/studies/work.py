@@ -18,7 +18,7 @@ from robotraj.planning.many.failure import Failure, failure_of
 from robotraj.planning.many.libraries.neighbours import Neighbours
 from robotraj.planning.many.processes import WorkerDied, kept
 from robotraj.planning.plan import plan
-from robotraj.planning.studies.rows import Row, row_of
+from robotraj.planning.studies.rows import Row, drift_of, row_of
 from robotraj.planning.studies.store import Store
 from robotraj.problem.problem import Problem
 from robotraj.solution.released import released
@@ -165,4 +165,4 @@ def _validated(solution: Solution) -> Row:
     from robotraj.witness.validation import validate
 
     report = validate(solution)
-    return {"validated": report.passed, "drift": None if report.drift is None else report.drift.worst.largest}
+    return {"validated": report.passed, "drift": drift_of(report)}

@@ -353,3 +353,14 @@ def test_chunks_are_shares_of_the_cases_that_are_left(shares: int) -> None:
         assert 1 <= size <= max(1, int(np.ceil(left / shares)))
         left -= size
     assert left == 0 and sizes[0] == int(np.ceil(count / shares))
+
+
+def test_the_whole_solutions_of_a_study_are_simulated(six: rt.Study, tmp_path: Path) -> None:
+    """Each solved case passes; one whose file has another problem is named."""
+    found = six.validate(ThreadPoolExecutor(1)).to_pylist()
+    solved = {row["key"] for row in six.table.to_pylist() if row["success"]}
+    assert {row["key"] for row in found} == solved and all(row["passed"] and row["drift"] < 1e-3 for row in found)
+    with pytest.raises(rt.InputError, match='keep="all"'):
+        rt.sweep(make, cases(1), store=tmp_path / "store", **OPTIONS).validate()
+    lied = rt.Study(six.store.folder, lambda case: make({**case, "T": case["T"] + 1.0})).validate(ThreadPoolExecutor(1))
+    assert not any(lied.column("passed").to_pylist())
