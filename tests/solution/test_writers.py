@@ -104,6 +104,7 @@ def test_whatever_call_fails_the_old_file_or_the_new_one_is_there(
                 wrote = True
             except rt.InputError as error:
                 assert name in str(error)
+                assert ("is whole" in str(error)) == (target.read_bytes() != b"older")
                 wrote = False
         data = target.read_bytes()
         assert len(data) > 1000 or (data == b"older" and not wrote)

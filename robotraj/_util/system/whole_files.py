@@ -77,7 +77,13 @@ class WholeFile:
             partial.chmod(stat.S_IMODE(self._older.st_mode))
         _to_disk(partial)
         os.replace(partial, self._place)
-        _to_disk(self._place.parent)
+        try:
+            _to_disk(self._place.parent)
+        except OSError as error:
+            raise InputError(
+                f"{str(self._target)!r} was written and is whole, but the disk did not confirm its name: "
+                f"{error.strerror or error}. After a power failure the older file may be there."
+            ) from error
 
     def _refused(self, error: OSError) -> InputError:
         advice = _ADVICE.get(error.errno or 0, "choose another place")
