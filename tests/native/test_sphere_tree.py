@@ -137,3 +137,50 @@ def test_wrong_arrays_are_refused():
     none = np.zeros(0)
     with pytest.raises(ValueError, match="numbers of the joints"):
         SphereTree(integers(-1), integers(1), none, *[integers()] * 2, none, *[integers()] * 2, none, integers(), none)
+
+
+BALL = (0, np.eye(3), (3.0, 0.0, 0.0), (0.5,))
+
+
+def test_arrays_that_do_not_fit_are_refused():
+    """Each of these once read memory outside an array, or never returned."""
+    one = tree_of([1.0], [BALL])
+    with pytest.raises(ValueError, match="every sphere needs its group"):
+        SphereTree(
+            integers(-1),
+            integers(1),
+            np.array([0, 0, 1, *np.eye(3).ravel(), 0, 0, 0.0]),
+            integers(0),
+            integers(0),
+            np.ones(8),
+            *(integers(), integers(), np.zeros(0), integers(), np.zeros(0)),
+        )
+    # Six spheres and one shape: the second index is that of a shape for the first `against` pairs alone.
+    assert one.distances(np.zeros(1), integers(0), integers(5), 0).size == 1
+    for second, against in ((5, 1), (6, 0), (-1, 0), (1, 7)):
+        with pytest.raises(ValueError, match="out of range"):
+            one.distances(np.zeros(1), integers(0), integers(second), against)
+    for counts in (integers(2**62), integers(-1), integers(1, 1, 1)):
+        with pytest.raises(ValueError, match="more coefficients than there are"):
+            one.shortfalls(np.zeros(2), counts, 0.0)
+    with pytest.raises(ValueError, match="not finite"):
+        one.shortfalls(np.array([0.0, np.nan]), integers(2), 0.0)
+    assert not one.motion_free(np.zeros(1), np.array([np.nan]), 0.0, 1e-3)
+    with pytest.raises(ValueError, match="unknown kind"):
+        tree_of([1.0], [(6, np.eye(3), (3, 0, 0), (0.5,))])
+
+
+@pytest.mark.parametrize("resolution", [0.0, -1.0, np.nan, 5e-324])
+def test_a_motion_that_touches_ends_at_any_resolution(resolution):
+    """The tip is at x = 1 + REACH at the middle of the motion, and the ball begins there."""
+    touching = tree_of([1.0], [(0, np.eye(3), (1.0 + REACH + 0.5, 0.0, 0.0), (0.5,))])
+    assert not touching.motion_free(np.array([-1.0]), np.array([1.0]), 0.0, resolution)
+    assert touching.motion_free(np.array([1.0]), np.array([2.0]), 0.0, max(resolution, 1e-6))
+
+
+def test_a_range_that_is_lost_in_rounding_ends():
+    walled = tree_of([1.0], [(1, np.eye(3), (1.0, 0.0, 0.0), (0.2, 0.2, 0.2))])
+    ends = np.array([-1.5]), np.array([1.5]), np.array([-2.0]), np.array([2.0]), np.ones(1)
+    with pytest.raises(ValueError, match="the range is not positive"):
+        walled.connect(*ends, 0.0, 0, 50, 5.0, 5, 0.0, 1e-3)
+    assert walled.connect(*ends, 1e-300, 0, 50, 5.0, 5, 0.0, 1e-3).size == 0

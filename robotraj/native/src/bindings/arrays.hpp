@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -37,6 +38,24 @@ Owned<Number> to_numpy(std::vector<Number> values) {
 template <typename Array>
 auto copied(const Array& array) {
   return std::vector<std::remove_const_t<typename Array::Scalar>>(array.data(), array.data() + array.size());
+}
+
+/// Indices of 32 bits; refuses those that have more.
+inline std::int32_t narrow(std::int64_t index) {
+  if (index != static_cast<std::int32_t>(index)) throw std::invalid_argument("an index has more than 32 bits");
+  return static_cast<std::int32_t>(index);
+}
+inline std::vector<std::int32_t> narrow(const Indices& indices) {
+  std::vector<std::int32_t> found;
+  for (std::size_t i = 0; i < indices.size(); ++i) found.push_back(narrow(indices.data()[i]));
+  return found;
+}
+
+/// Refuses numbers that are not finite, by name.
+inline const Doubles& finite(const Doubles& array, const std::string& name) {
+  if (!std::all_of(array.data(), array.data() + array.size(), [](double number) { return std::isfinite(number); }))
+    throw std::invalid_argument(name + " has a number that is not finite");
+  return array;
 }
 
 /// Refuses a vector of the wrong length by name.

@@ -19,16 +19,17 @@ constexpr std::size_t JOINT_NUMBERS = 15, SHAPE_NUMBERS = 16;
 
 std::vector<collision::Joint> joints_of(const Indices& parents, const Indices& turns, const Doubles& numbers) {
   checked(turns, parents.size(), "turns");
-  const double* at = checked(numbers, JOINT_NUMBERS * parents.size(), "the numbers of the joints");
+  const double* at = checked(finite(numbers, "a joint"), JOINT_NUMBERS * parents.size(), "the numbers of the joints");
   std::vector<collision::Joint> joints;
   for (std::size_t i = 0; i < parents.size(); ++i, at += JOINT_NUMBERS)
-    joints.push_back({static_cast<int>(parents.data()[i]), turns.data()[i] != 0, Eigen::Map<const Eigen::Vector3d>(at),
+    joints.push_back({narrow(parents.data()[i]), turns.data()[i] != 0, Eigen::Map<const Eigen::Vector3d>(at),
                       Row(at + 3), Eigen::Map<const Eigen::Vector3d>(at + 12)});
   return joints;
 }
 
 std::vector<collision::Sphere> spheres_of(const Doubles& numbers) {
   std::vector<collision::Sphere> spheres;
+  finite(numbers, "a sphere");
   for (const double* at = numbers.data(); at != numbers.data() + numbers.size() / 4 * 4; at += 4)
     spheres.push_back({Eigen::Map<const Eigen::Vector3d>(at), at[3]});
   return spheres;
@@ -37,11 +38,14 @@ std::vector<collision::Sphere> spheres_of(const Doubles& numbers) {
 /// Vertices are in the frames of the shapes; triangles have three each, counter-clockwise from outside.
 std::vector<collision::Shape> shapes_of(const Indices& kinds, const Doubles& numbers, const Indices& triangles,
                                         const Doubles& corners) {
-  const double* at = checked(numbers, SHAPE_NUMBERS * kinds.size(), "the numbers of the obstacles");
+  const double* at =
+      checked(finite(numbers, "an obstacle"), SHAPE_NUMBERS * kinds.size(), "the numbers of the obstacles");
   checked(triangles, kinds.size(), "triangles");
   std::vector<collision::Shape> shapes;
-  const double *corner = corners.data(), *end = corner + corners.size();
+  const double *corner = finite(corners, "a corner").data(), *end = corner + corners.size();
   for (std::size_t i = 0; i < kinds.size(); ++i, at += SHAPE_NUMBERS) {
+    if (kinds.data()[i] < 0 || kinds.data()[i] > static_cast<std::int64_t>(collision::Kind::convex))
+      throw std::invalid_argument("an obstacle is of an unknown kind");
     const auto kind = static_cast<collision::Kind>(kinds.data()[i]);
     shapes.push_back(
         {kind, Row(at), Eigen::Map<const Eigen::Vector3d>(at + 9), Eigen::Map<const Eigen::Vector4d>(at + 12), {}});
@@ -65,9 +69,7 @@ class SphereTree {
              const Indices& group_of, const Doubles& spheres, const Indices& pairs, const Indices& kinds,
              const Doubles& shapes, const Indices& triangles, const Doubles& corners)
       : tree_(joints_of(parents, turns, joints), narrow(groups), narrow(group_of), spheres_of(spheres), pairs_of(pairs),
-              shapes_of(kinds, shapes, triangles, corners)) {
-    checked(group_of, spheres.size() / 4, "the groups of the spheres");
-  }
+              shapes_of(kinds, shapes, triangles, corners)) {}
 
   Result clearances(const Doubles& q) const {
     const std::size_t n = tree_.joints.size(), count = n ? q.size() / n : 0;
@@ -80,9 +82,11 @@ class SphereTree {
   Result distances(const Doubles& q, const Indices& first, const Indices& second, std::size_t against) const {
     const std::size_t n = tree_.joints.size(), count = n ? q.size() / n : 0, pairs = first.size();
     checked(q, n * count, "q");
-    known(first, tree_.spheres.size());
     checked(second, pairs, "second");
-    known(second, std::max(tree_.spheres.size(), tree_.shapes.size()));
+    for (std::size_t p = 0; p < pairs; ++p) {
+      known(first.data()[p], tree_.spheres.size());
+      known(second.data()[p], p < against ? tree_.shapes.size() : tree_.spheres.size());
+    }
     std::vector<double> out(count * pairs);
     std::vector<collision::Place> places;
     std::vector<Eigen::Vector3d> centres;
@@ -102,11 +106,10 @@ class SphereTree {
   Result centres(const Doubles& q, const Indices& spheres) const {
     const std::size_t n = tree_.joints.size();
     checked(q, n * spheres.size(), "q");
-    known(spheres, tree_.spheres.size());
     std::vector<double> out;
     std::vector<collision::Place> places;
     for (std::size_t k = 0; k < spheres.size(); ++k) {
-      const std::size_t s = spheres.data()[k];
+      const std::size_t s = known(spheres.data()[k], tree_.spheres.size());
       tree_.forward(q.data() + k * n, places);
       for (const auto& group : tree_.groups)
         if (group.first <= s && s < group.last) {
@@ -121,13 +124,15 @@ class SphereTree {
   nb::tuple shortfalls(const Doubles& coefficients, const Indices& counts, double margin) const {
     const std::size_t n = tree_.joints.size();
     PolynomialMotion motion(tree_, margin);
-    std::size_t at = 0;
+    const double* at = finite(coefficients, "a motion").data();
+    std::size_t left = coefficients.size() / std::max<std::size_t>(1, n);
     for (std::size_t k = 0; k < counts.size(); ++k) {
-      const std::size_t next = at + counts.data()[k] * n;
-      if (counts.data()[k] < 1 || next > coefficients.size())
+      const std::int64_t count = counts.data()[k];
+      if (count < 1 || static_cast<std::size_t>(count) > left)
         throw std::invalid_argument("the counts add up to more coefficients than there are");
-      motion.prove(static_cast<int>(k), coefficients.data() + at, static_cast<int>(counts.data()[k]));
-      at = next;
+      motion.prove(static_cast<int>(k), at, static_cast<int>(count));
+      at += count * n;
+      left -= count;
     }
     std::vector<std::int64_t> places;
     std::vector<double> numbers;
@@ -144,6 +149,7 @@ class SphereTree {
   Result connect(const Doubles& start, const Doubles& goal, const Doubles& lower, const Doubles& upper,
                  const Doubles& speeds, double range, std::uint64_t seed, std::size_t iterations, double seconds,
                  std::size_t shortcuts, double margin, double resolution) const {
+    if (!(range > 0.0)) throw std::invalid_argument("the range is not positive");
     StraightMotions motions{PolynomialMotion(tree_, margin), resolution};
     const collision::Search search = {point(lower), point(upper), point(speeds), range, seed, iterations, seconds};
     collision::Path path = rrt_connect(motions, search, point(start), point(goal));
@@ -154,23 +160,20 @@ class SphereTree {
   }
 
  private:
-  static void known(const Indices& numbers, std::size_t count) {
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      if (numbers.data()[i] < 0 || numbers.data()[i] >= static_cast<std::int64_t>(count))
-        throw std::invalid_argument("an index is out of range");
-  }
-  static std::vector<int> narrow(const Indices& indices) {
-    return std::vector<int>(indices.data(), indices.data() + indices.size());
+  static std::size_t known(std::int64_t number, std::size_t count) {
+    if (number < 0 || number >= static_cast<std::int64_t>(count))
+      throw std::invalid_argument("an index is out of range");
+    return static_cast<std::size_t>(number);
   }
   static std::vector<std::pair<int, int>> pairs_of(const Indices& indices) {
     std::vector<std::pair<int, int>> pairs;
     for (std::size_t i = 0; i + 1 < indices.size(); i += 2)
-      pairs.emplace_back(static_cast<int>(indices.data()[i]), static_cast<int>(indices.data()[i + 1]));
+      pairs.emplace_back(narrow(indices.data()[i]), narrow(indices.data()[i + 1]));
     return pairs;
   }
   const double* configuration(const Doubles& q) const { return checked(q, tree_.joints.size(), "q"); }
   std::vector<double> point(const Doubles& q) const {
-    const double* at = configuration(q);
+    const double* at = configuration(finite(q, "a configuration"));
     return {at, at + tree_.joints.size()};
   }
 
@@ -214,6 +217,7 @@ class NearestPlanes {
   }
 
   nb::tuple find(const Doubles& places, const Doubles& poses, std::size_t count) {
+    if (count > places.size()) throw std::invalid_argument("there are more configurations than places");
     const std::size_t joints = count ? places.size() / (PLACE_NUMBERS * count) : 0, shapes = planes_.shapes.size();
     checked(places, PLACE_NUMBERS * joints * count, "places");
     if (count && joints <= last_joint_) throw std::invalid_argument("a sphere is on a joint without a place");

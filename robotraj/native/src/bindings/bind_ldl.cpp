@@ -14,12 +14,11 @@ namespace {
 using ldl::Factors;
 
 ldl::Pattern checked_pattern(const Indices& starts, const Indices& rows) {
-  ldl::Pattern pattern;
-  pattern.n = static_cast<int>(starts.size()) - 1;
-  pattern.starts.assign(starts.data(), starts.data() + starts.size());
-  pattern.rows.assign(rows.data(), rows.data() + rows.size());
-  if (pattern.n < 0 || pattern.starts.back() != static_cast<int>(rows.size()))
-    throw std::invalid_argument("starts must end with the number of rows");
+  ldl::Pattern pattern{static_cast<int>(starts.size()) - 1, narrow(starts), narrow(rows)};
+  const std::vector<int>& begins = pattern.starts;
+  if (pattern.n < 0 || begins.front() != 0 || begins.back() != static_cast<int>(rows.size()) ||
+      !std::is_sorted(begins.begin(), begins.end()))
+    throw std::invalid_argument("starts must ascend from 0 to the number of rows");
   for (int column = 0; column < pattern.n; ++column)
     for (int e = pattern.starts[column]; e < pattern.starts[column + 1]; ++e)
       if (pattern.rows[e] < column || pattern.rows[e] >= pattern.n)

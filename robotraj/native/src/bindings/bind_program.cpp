@@ -50,12 +50,6 @@ class Alone {
   std::atomic<bool>& busy_;
 };
 
-std::vector<int> sizes(const Indices& array, const char* name) {
-  for (std::size_t i = 0; i < array.size(); ++i)
-    if (array.data()[i] < 0) throw std::invalid_argument(std::string(name) + " has a negative size");
-  return {array.data(), array.data() + array.size()};
-}
-
 /// Calls Python once an iteration, which may end the solve.
 class Check {
  public:
@@ -168,8 +162,7 @@ void bind_program(nb::module_& m) {
                 Pattern{copied(hessian_rows), copied(hessian_columns)}, std::move(copies), threads,
                 groups ? copied(*groups) : std::vector<std::int32_t>());
             auto solver = std::make_unique<Solver>(
-                program, Stages{sizes(controls, "controls"), sizes(states, "states"), sizes(equalities, "equalities"),
-                                sizes(inequalities, "inequalities")});
+                program, Stages{narrow(controls), narrow(states), narrow(equalities), narrow(inequalities)});
             new (self) Solved{std::move(program), std::move(solver)};
           },
           nb::arg("controls"), nb::arg("states"), nb::arg("equalities"), nb::arg("inequalities"), nb::arg("linear"),

@@ -17,10 +17,6 @@ namespace robotraj::native {
 
 namespace {
 
-std::vector<std::int32_t> to_vector(const Indices& indices) {
-  return std::vector<std::int32_t>(indices.data(), indices.data() + indices.size());
-}
-
 /// `numbers` has a row of 28 for every joint: direction, rotation, translation, mass, centre, inertia.
 RigidTree tree_of(const Indices& parents, const Indices& turns, const Doubles& numbers, const Doubles& armature,
                   const Doubles& gravity, bool flies) {
@@ -47,8 +43,7 @@ Recipe recipe_of(const Tape& tape, bool jacobian, bool hessian, std::size_t made
   checked(left, out.size(), "left");
   checked(right, out.size(), "right");
   for (std::size_t i = 0; i < out.size(); ++i)
-    recipe.products.push_back({static_cast<std::int32_t>(out.data()[i]), static_cast<std::int32_t>(left.data()[i]),
-                               static_cast<std::int32_t>(right.data()[i])});
+    recipe.products.push_back({narrow(out.data()[i]), narrow(left.data()[i]), narrow(right.data()[i])});
   return recipe;
 }
 
@@ -87,7 +82,7 @@ void bind_tape_block(nb::module_& m) {
 
   nb::class_<Torques>(m, "Torques")
       .def(nb::new_(
-               [](const RigidTree& robot, const Indices& places) { return Torques{robot, to_vector(places), {}, {}}; }),
+               [](const RigidTree& robot, const Indices& places) { return Torques{robot, narrow(places), {}, {}}; }),
            nb::arg("robot"), nb::arg("places"))
       .def(nb::new_([](const RigidTree& robot, const Tape& arguments, const Tape& curvature) {
              return Torques{robot, {}, arguments, curvature};
@@ -96,7 +91,7 @@ void bind_tape_block(nb::module_& m) {
 
   nb::class_<Call>(m, "Call").def(
       nb::new_([](std::shared_ptr<Tape> tape, const Indices& inputs, const Indices& multipliers) {
-        return Call{std::move(tape), to_vector(inputs), to_vector(multipliers)};
+        return Call{std::move(tape), narrow(inputs), narrow(multipliers)};
       }),
       nb::arg("tape"), nb::arg("inputs"), nb::arg("multipliers"));
 

@@ -62,7 +62,8 @@ bool PolynomialMotion::free(const double* a, const double* b, double resolution)
   // Level after level, so that a blocked motion is found early.
   std::vector<Piece> level, next;
   level.push_back({0.5, near()});
-  for (double h = 0.5; !level.empty(); h *= 0.5) {
+  double h = 0.5;
+  for (int depth = 0; !level.empty(); ++depth, h *= 0.5) {
     next.clear();
     for (const Piece& piece : level) {
       read(piece.tau);
@@ -70,7 +71,7 @@ bool PolynomialMotion::free(const double* a, const double* b, double resolution)
       for (const Candidate& candidate : piece.candidates) {
         const Look seen = look(candidate, h);
         if (proved(seen)) continue;
-        if (seen.distance < margin_ || seen.change < resolution) return false;
+        if (seen.distance < margin_ || seen.change < resolution || depth == HALVINGS) return false;
         open.push_back(candidate);
       }
       if (open.empty()) continue;

@@ -31,6 +31,7 @@ SphereTree::SphereTree(std::vector<Joint> own_joints, const std::vector<int>& jo
     : joints(std::move(own_joints)), spheres(std::move(own_spheres)), shapes(std::move(own_shapes)) {
   for (int i = 0; i < count(); ++i)
     if (joints[i].parent < -1 || joints[i].parent >= i) throw std::invalid_argument("a joint comes before its parent");
+  if (groups_of.size() != spheres.size()) throw std::invalid_argument("every sphere needs its group");
   std::size_t at = 0;
   for (std::size_t g = 0; g < joints_of.size(); ++g) {
     const std::size_t first = at;

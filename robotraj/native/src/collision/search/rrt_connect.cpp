@@ -73,12 +73,13 @@ double distance(const Point& a, const Point& b, const Point& speeds) {
 Path rrt_connect(StraightMotions& motions, const Search& search, const Point& start, const Point& goal) {
   if (motions.free(start, goal)) return {start, goal};
   using Clock = std::chrono::steady_clock;
-  const auto began = Clock::now();
+  const auto late = [&, began = Clock::now()] {
+    return !(std::chrono::duration<double>(Clock::now() - began).count() <= search.seconds);
+  };
   RandomNumbers random(search.seed);
   Tree trees[] = {Tree(start, search.speeds), Tree(goal, search.speeds)};
   Point drawn(start.size());
-  for (std::size_t k = 0; k < search.iterations; ++k) {
-    if (std::chrono::duration<double>(Clock::now() - began).count() > search.seconds) break;
+  for (std::size_t k = 0; k < search.iterations && !late(); ++k) {
     // The smaller tree grows towards the drawn point, the other towards the new node.
     const std::size_t small = trees[0].size() <= trees[1].size() ? 0 : 1;
     Tree &growing = trees[small], &other = trees[1 - small];
@@ -89,9 +90,10 @@ Path rrt_connect(StraightMotions& motions, const Search& search, const Point& st
     const std::size_t added = growing.add(reached, near);
     std::size_t at = other.nearest(reached);
     bool met = false;
-    while (!met) {
+    while (!met && !late()) {
       const Point next = towards(other[at], reached, search.speeds, search.range);
-      if (!motions.free(other[at], next)) break;
+      const bool stuck = next == other[at] && next != reached;  // the range is lost in rounding
+      if (stuck || !motions.free(other[at], next)) break;
       met = next == reached;
       at = met ? at : other.add(next, at);
     }
