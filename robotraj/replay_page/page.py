@@ -36,6 +36,7 @@ SCRIPTS = (
     "view/view.js",
     "page/player.js",
     "page/keyboard.js",
+    "page/gif.js",
     "page/export.js",
     "page/link.js",
     "page/page.js",

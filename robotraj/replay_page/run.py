@@ -6,12 +6,12 @@ from dataclasses import asdict
 
 import numpy as np
 
+from robotraj.replay_page.charts.curves import curves
+from robotraj.replay_page.charts.own_curves import OwnCurves
 from robotraj.replay_page.colors import css
 from robotraj.replay_page.contacts import held
-from robotraj.replay_page.curves import curves
 from robotraj.replay_page.footholds import contact_names
 from robotraj.replay_page.groups import groups_of
-from robotraj.replay_page.own_curves import OwnCurves
 from robotraj.replay_page.verdict import Validation, proof_data, verdict
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles

@@ -15,10 +15,10 @@ from robotraj._util.system.interrupts import heeded
 from robotraj._util.system.whole_files import WholeFile
 from robotraj.dynamics.design.binding import realised
 from robotraj.problem.phase import Phase
+from robotraj.replay_page.charts.own_curves import NO_CURVES, Expressions, Measured, OwnCurves
 from robotraj.replay_page.colors import palette
 from robotraj.replay_page.gait_words import gait_words
 from robotraj.replay_page.options import check_options
-from robotraj.replay_page.own_curves import NO_CURVES, Expressions, Measured, OwnCurves
 from robotraj.replay_page.page import Heading, page
 from robotraj.replay_page.run import run_data
 from robotraj.replay_page.verdict import Validation, Verdict, verdict

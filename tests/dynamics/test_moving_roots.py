@@ -12,7 +12,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.replay_page.curves import robot_panels
+from robotraj.replay_page.charts.curves import robot_panels
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 DURATION = 0.3

@@ -13,8 +13,9 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.system import System
 from robotraj.dynamics.variable import Variable
+from robotraj.replay_page.charts.nearest import NearestObstacle, nearest_obstacle
+from robotraj.replay_page.charts.own_curves import NO_CURVES, OwnCurves, heading
 from robotraj.replay_page.footholds import footholds
-from robotraj.replay_page.own_curves import NO_CURVES, OwnCurves, heading
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample, GaitCycles
 from robotraj.solution.sample import Sample
@@ -25,6 +26,8 @@ RATE = {"rad": "rad/s", "m": "m/s"}
 EFFORT = {"rad": "N m", "m": "N"}
 SAMPLES = 900
 """Approximate number of samples per phase. Each of its intervals has at least 3, ends included."""
+NEAREST = "distance.obstacles"
+"""Name of the distance to the nearest obstacle among the variables of a page."""
 ALL_SAMPLES = 3600
 """Approximate number of samples in all phases of all periods."""
 
@@ -44,13 +47,14 @@ def _no_values(sample: Sample[Any] | CycleSample) -> Array:
 
 @dataclass(frozen=True)
 class Panel(OneLine):
-    """One chart: its title, the heading of its column of values, and its curves."""
+    """One chart: its title, the heading of its column of values, its curves, and whether they are states."""
 
     title: str
     symbol: str
     series: tuple[Series, ...]
     read: Callable[[Sample[Any] | CycleSample], Array] = field(default=_no_values, repr=False)
     """Map a sample at m times to values (m, number of series)."""
+    continuous: bool = False
 
 
 def robot_panels(robot: Robot) -> list[Panel]:
@@ -61,9 +65,19 @@ def robot_panels(robot: Robot) -> list[Panel]:
 
     panels = [
         Panel(
-            "Joint position", "q", series("q", robot.position_names, robot.position_units, SAME), lambda s: _rows(s.q)
+            "Joint position",
+            "q",
+            series("q", robot.position_names, robot.position_units, SAME),
+            lambda s: _rows(s.q),
+            continuous=True,
         ),
-        Panel("Joint velocity", "v", series("v", robot.velocity_names, robot.units, RATE), lambda s: _rows(s.v)),
+        Panel(
+            "Joint velocity",
+            "v",
+            series("v", robot.velocity_names, robot.units, RATE),
+            lambda s: _rows(s.v),
+            continuous=True,
+        ),
     ]
     if len(robot.actuated):
         units = dict(zip(robot.velocity_names, robot.units, strict=True))
@@ -87,6 +101,12 @@ def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
     return [Panel("Normal force of contacts", "fₙ", series, read)]
 
 
+def obstacle_panel(nearest: NearestObstacle | None) -> list[Panel]:
+    """Return the chart of the distance to the nearest obstacle; empty without obstacles."""
+    series = (Series("nearest obstacle", "m", NEAREST),)
+    return [] if nearest is None else [Panel("Distance to obstacles", "d", series, nearest.distances)]
+
+
 def system_panels(system: System) -> list[Panel]:
     """Return the charts of the states, controls and algebraic variables of an ``rt.System``."""
 
@@ -97,7 +117,7 @@ def system_panels(system: System) -> list[Panel]:
             values = getattr(sample, symbol)
             return np.column_stack([np.asarray(values[name], dtype=float).ravel() for name in names])
 
-        return Panel(title, head, tuple(Series(v.name, v.unit, v.name) for v in group), read)
+        return Panel(title, head, tuple(Series(v.name, v.unit, v.name) for v in group), read, continuous=symbol == "x")
 
     groups = (
         # The columns of the legend carry words, since x and u are also names of variables.
@@ -113,6 +133,7 @@ class ChartData(TypedDict):
 
     title: str
     symbol: str
+    continuous: bool
     series: list[dict[str, str]]
     pieces: list[dict[str, object]]
 
@@ -126,8 +147,8 @@ def curves(cycles: GaitCycles, own: OwnCurves = NO_CURVES) -> list[ChartData]:
     Returns
     -------
     list of ChartData
-        ``title``, ``symbol``, ``series`` (label, unit, variable) and ``pieces``, one for each phase: ``t`` (m,) [s],
-        ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
+        ``title``, ``symbol``, ``continuous``, ``series`` (label, unit, variable) and ``pieces``, one for each phase:
+        ``t`` (m,) [s], ``of`` (indices of its series), ``y`` (series by m), ``lower`` and ``upper`` (None where open).
     """
     drawn: dict[str, ChartData] = {}
     known: dict[str, None] = {}
@@ -135,10 +156,14 @@ def curves(cycles: GaitCycles, own: OwnCurves = NO_CURVES) -> list[ChartData]:
     for cycle_phase in cycles.phases:
         phase = cycle_phase.phase
         if phase.robot is not None:
-            panels = robot_panels(phase.robot) + contact_panel(cycle_phase)
+            nearest = nearest_obstacle(cycle_phase)
+            panels = robot_panels(phase.robot) + contact_panel(cycle_phase) + obstacle_panel(nearest)
         else:
+            nearest = None
             panels = system_panels(cast(System, phase.system))
         limits = _limits(cycle_phase)
+        if nearest is not None:
+            limits[NEAREST] = (nearest.margin, np.inf)
         grids = _grids(cycle_phase, min(SAMPLES, ALL_SAMPLES / number))
         times, samples = np.concatenate(grids), [cycle_phase.at(grid, interval=k) for k, grid in enumerate(grids)]
         shown = [(panel, np.concatenate([panel.read(sample) for sample in samples])) for panel in panels]
@@ -150,7 +175,13 @@ def curves(cycles: GaitCycles, own: OwnCurves = NO_CURVES) -> list[ChartData]:
             shown.append((Panel(name, name, tuple(Series(label, unit, "") for label in names)), values))
         for panel, values in shown:
             labels = [{"label": s.label, "unit": s.unit, "variable": s.variable} for s in panel.series]
-            empty: ChartData = {"title": panel.title, "symbol": panel.symbol, "series": [], "pieces": []}
+            empty: ChartData = {
+                "title": panel.title,
+                "symbol": panel.symbol,
+                "continuous": panel.continuous,
+                "series": [],
+                "pieces": [],
+            }
             chart = drawn.setdefault(panel.title, empty)
             chart["series"] += [label for label in labels if label not in chart["series"]]
             bounds = [limits.get(s.variable, (-np.inf, np.inf)) for s in panel.series]

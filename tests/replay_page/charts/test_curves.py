@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robotraj.replay_page.curves import curves as curves_of
+from robotraj.replay_page.charts.curves import curves as curves_of
 from robotraj.solution.cycles.gait_cycles import gait_cycles
 
 
@@ -14,6 +14,7 @@ def test_a_jump_at_a_knot_shows_both_sides(block_plan):
     piece = controls["pieces"][0]
     at_knot = [u for t, u in zip(piece["t"], piece["y"][0], strict=True) if t == 1.0]
     assert at_knot == [1.0, -1.0]
+    assert states["continuous"] and not controls["continuous"]
     assert states["series"] == [
         {"label": "x", "unit": "m", "variable": "x"},
         {"label": "v", "unit": "m/s", "variable": "v"},

@@ -8,8 +8,8 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.replay_page.curves import curves
-from robotraj.replay_page.own_curves import OwnCurves
+from robotraj.replay_page.charts.curves import curves
+from robotraj.replay_page.charts.own_curves import OwnCurves
 from robotraj.solution.cycles.gait_cycles import GaitCycles, gait_cycles
 
 

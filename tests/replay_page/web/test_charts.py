@@ -1,6 +1,7 @@
 """The charts in a headless Chromium: scales, groups, values under the pointer, zoom, isolation."""
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -131,3 +132,22 @@ def test_curves_of_a_group_differ_in_colour_and_dash(browser: Any, talos: Any, w
         pairs = [(look["color"], tuple(look["dash"])) for look in looks[:7]]
         assert len({color for color, _ in pairs}) == len(pairs)
         assert len({dash for _, dash in pairs}) == len(pairs)
+
+
+def test_jumps_of_a_state_are_marked_and_those_of_a_control_are_not(block_plan: Any, browser: Any, tmp_path: Any):
+    """The control of the block jumps by its plan; its position would not obey the equations if it did."""
+    path = replay(block_plan, tmp_path / "block.html")
+    page = browser.open(path)
+    jumps = "() => robotraj.charts.map((chart) => jumpsOf(chart))"
+    assert page.evaluate(jumps) == [[], []]
+    part = block_plan.phases[0]
+
+    def broken(t: np.ndarray, interval: int | None = None) -> Any:
+        sample = part.read(t, interval)
+        sample.x["x"] = sample.x["x"] + 0.25 * (t > 1.0 if interval is None else interval >= 1)
+        return sample
+
+    plan = replace(block_plan, phases=(replace(part, read=broken),))
+    page = browser.open(replay(plan, tmp_path / "broken.html"))
+    states, controls = page.evaluate(jumps)
+    assert states == [[1.0, 0.5, 0.75]] and controls == []

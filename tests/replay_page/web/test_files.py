@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 from robotraj.replay_page.write import replay
 
@@ -61,6 +62,46 @@ def test_a_video_is_recorded_once_from_start_to_end(double_pendulum: Any, browse
     assert len(video) > 2000
     assert video[4:8] == b"ftyp" or video.startswith(b"\x1aE\xdf\xa3")
     assert page.evaluate("() => [robotraj.time(), robotraj.player.playing]") == [1.0, False]
+    browser.check(path)
+
+
+def test_a_gif_shows_the_whole_motion(double_pendulum: Any, browser: Any, wave_plan: Any, tmp_path: Any) -> None:
+    path = replay(wave_plan(double_pendulum, 2.0), tmp_path / "page.html", speed=2.0)
+    page = browser.open(path)
+    saved(page, "GIF", tmp_path / "motion.gif")
+    with Image.open(tmp_path / "motion.gif") as animation:
+        frames = [np.asarray(each.convert("RGB")).astype(int) for each in ImageSequence.Iterator(animation)]
+        seconds = sum(each.info["duration"] for each in ImageSequence.Iterator(animation)) / 1000
+    assert len(frames) == 17 and seconds == pytest.approx(1.0, abs=0.06)  # 2 s at twice the speed
+    assert frames[0].shape[1] == 480
+    moved = [np.mean(np.abs(one - two).max(axis=2) > 30) for one, two in zip(frames, frames[1:], strict=False)]
+    assert min(moved) > 0.0 and max(moved) < 0.5
+    # A frame is what the page shows at its time, but for the bits of a palette.
+    page.evaluate("() => robotraj.seek(1.0)")
+    (tmp_path / "robot.png").write_bytes(saved(page, "robot (PNG)", tmp_path / "robot.png"))
+    with Image.open(tmp_path / "robot.png") as picture:
+        shown = np.asarray(picture.convert("RGB").resize((480, frames[8].shape[0]))).astype(int)
+    assert np.mean(np.abs(shown - frames[8])) < 12
+    browser.check(path)
+
+
+def test_an_embedded_page_shows_the_robot_and_its_playback(
+    double_pendulum: Any, browser: Any, wave_plan: Any, tmp_path: Any
+) -> None:
+    path = replay(wave_plan(double_pendulum, 1.0), tmp_path / "page.html")
+    page = browser.open(path, width=420, height=300, moment="#embed&t=0.25")
+    for name, seen in (
+        ("#pane canvas", True),
+        ("#play", True),
+        ("#scrubber", True),
+        ("header", False),
+        ("#side", False),
+    ):
+        assert page.locator(name).first.is_visible() == seen, name
+    assert page.evaluate("() => robotraj.time()") == pytest.approx(0.25)
+    size = "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
+    assert page.evaluate(size) == [300, 420]
+    assert page.locator("#pane canvas").bounding_box()["height"] > 220
     browser.check(path)
 
 

@@ -1,6 +1,7 @@
 "use strict";
 // What a chart draws into its canvas: bands of phases, axes, limits, curves, violations, impacts and knots.
 
+const JUMP = 0.01; // least jump that is marked, as a share of the height of a chart
 const LINE = { [FAINT]: [1, 0.32], [THIN]: [1.2, 0.9], [STRONG]: [2, 1] };
 
 function drawChart(chart, pen, frame) {
@@ -14,6 +15,7 @@ function drawChart(chart, pen, frame) {
   pen.clip();
   drawLimits(chart, pen);
   drawCurves(chart, pen);
+  drawJumps(chart, pen);
   drawViolations(chart, pen, run);
   drawImpacts(chart, pen, frame, run.impacts);
   drawKnots(chart, pen, frame, run.phases);
@@ -118,6 +120,24 @@ function drawCurves(chart, pen) {
   }
   pen.setLineDash([]);
   pen.globalAlpha = 1;
+}
+
+// States are continuous within a phase: where one jumps at a knot, the motion does not obey its equations.
+function drawJumps(chart, pen) {
+  pen.strokeStyle = chart.theme.bad;
+  pen.lineWidth = 3;
+  for (const [t, from, to] of jumpsOf(chart)) drawLine(pen, chart.x(t), chart.y(from), chart.x(t), chart.y(to), chart.theme.bad);
+}
+
+// Time and both values of every jump that can be seen, of the curves in focus.
+function jumpsOf(chart) {
+  if (!chart.data.continuous) return [];
+  const least = JUMP * (chart.high - chart.low);
+  return [...chart.curves()].flatMap(({ run, piece, row, series }) => {
+    if (run !== chart.selection.run || chart.weight(series) === ABSENT) return [];
+    const y = piece.y[row];
+    return piece.t.flatMap((t, k) => (k && t === piece.t[k - 1] && Math.abs(y[k] - y[k - 1]) > least ? [[t, y[k - 1], y[k]]] : []));
+  });
 }
 
 // Violated rows: a ring on the curve of the variable that a row bounds.

@@ -124,8 +124,8 @@ function mergedGroups(runs) {
 function mergedCharts(runs) {
   const found = new Map();
   runs.forEach((run, number) => {
-    for (const { title, symbol, series, pieces } of run.charts) {
-      const own = found.get(title) || { title, symbol, series: [], runs: runs.map(() => []) };
+    for (const { title, symbol, continuous, series, pieces } of run.charts) {
+      const own = found.get(title) || { title, symbol, continuous, series: [], runs: runs.map(() => []) };
       const places = series.map((one) => {
         const known = own.series.findIndex((s) => s.label === one.label);
         return known < 0 ? own.series.push(one) - 1 : known;

@@ -1,7 +1,10 @@
 "use strict";
-// Files made in the browser: pictures, values as CSV, a video. Nothing leaves the machine.
+// Files made in the browser: pictures, values as CSV, a video, a GIF. Nothing leaves the machine.
 
 const FRAMES = 30;
+const GIF_WIDTH = 480; // [pixels]
+const GIF_DELAY = 6; // between frames [hundredths of a second]
+const GIF_FRAMES = 200; // at most: of longer motions fewer frames are kept
 
 function download(blob, name) {
   const link = element("a");
@@ -23,6 +26,7 @@ class Exports {
     this.item("Picture of the curves (PNG)", () => this.curvePicture());
     this.item("Values (CSV)", () => download(new Blob([this.csv()], { type: "text/csv" }), `${this.name}.csv`));
     if (this.view && typeof MediaRecorder !== "undefined") this.video = this.item("Video of the motion", () => this.record());
+    if (this.view) this.gif = this.item("GIF of the motion", () => this.animate());
     this.item("Link to this moment and view", () => this.link());
     window.addEventListener("pointerdown", (event) => !host.contains(event.target) && this.open(false));
   }
@@ -107,6 +111,36 @@ class Exports {
       times.forEach((t, i) => lines.push([t, phase.name, ...owners.map((y) => (y === null || y[i] === null ? "" : y[i]))]));
     });
     return lines.map((cells) => cells.map((cell) => quoted(String(cell))).join(",")).join("\n") + "\n";
+  }
+
+  // Frames of the whole motion at the present speed.
+  async animate() {
+    const { view, player } = this;
+    if (this.gif.disabled) return;
+    this.gif.disabled = true;
+    const source = view.viewer.renderer.domElement;
+    const canvas = element("canvas");
+    canvas.width = Math.min(GIF_WIDTH, source.width);
+    canvas.height = Math.max(1, Math.round((canvas.width * source.height) / source.width));
+    const pen = canvas.getContext("2d", { willReadFrequently: true });
+    const seconds = (player.end - player.start) / player.speed;
+    const delay = Math.max(GIF_DELAY, Math.ceil((100 * seconds) / GIF_FRAMES));
+    const count = Math.max(2, Math.round((100 * seconds) / delay));
+    const made = new Gif(canvas.width, canvas.height, delay);
+    const now = player.now;
+    player.play(false);
+    for (let k = 0; k < count; ++k) {
+      this.gif.textContent = `GIF of the motion: ${Math.round((100 * k) / count)} %`;
+      await new Promise((after) => setTimeout(after));
+      player.seek(player.start + ((player.end - player.start) * k) / (count - 1));
+      view.viewer.render();
+      pen.drawImage(source, 0, 0, canvas.width, canvas.height);
+      made.add(pen.getImageData(0, 0, canvas.width, canvas.height).data);
+    }
+    player.seek(now);
+    this.gif.textContent = "GIF of the motion";
+    this.gif.disabled = false;
+    download(made.blob(), `${this.name}.gif`);
   }
 
   // Play once from the start at the present speed, and keep what the canvas shows.

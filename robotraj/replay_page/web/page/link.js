@@ -1,5 +1,5 @@
 "use strict";
-// Links to a moment and a view: #t=0.42&group=FL&solution=2&window=0,1&panel=proof&camera=...
+// Links to a moment and a view, which may be small enough to embed: #embed&t=0.42&group=FL&solution=2&window=0,1&panel=proof&camera=...
 
 class Link {
   constructor(player, selection, tabs, view) {
@@ -14,6 +14,7 @@ class Link {
       const list = (wanted.get(name) || "").split(",").map(Number);
       return wanted.has(name) && list.length === count && list.every(Number.isFinite) ? list : null;
     };
+    document.body.classList.toggle("embedded", wanted.has("embed"));
     const group = this.selection.groups.findIndex((one) => one.name === wanted.get("group"));
     const run = numbers("solution", 1);
     if (group >= 0 || wanted.get("group") === "all") this.selection.set({ group, isolated: null });
