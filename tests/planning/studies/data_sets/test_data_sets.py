@@ -158,3 +158,16 @@ def test_scales_of_actions_are_one_for_each(study: rt.Study, tmp_path: Path) -> 
     with pytest.raises(rt.InputError, match="1 of them"):
         study.to_robomimic(tmp_path / "set.hdf5", scale=[1.0, 2.0])
     assert not (tmp_path / "set.hdf5").exists()
+
+
+@pytest.mark.parametrize("reader", ["pandas", "polars", "duckdb"])
+def test_other_readers_open_the_rows(study: rt.Study, reader: str) -> None:
+    module = pytest.importorskip(reader)
+    files = str(study.store.folder / "rows")
+    if reader == "duckdb":
+        found = module.sql(f"select count(*), sum(case_T) from '{files}/*.parquet' where success").fetchall()[0]
+    else:
+        table = module.read_parquet(files if reader == "pandas" else f"{files}/*.parquet")
+        solved = table[table["success"]] if reader == "pandas" else table.filter(table["success"])
+        found = len(solved), solved["case_T"].sum()
+    assert found[0] == len(DURATIONS) and found[1] == pytest.approx(sum(DURATIONS))
