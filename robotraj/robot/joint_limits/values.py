@@ -54,8 +54,9 @@ def ends_for_all(quantity: str, value: object, joints: Sequence[str], free: int)
     except (TypeError, ValueError) as error:
         raise InputError(f"The {quantity} limit is no number: {value!r}.") from error
     if sizes.size not in (1, len(joints)):
+        each = f" or {len(joints)}, in the order {', '.join(joints)}" if len(joints) > 1 else ""
         raise InputError(
-            f"The {quantity} limit has {sizes.size} values; give 1 or {len(joints)}, in the order {', '.join(joints)}."
+            f"The {quantity} limit has {sizes.size} values; give 1{each}, or rt.between(lower, upper) for two sides."
         )
     chosen = whole if sizes.size == 1 else range(len(joints))
     return list(zip(chosen, np.broadcast_to(sizes, len(chosen)).tolist(), strict=True))
