@@ -17,7 +17,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.guess.earlier.blend import Blend
 from robotraj.planning.many.failure import Failure, failure_of
-from robotraj.planning.many.libraries.neighbours import Neighbours, row_of
+from robotraj.planning.many.libraries.neighbours import Neighbours, row_of, without_program
 from robotraj.planning.many.one_of_many import check_options
 from robotraj.planning.replanning.replanner import Replanner
 from robotraj.problem.phase import Phase
@@ -234,7 +234,7 @@ def library(
         if not found.success:
             failed[at] = found
             continue
-        known[at] = released(found)
+        known[at] = without_program(found)
         neighbours.add(cases[at], found)
         away = np.minimum(away, np.sum((rows - rows[at]) ** 2, axis=1))
     solved = sorted(known)

@@ -57,7 +57,7 @@ class Neighbours:
     def add(self, case: Case, solution: Solution | Callable[[], Solution]) -> None:
         """Add a solution, or the function that reads it from its file when it is the nearest one."""
         self._rows.append(self._row(case))
-        self._solutions.append(released(solution) if isinstance(solution, Solution) else solution)
+        self._solutions.append(without_program(solution) if isinstance(solution, Solution) else solution)
 
     def nearest(self, case: Case) -> Solution | None:
         """Return the solution of the nearest case; None where there is none."""
@@ -120,6 +120,14 @@ def _moved(origin: CompiledOrigin, known: Solution) -> CompiledOrigin:
         w = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, FromSolution(known))
         lam = origin.lam
     return CompiledOrigin(nlp, w, origin.formulation, lam, origin.compiled, origin.accuracy)
+
+
+def without_program(solution: Solution) -> Solution:
+    """Return a solution that holds no program: of one with rows on distances, multipliers and costates are left out."""
+    found = released(solution)
+    if found.multipliers is None or isinstance(found.multipliers, KeptMultipliers):
+        return found
+    return replace(found, multipliers=None, duals=())
 
 
 def row_of(case: Case, names: Sequence[str]) -> Array:

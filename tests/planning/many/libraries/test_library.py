@@ -93,6 +93,18 @@ def test_all_solutions_of_a_library_share_one_program_and_keep_none(reaches: Lib
     assert used[0] is used[1]
 
 
+def test_a_solution_whose_program_cannot_be_built_again_keeps_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Such programs have rows on distances; each takes some 20 MB."""
+    from robotraj.planning.many.libraries.neighbours import without_program
+    from robotraj.solvers.kept_multipliers import KeptMultipliers
+
+    solution = rt.plan(make(GRID[0]), mesh=rt.Mesh(4), keep_program=True)
+    assert isinstance(without_program(solution).multipliers, KeptMultipliers)
+    monkeypatch.setattr(KeptMultipliers, "of", classmethod(lambda cls, known: None))
+    found = without_program(solution)
+    assert found.multipliers is None and not found.duals and found.objective == solution.objective
+
+
 def test_an_answer_meets_its_rows_near_the_optimum(reaches: Library) -> None:
     for case in ({"shoulder": 1.07, "elbow": 0.45}, {"shoulder": 1.15, "elbow": 0.55}):
         answer, optimum = reaches.answer(case), reaches.plan(case)
