@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
@@ -22,6 +23,8 @@ from robotraj.robot.urdf.lenient import parsed
 from robotraj.robot.urdf.numbers import numbers
 from robotraj.robot.urdf.xml import MAX_BYTES
 
+FRAMED = ("body", "joint", "freejoint", "geom", "inertial")
+"""Elements that Pinocchio drops where they stand inside a <frame>."""
 CONSTRAINING = ("equality", "tendon")
 """Sections that change the motion and are not read."""
 
@@ -74,21 +77,37 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     Raises
     ------
     InputError
-        Pinocchio's reader refuses it, it includes other files, a mesh lies elsewhere, or a mesh cannot be read within
-        the limits of meshes.
+        Pinocchio's reader refuses it or drops elements of it, it includes other files, a mesh lies elsewhere, or a mesh
+        cannot be read within the limits of meshes.
     """
     root = _root(path)
     if root.find(".//include") is not None:
         raise InputError(f"{str(path)!r} includes other files; load the one with the bodies of the robot, or a URDF.")
     check_numbers(repr(str(path)), root)
+    inside = {each.tag for frame in root.iter("frame") for each in frame.iter() if each.tag in FRAMED}
+    if inside:
+        raise InputError(
+            f"{str(path)!r} has elements inside <frame>, which Pinocchio does not read: {', '.join(sorted(inside))}. "
+            "Give them the frame's pose in its place; a file that MuJoCo's mj_saveLastXML writes has no frames."
+        )
     model, shapes = _built(root, path, folders)
+    gravity = numbers(" ".join(each.get("gravity", "") for each in root.findall("option")).strip(), 3)
+    if gravity is not None:
+        model.gravity.linear = np.array(gravity)
     joints = [model.names[i] for i in range(1, model.njoints)]
     defaults = Defaults(root)
     every = [(each.tag, defaults.of(each)) for group in root.findall("actuator") for each in group]
     actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
-    efforts = {own.get("joint", ""): pair for tag, own in actuators if (pair := _effort(tag, own)) is not None}
+    whole = {own.get("name", ""): numbers(own.get("actuatorfrcrange", ""), 2) for own in joints_of(root, defaults)}
+    ranges = {own.get("joint", ""): _both(_effort(tag, own), whole.get(own.get("joint", ""))) for tag, own in actuators}
+    efforts = {joint: pair for joint, pair in ranges.items() if pair is not None}
     springs, unread = joint_springs(root, joints_of(root, defaults), joints)
     findings = []
+    weightless = [body.get("name", "") for body in root.iter("body") if body.get("gravcomp", "0") != "0"]
+    if weightless:
+        findings.append(
+            f"Compensation of gravity (gravcomp) in the MJCF that is not read: {', '.join(map(repr, weightless))}."
+        )
     if unread:
         findings.append(
             f"Springs of the MJCF that are not read: {', '.join(map(repr, unread))}. Set them with springs={{joint: "
@@ -129,6 +148,12 @@ def _built(
 
 def _root(path: Path) -> Element:
     return parsed(contents(path, MAX_BYTES, "The MJCF file"))
+
+
+def _both(first: Sequence[float] | None, second: Sequence[float] | None) -> tuple[float, float] | None:
+    """Return the values that lie in both ranges, of which either may be missing."""
+    known = [each for each in (first, second) if each is not None and each[0] < each[1]]
+    return (max(each[0] for each in known), min(each[1] for each in known)) if known else None
 
 
 def _effort(tag: str, actuator: Attributes) -> tuple[float, float] | None:

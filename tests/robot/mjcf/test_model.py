@@ -156,3 +156,30 @@ def test_endless_nesting_is_refused(tmp_path):
     path.write_text("<mujoco><worldbody>" + "<body><joint/>" * 3000 + "</body>" * 3000 + "</worldbody></mujoco>")
     with pytest.raises(rt.InputError, match="more than 200 elements lie in each other"):
         rt.load(path)
+
+
+def test_gravity_and_the_range_of_a_joints_force_are_those_of_the_file(tmp_path):
+    text = write(tmp_path, more='<option gravity="0 0 -1.62"/>').read_text(encoding="utf-8")
+    text = text.replace('name="shoulder" type', 'name="shoulder" actuatorfrcrange="-7 50" type')
+    (tmp_path / "arm.xml").write_text(text, encoding="utf-8")
+    robot = rt.load(tmp_path / "arm.xml")
+    np.testing.assert_array_equal(robot.limits.sides("effort")[0], [-7, -np.inf, -15])
+    np.testing.assert_array_equal(robot.limits.sides("effort")[1], [20, np.inf, 15])
+    np.testing.assert_array_equal(robot.model.gravity.linear, [0, 0, -1.62])
+
+
+def test_a_body_without_weight_is_named(tmp_path):
+    text = write(tmp_path).read_text(encoding="utf-8")
+    (tmp_path / "arm.xml").write_text(text.replace('name="fore"', 'name="fore" gravcomp="1"'), encoding="utf-8")
+    with pytest.warns(UserWarning, match="gravcomp.*'fore'"):
+        rt.load(tmp_path / "arm.xml")
+
+
+def test_elements_inside_a_frame_are_refused(tmp_path):
+    """Pinocchio drops them, and would load another robot."""
+    text = write(tmp_path).read_text(encoding="utf-8")
+    begin = text.index('<body name="ram">')
+    ram = text[begin : text.index("</body>", begin) + len("</body>")]
+    (tmp_path / "arm.xml").write_text(text.replace(ram, f'<frame pos="0 0 1">{ram}</frame>'), encoding="utf-8")
+    with pytest.raises(rt.InputError, match="inside <frame>.*: body, geom, joint. Give them the frame's pose"):
+        rt.load(tmp_path / "arm.xml")
