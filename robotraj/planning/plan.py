@@ -113,6 +113,7 @@ def plan(
         A duration T that is minimised counts as the integral of 1 + smoothing * m in the program of the solver. m is
         the mean square of torques and accelerations relative to their limits. Of motions that take the same time it
         selects a smooth one. T is at most ``1 + smoothing`` times the least, mostly far less, and is the objective.
+        Under a limit of a frame's speed or acceleration m is relative to its mean along the motion of the first mesh.
     goals : Goals, optional
         Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,
         until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved. If the guess

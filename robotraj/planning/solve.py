@@ -42,7 +42,12 @@ from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.collocation.unwrap_angles import unwrapped
-from robotraj.transcription.interval_limits.added_rows import exceeded_although_added, rows_to_add, with_added_rows
+from robotraj.transcription.interval_limits.added_rows import (
+    exceeded_although_added,
+    rows_against_swings,
+    rows_to_add,
+    with_added_rows,
+)
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, state_violations
 from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.nlp import Nlp
@@ -128,6 +133,9 @@ def _solve_once(
     )
     added, same = earlier_rows(problem, mesh, guess) if interval_limits.rounds else ([], False)
     plain = nlp
+    if settings.goals is not None:
+        missing = [each for each in rows_against_swings(nlp) if each not in set(added)]
+        added, same = [*added, *missing], same and not missing
     if added:
         nlp = with_added_rows(nlp, added, nlp.guess)
     nlp = _with_surfaces(nlp, surfaces)

@@ -19,6 +19,7 @@ from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.collocation.end_functions import fixed_values
 from robotraj.transcription.collocation.index_reduction import determined_at_ends
 from robotraj.transcription.collocation.invariants import determined_invariants
+from robotraj.transcription.interval_limits.added_rows import with_added_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import Scalar
 from robotraj.transcription.nlp import Nlp
@@ -128,7 +129,8 @@ def _are_equal(phase: Phase, known: Phase, name: str) -> bool:
 
 def started_at(nlp: Nlp, guess: InitialGuess) -> Nlp:
     """Return the NLP with another start; blocks, scales and functions are those of ``nlp``."""
-    return continued_at(nlp, start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess))
+    start = start_of(nlp.problem, nlp.layouts, nlp.link_columns, nlp.variables, guess)
+    return continued_at(nlp, with_added_states(nlp, start))
 
 
 def continued_at(nlp: Nlp, w: Array) -> Nlp:

@@ -1,8 +1,8 @@
-"""A warning before planning: least time under a limit on a speed that joints share.
+"""A warning before planning: least time under a limit on a speed that the wheels share.
 
-Where a limit on the speed of the tool, or of wheels, determines the duration, many motions of the joints are equally
-short. The solver chooses among them by the gaps between the points, through which oscillating joints gain a little.
-Their proof takes many rounds, and some plans are not proved.
+Where the limit on the speed of wheels determines the duration, many motions of the joints are equally short. The solver
+chooses among them by the gaps between the points, through which oscillating joints gain a little. Their proof takes
+many rounds, and some plans are not proved. Limits of a frame's motion need no warning (``loop.smoothing_weight``).
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 from robotraj._util.errors import warn
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.differential_drive import DifferentialDrive
-from robotraj.problem.constraints.task_space.tool_motion import FrameSpeed
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.phase import Phase
@@ -34,7 +33,7 @@ def warn_of_oscillation(problem: Problem) -> None:
 
 
 def _is_shared(constraint: Constraint) -> bool:
-    return isinstance(constraint, FrameSpeed | DifferentialDrive)
+    return isinstance(constraint, DifferentialDrive)
 
 
 def _takes_least_time(phase: Phase) -> bool:

@@ -62,7 +62,7 @@ def is_enough(state: PlanState) -> bool:
 
 def is_limited(state: PlanState) -> bool:
     """Whether limits are imposed between the points of the next mesh, however far from settled its solution is."""
-    if state.task is not Task.MESH or state.traits.full_friction:
+    if state.task is not Task.MESH:
         return True
     powers = state.traits.sticking_powers and state.best is not None
     return powers or is_enough(state) or state.number == MOST_MESHES - 1

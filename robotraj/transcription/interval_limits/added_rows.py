@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,8 +26,39 @@ from robotraj.transcription.schemes.onestep import OneStep
 Array = NDArray[np.float64]
 
 
+SWINGS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
+"""Extrema of t (t - 1/2) (t - 1)."""
 SPREAD = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
 """Places of an interval at which a row is imposed where one place was not enough."""
+
+
+def rows_against_swings(nlp: Nlp) -> list[AddedRow]:
+    """Return rows that are imposed between the points from the start: path inequalities that read speeds.
+
+    Between two knots the speeds of an exact motion are cubic, and at the points of Hermite-Simpson a multiple of
+    t (t - 1/2) (t - 1) is 0. Least time exploits it: a tool may exceed its limit on one half of every interval. The
+    rows are imposed where that is greatest, at (1 -+ 1/sqrt(3)) / 2.
+    """
+    found = []
+    for i, (phase, layout) in enumerate(zip(nlp.problem.phases, nlp.layouts, strict=True)):
+        robot = phase.state_robot
+        if robot is None or phase.path is not None or isinstance(layout.scheme, OneStep):
+            continue
+        speeds = phase.rows.symbols[1][robot.nq : robot.nq + robot.nv]
+        rows = [
+            row.number
+            for row in phase.rows.of_state
+            if row.kind is Kind.PATH
+            and not row.is_equality
+            and ca.depends_on(phase.rows.expressions((row,))[0], speeds)
+        ]
+        found += [
+            AddedRow(i, interval, row, tau)
+            for row in rows
+            for interval in range(len(layout.intervals))
+            for tau in SWINGS
+        ]
+    return found
 
 
 def rows_to_add(nlp: Nlp, found: Sequence[IntervalViolation], added: Sequence[AddedRow]) -> list[AddedRow]:
@@ -126,6 +158,12 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
         guess=start,
         additions=(*nlp.additions, tuple(added)),
     )
+
+
+def with_added_states(nlp: Nlp, w: Array) -> Array:
+    """Return a decision vector (n_w,) whose states at added rows are those of its polynomials."""
+    own = _states(nlp, [each for group in nlp.additions for each in group], w)
+    return np.append(w[: len(w) - len(own)], own)
 
 
 def _states(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Array:

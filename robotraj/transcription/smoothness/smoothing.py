@@ -31,9 +31,7 @@ def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
 
     They are 0 where no duration is minimised, on a path, whose timing alone is free, and for unbounded variables.
     """
-    terms = phase.objective.terms if phase.objective is not None else ()
-    weight = sum(weight for weight, term in terms if isinstance(term, Duration))
-    dae, sizes = phase.dae, []
+    weight, dae, sizes = weight_of_duration(phase), phase.dae, []
     for variables in (dae.algebraic, dae.controls):
         lower, upper = phase.rows.limits_of(variables)
         size = np.maximum(np.abs(lower), np.abs(upper))
@@ -43,6 +41,12 @@ def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
         return np.zeros(len(dae.algebraic)), np.zeros(len(dae.controls))
     of_algebraic, of_controls = (weight * smoothing / bounded / size**2 for size in sizes)
     return of_algebraic, of_controls
+
+
+def weight_of_duration(phase: Phase) -> float:
+    """Return the weight of a duration in the objective of a phase."""
+    terms = phase.objective.terms if phase.objective is not None else ()
+    return sum(weight for weight, term in terms if isinstance(term, Duration))
 
 
 def smoothing_rate(phase: Phase, smoothing: float, z: ca.SX, u: ca.SX) -> ca.SX | None:

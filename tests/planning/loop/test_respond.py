@@ -216,6 +216,5 @@ def test_softer_friction_becomes_less_soft_until_it_is_the_own_one() -> None:
 
 def test_limits_are_imposed_between_the_points_where_they_decide_or_the_plan_ends() -> None:
     assert not is_limited(state()) and not is_limited(state(ROUGH))
-    assert is_limited(state(traits=Traits(full_friction=True)))
     assert is_limited(state(ROUGH, traits=Traits(True, True))) and not is_limited(state(traits=Traits(True, True)))
     assert is_limited(state(ROUGH, number=ENOUGH - 1)) and is_limited(state(ROUGH, task=Task.SMOOTHER))

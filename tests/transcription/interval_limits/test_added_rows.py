@@ -12,9 +12,12 @@ from robotraj.problem.phase_row import Kind
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import (
     SPREAD,
+    SWINGS,
     exceeded_although_added,
+    rows_against_swings,
     rows_to_add,
     with_added_rows,
+    with_added_states,
 )
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.interval_limits.row_places import AddedRow
@@ -145,3 +148,27 @@ def test_states_at_added_rows_of_a_contact_are_on_the_corrected_polynomial() -> 
     there = x(x.breaks[1:2] + 0.3 * (x.breaks[2] - x.breaks[1]))[0]
     assert more.guess[len(nlp.variables) :] == pytest.approx(there)
     assert more.values(more.guess)[len(nlp.rows) :] == pytest.approx([*np.zeros(len(there)), there[1] ** 2], abs=1e-9)
+
+
+def test_rows_against_swings_are_those_of_speeds_at_the_extrema_of_what_the_points_do_not_see() -> None:
+    swing = np.poly1d([1.0, -1.5, 0.5, 0.0])
+    assert np.abs(swing([0.0, 0.5, 1.0])).max() == 0.0
+    assert np.sort(swing.deriv().roots) == pytest.approx(SWINGS)
+    slow = rt.PathConstraint(lambda p: [p.v[0] ** 2 + p.v[1] ** 2], upper=9.0, name="slow")
+    even = rt.PathConstraint(lambda p: [p.v[0] - p.v[1]], 0.0, 0.0, name="even")
+    limits = [slow, rt.PathConstraint(tip, upper=5.0, name="tip")]
+    phase = rt.Phase(rt.load("two_link_arm"), 2.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort(), limits)
+    both = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(3), rt.guess.StraightLine())
+    (number,) = (row.number for row in phase.rows.of_state if row.name == "slow")
+    assert rows_against_swings(both) == [AddedRow(0, k, number, tau) for k in range(3) for tau in SWINGS]
+    kept = phase.with_(constraints=[even])
+    assert not rows_against_swings(rt.transcription.transcribe(rt.Problem([kept]), rt.Mesh(3), rt.guess.StraightLine()))
+
+
+def test_states_at_added_rows_follow_another_start(nlp: rt.transcription.Nlp) -> None:
+    more = with_added_rows(nlp, [AddedRow(0, 1, tip_row(nlp), 0.7)], nlp.guess)
+    w = more.guess.copy()
+    w[: len(nlp.guess)] += 0.1 * np.random.default_rng(1).normal(size=len(nlp.guess))
+    moved = with_added_states(more, w)
+    assert moved[: len(nlp.guess)] == pytest.approx(w[: len(nlp.guess)])
+    assert more.values(moved)[len(nlp.rows) :][:4] == pytest.approx(np.zeros(4), abs=1e-9)
