@@ -63,9 +63,9 @@ class Replanner:
     guess : InitialGuess or Solution, optional
         Guess of the first plan; of a gait its solution, which is then not planned again.
     solver : InteriorPoint, optional
-        Solver of the steps. The default has a tolerance of 1e-4 and a first barrier of 1e-3. That of a gait ends after
-        30 iterations, and its barrier follows the violation at the start. A smaller barrier takes more iterations near
-        the last solution, since limits become active or inactive from step to step.
+        Solver of the steps. The default has a tolerance of 1e-4 and a first barrier of 1e-3. A smaller barrier takes
+        more iterations near the last solution, since limits become active or inactive from step to step. That of a gait
+        has a tolerance of 1e-2, ends after 30 iterations, and its barrier follows the violation at the start.
     period : float
         About the time between the steps of a gait [s].
     ahead : int
@@ -106,7 +106,7 @@ class Replanner:
         self._gait: GaitLoop | None = None
         if isinstance(problem, Problem) and repeats(problem):
             every = positive(period, PERIOD, "Replanner(period)")
-            own = solver or InteriorPoint(tolerance=1e-4, max_iterations=MOST_ITERATIONS)
+            own = solver or InteriorPoint(tolerance=1e-2, max_iterations=MOST_ITERATIONS)
             self._gait = GaitLoop(problem, mesh, guess, own, every, ahead, deadline)
             self.first: Solution = self._gait.gait
             """The plan that was solved when the replanner was made; the gait, if it repeats."""

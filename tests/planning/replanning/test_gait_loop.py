@@ -31,7 +31,7 @@ def gait(walk: rt.Problem) -> rt.Solution:
 
 @pytest.fixture(scope="module")
 def replanner(walk: rt.Problem, gait: rt.Solution) -> rt.Replanner:
-    return rt.Replanner(walk, guess=gait, period=PERIOD, ahead=1)
+    return rt.Replanner(walk, guess=gait, period=PERIOD, ahead=1, solver=rt.InteriorPoint(tolerance=1e-6))
 
 
 def state(sample, away: float = 0.0) -> rt.State:
