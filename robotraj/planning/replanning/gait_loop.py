@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj.guess.from_solution import FromSolution
-from robotraj.guess.legs.stance import BalancedStance
 from robotraj.planning.plan import plan
 from robotraj.planning.replanning.deadline import Deadline
 from robotraj.planning.replanning.gait_ticks import Tick, cycle_of, ticks_of
@@ -79,11 +78,6 @@ class GaitLoop:
             )
             self._horizons.append(Horizon(known, solver, of_gait=True))
         self._axes = 1 if self.cycle.joined.robot.root == "planar" else 2
-        stances: dict[tuple[str, ...], BalancedStance] = {}
-        for tick in self.ticks:
-            held = tick.problem.phases[0].bound_contacts
-            stances.setdefault(tick.feet, BalancedStance(self.cycle.joined.robot, tuple(held)))
-        self._stances = [stances[tick.feet] for tick in self.ticks]
         self._lead = 0.0
         self._last: Replan | None = None
 
@@ -93,7 +87,7 @@ class GaitLoop:
         number = self._at(t, contacts)
         tick, horizon = self.ticks[number], self._horizons[number]
         q, v = self._measured(start)
-        q, v = touching(self._stances[number], q, v)
+        q, v = touching(tick.stance, q, v)
         moved = np.zeros(self._axes)
         moved[:] = q[: self._axes] - tick.q[: self._axes]
         q = np.array(q)

@@ -17,11 +17,14 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Scalar
+from robotraj.gait.feet import foot_contact
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.posture import SHARE
 from robotraj.gait.stepping.joined_gait import JoinedGait, joined_gait
 from robotraj.gait.supports import Support
+from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above
+from robotraj.planning.replanning.touching import touching
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.expressions import Mayer
 from robotraj.problem.problem import Problem
@@ -34,7 +37,7 @@ Array = NDArray[np.float64]
 ARRIVAL = 1000.0
 """Weight of the distance of the end from the gait, in posture costs of ``rt.gait.gait_objective`` times sqrt(h / g).
 
-With 10, a horizon of half a second slows down, since the effort that it saves outweighs the distance.
+With 1, a horizon of half a second slows down, since the effort that it saves outweighs the distance.
 """
 
 
@@ -42,32 +45,38 @@ With 10, a horizon of half a second slows down, since the effort that it saves o
 class Arrival:
     """Squared distance of the end of a horizon from the state of the gait there, position along the ground left out.
 
-    sum (q - q*)^2 + (h / g) sum (v - v*)^2, quaternions counted twice in each entry, so that a small angle counts once.
+    sum w (q - q*)^2 + (h / g) sum w (v - v*)^2,  w = 1 for angles and 1 / h^2 for the root's lengths, with the height h
+    of the centre of mass. A quaternion's entries count four times, so that a small angle counts once.
 
     Attributes
     ----------
     q, v : tuple of float
         State of the gait.
-    skipped : int
-        Number of coordinates along the ground, which come first.
-    doubled : tuple of int
-        Entries of a quaternion.
-    pace : float
-        h / g [s^2].
+    lengths : int
+        Number of the root's lengths, which come first; the height is the last of them.
+    height : float
+        h [m].
+    gravity : float
+        g [m/s^2].
     """
 
     q: tuple[float, ...]
     v: tuple[float, ...]
-    skipped: int
-    doubled: tuple[int, ...]
-    pace: float
+    lengths: int
+    height: float
+    gravity: float
 
     def __call__(self, start: RobotPoint, end: RobotPoint) -> Scalar:
         """Evaluate the distance."""
-        weights = [4.0 if i in self.doubled else 1.0 for i in range(len(self.q))]
-        places = range(self.skipped, len(self.q))
-        of_q = sum((weights[i] * (end.q[i] - self.q[i]) ** 2 for i in places), ca.SX(0))
-        return of_q + self.pace * sum(((end.v[i] - each) ** 2 for i, each in enumerate(self.v)), ca.SX(0))
+        length = self.height**-2
+        quaternion = range(3, 7) if self.lengths == 3 else ()
+        of_q = length * (end.q[self.lengths - 1] - self.q[self.lengths - 1]) ** 2
+        for i in range(self.lengths, len(self.q)):
+            of_q += (4.0 if i in quaternion else 1.0) * (end.q[i] - self.q[i]) ** 2
+        of_v = ca.SX(0)
+        for i, each in enumerate(self.v):
+            of_v += (length if i < self.lengths else 1.0) * (end.v[i] - each) ** 2
+        return of_q + self.height / self.gravity * of_v
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +91,8 @@ class Tick:
         Time since the start of the cycle [s].
     feet, following : tuple of str
         Frames that stand now, and in the next phase.
+    stance : BalancedStance
+        The contacts that hold now.
     q, v : ndarray (nq,), (nv,)
         State of the gait.
     problem : Problem
@@ -92,6 +103,7 @@ class Tick:
     t: float
     feet: tuple[str, ...]
     following: tuple[str, ...]
+    stance: BalancedStance
     q: Array
     v: Array
     problem: Problem
@@ -148,33 +160,35 @@ def ticks_of(cycle: Cycle, period: float, ahead: int) -> tuple[Tick, ...]:
 
     Their horizons have ``ahead`` phases after the current one.
     """
-    made = []
+    made: list[Tick] = []
+    stances: dict[tuple[str, ...], BalancedStance] = {}
+    robot, contact = cycle.joined.robot, cycle.joined.contact
     for number, phase in enumerate(cycle.phases):
         count = max(1, round(phase.duration / period))
         for k in range(count):
             elapsed = phase.duration * k / count
-            q, v = cycle.state(number, elapsed)
             supports = [cycle.support(number + i) for i in range(ahead + 1)]
             feet, following = supports[0].feet, supports[1].feet
+            held = tuple(foot_contact(contact, foot).bound_to(robot) for foot in feet)
+            stance = stances.setdefault(feet, BalancedStance(robot, held))
+            # Between its knots the gait keeps its contacts to its own accuracy alone.
+            q, v = touching(stance, *cycle.state(number, elapsed))
             supports[0] = replace(supports[0], duration=phase.duration - elapsed)
             problem = _horizon(cycle, supports, number + ahead, State(q=q, v=v))
-            made.append(Tick(number, phase.t0 - cycle.phases[0].t0 + elapsed, feet, following, q, v, problem))
+            made.append(Tick(number, phase.t0 - cycle.phases[0].t0 + elapsed, feet, following, stance, q, v, problem))
     return tuple(made)
 
 
 def _horizon(cycle: Cycle, supports: Sequence[Support], last: int, start: State) -> Problem:
     robot, stance = cycle.joined.robot, cycle.joined.stance
     problem = sequence(robot, supports, cycle.joined.terms(0.0, None, None), None, start)
-    planar = robot.root == "planar"
     q, v = cycle.state(last, cycle.phases[last % len(cycle.phases)].duration)
     com = np.array(pin.centerOfMass(robot.model, stance.data, q))
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     height = height_above(stance, stance.locate(q), com)
-    pace = height / gravity
-    worth = (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2 * np.sqrt(pace)
-    arrival = Arrival(
-        tuple(q.tolist()), tuple(v.tolist()), 1 if planar else 2, () if planar else (3, 4, 5, 6), float(pace)
-    )
+    worth = (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2 * np.sqrt(height / gravity)
+    lengths = 2 if robot.root == "planar" else 3
+    arrival = Arrival(tuple(q.tolist()), tuple(v.tolist()), lengths, float(height), gravity)
     ending = replace(
         problem.phases[-1], objective=problem.phases[-1].objective + float(ARRIVAL * worth) * Mayer(arrival)
     )
