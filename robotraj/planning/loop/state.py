@@ -267,6 +267,7 @@ def begin(
     assert settings.goals is not None
     soft = with_soft_kinks(problem, settings.goals, settings.smoothing)
     state = PlanState(soft, problem, settings, traits, guess, (), second, is_brief=is_brief)
-    if traits.sticking and not isinstance(guess, Solution):
+    is_proved = isinstance(guess, Solution) and guess.proof is not None
+    if traits.sticking and not is_proved:
         return replace(state, meshes=state.coarsest, task=Task.SOFTER, softening=SOFTENING)
     return replace(state, meshes=state.coarsest, neighbour=proof_on(guess, state.coarsest))

@@ -42,8 +42,6 @@ SOLVES = 6
 """Largest number of solves on the coarse mesh along one such motion."""
 PUSHES = 2
 """The same along a motion that overlaps, which share the iterations of the plan without rows."""
-ROUNDS = 3
-"""Largest number of plans after them, with further rows where links overlap between the points."""
 LEAST_ITERATIONS = 100
 """Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
 STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -76,7 +74,7 @@ class KeptApart:
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = 0
         self._cuts: list[Solution] = []
-        self._rounds = 0
+        self._deep = np.inf
         self._patience = 0
         self._failed = False
 
@@ -90,8 +88,9 @@ class KeptApart:
             return None
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
         if self._search is not None:
-            if not self._failed and self._rounds < (ROUNDS if self._has_routes(found) else 1):
-                return self._further(found, self._search)
+            further = None if self._failed or not self._has_routes(found) else self._further(found, self._search)
+            if further is not None:
+                return further
             if self._search.best is not None and self._search.behind is not None:
                 return self._behind(self._search.best, self._search.behind)
         while not self._is_stopped and (routes := self._next_routes(found)) is not None:
@@ -170,23 +169,26 @@ class KeptApart:
                 break
         if search.best is None:
             return None
-        self._search, self._rounds = search.along_best, 1
+        self._search, self._deep = search.along_best, np.inf
         settings = replace(self._settings, restarts=Restarts(0))
         if not are_free:
             settings = replace(settings, solver=coarse.solver)
         return PlanAttempt(search.best, settings, self._search.surfaces, not are_free)
 
-    def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt:
-        """Return the plan with further rows along a plan that overlaps, on its meshes."""
-        self._rounds += 1
+    def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
+        """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
         depths = self._overlaps.depths_at(found, self._open)
+        deep = sum(depth for each in depths for depth in each.values())
+        if deep >= self._deep:
+            return None
+        self._deep = deep
         self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
         settings = replace(self._near, mesh=tuple(part.mesh for part in found.phases))
         return PlanAttempt(found, settings, self._search.surfaces, True)
 
     def _behind(self, best: Solution, search: FreeSearch) -> PlanAttempt:
         """Return the plan with the rows at which the best free solution ended, which keep a finer one near it."""
-        self._rounds, self._search = 1, replace(search, best=None, behind=None)
+        self._deep, self._search = np.inf, replace(search, best=None, behind=None)
         return PlanAttempt(best, self._near, self._search.surfaces, True)
 
     @property
