@@ -14,6 +14,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
+from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_numbers
 from robotraj.robot.mjcf.defaults import Attributes, Defaults
 from robotraj.robot.mjcf.defaults import joints as joints_of
@@ -91,6 +92,7 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             "Give them the frame's pose in its place; a file that MuJoCo's mj_saveLastXML writes has no frames."
         )
     model, shapes = _built(root, path, folders)
+    model = with_single_axes(root, model, shapes)
     gravity = numbers(" ".join(each.get("gravity", "") for each in root.findall("option")).strip(), 3)
     if gravity is not None:
         model.gravity.linear = np.array(gravity)
