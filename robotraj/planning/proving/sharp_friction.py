@@ -40,7 +40,7 @@ LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next."""
 AIM = 0.7
 """Part of the allowed share that the next plan aims at."""
-STEPS = 6
+STEPS = 14
 """Largest number of plans with a smaller v_s."""
 PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
 """Gauss's rule on an interval."""

@@ -53,3 +53,17 @@ def test_the_least_time_of_a_lift_is_that_of_coulombs_law(
     solution = rt.plan(rt.Phase(robot, (0.01, 20), rt.State(q=[0], v=0), rt.State(q=[d], v=0), rt.Duration()))
     assert solution.proof is not None and solution.proof.holds
     assert -1e-3 < solution.duration / exact - 1.0 < 3e-3
+
+
+@pytest.mark.parametrize(("d", "m"), [(1e-3, 0.5), (1e-6, 1e-6)])
+def test_friction_of_small_machines_is_coulombs_too(tmp_path: Path, d: float, m: float) -> None:
+    """The smooth friction of the file is wider than the speed of the motion, up to a thousand times."""
+    acceleration = 4.0 * d / 0.1**2
+    friction = 0.5 * m * acceleration
+    moving = (36.0 * m**2 * d**2 / friction**2) ** 0.25
+    dynamics = f'<dynamics friction="{friction}"/>'
+    robot = axis(tmp_path, mass=m, effort=5.0 * m * acceleration, speed=40.0 * d, travel=10.0 * d, dynamics=dynamics)
+    ends = rt.State(q=[0], v=0), rt.State(q=[d], v=0)
+    solution = rt.plan(rt.Phase(robot, 0.2, *ends, rt.Effort()))
+    assert moving < 0.2
+    assert solution.objective == pytest.approx(friction**2 * moving + 12.0 * m**2 * d**2 / moving**3, rel=4e-3)
