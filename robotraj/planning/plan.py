@@ -208,8 +208,13 @@ def plan(
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])
-    if not isinstance(problem, Problem):
-        raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(problem).__name__}.")
+    given: object = problem
+    if not isinstance(given, Problem):
+        several = isinstance(given, list | tuple)
+        advice = (
+            " rt.sweep plans each of several; rt.Problem(phases, links) makes one motion of them." if several else ""
+        )
+        raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(given).__name__}.{advice}")
     if not isinstance(guess, Solution):
         guess = as_guess(guess)
     given = {

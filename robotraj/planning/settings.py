@@ -269,7 +269,7 @@ def _is_a(kind: type) -> Callable[[object], bool]:
 _CHECKS: Mapping[str, tuple[Callable[[object], bool], str]] = {
     "tolerance": (_is_tolerance, "is a relative error between 0 and 1, such as 1e-6"),
     "goals": (_is_a(Goals), "must be an rt.solution.Goals"),
-    "mesh": (_is_mesh, "must be an rt.Mesh, or one for each phase"),
+    "mesh": (_is_mesh, "must be an rt.Mesh, such as rt.Mesh(40), or one for each phase"),
     "solver": (_is_a(Solver), "must be a solver value such as rt.Ipopt()"),
     "engine": (_is_a(Engine), "must be rt.engines.VirtualMachine(), rt.engines.Native() or rt.engines.Compiled()"),
     "interval_limits": (

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypedDict, TypeVar
 from robotraj._util.errors import InputError
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
+from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.objectives.base import Objective
@@ -63,7 +64,9 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
         advice = ""
         if isinstance(objective, list | tuple):
             advice = " Add its terms with +."
-        elif callable(objective) and not isinstance(objective, type):
+        elif isinstance(objective, type):
+            advice = f" Call it: rt.{objective.__name__}()."
+        elif callable(objective):
             advice = " Give a function to rt.Lagrange or rt.Mayer."
         raise InputError(
             f"The objective of phase {phase!r} must be an objective such as rt.Effort(); got {objective!r}.{advice}"
@@ -95,10 +98,12 @@ def as_constraints(phase: str, given: object) -> tuple[Constraint, ...]:
     """
     every = _several(phase, "constraints", given, Constraint)
     for constraint in every:
-        if not isinstance(constraint, Constraint):
+        entry: object = constraint
+        if not isinstance(entry, Constraint):
+            advice = " rt.CollisionFree([...]) keeps the robot off obstacles." if isinstance(entry, Obstacle) else ""
             raise InputError(
-                f"{constraint!r} in the constraints of phase {phase!r} is not a constraint such as "
-                "rt.PathConstraint(...)."
+                f"{entry!r} in the constraints of phase {phase!r} is not a constraint such as "
+                f"rt.PathConstraint(...).{advice}"
             )
     return every
 

@@ -117,7 +117,7 @@ def replay(
         functions, or measured values of no curve. An unknown frame raises UnknownName.
     """
     solutions = _checked(solution, labels)
-    target = output_path(path, (".html", ".htm"), "the page of replay")
+    target = output_path(path, (".html", ".htm"), "the page of replay (its menu Save makes videos, GIFs and pictures)")
     for each in solutions:
         check_options(_one_robot(each), speed=speed, fps=fps, traces=traces, title=title)
     reports = _reports(solutions, report)

@@ -25,7 +25,7 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import History, Round
 from robotraj.solution.reserves.shares import Share, shares_of
-from robotraj.solution.sample import Sample, Times, as_times, join
+from robotraj.solution.sample import JOINTS, Sample, Times, as_times, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
@@ -114,6 +114,12 @@ class Solution(OneLine):
     settings: Settings | None = None
     proof: Proof | None = None
     rounds: tuple[Round, ...] = ()
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> object:
+            advice = f" Read values at times: solution.at(t).{name}." if name in (*JOINTS, "x", "u") else ""
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}.{advice}")
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle and copy the solution without its program; feedback gains that were read from a file are kept."""

@@ -795,3 +795,29 @@ def test_the_good_phases_that_the_table_spoils_are_good() -> None:
 def test_errors_are_the_packages_own_and_values_errors() -> None:
     assert issubclass(rt.InputError, rt.RobotrajError) and issubclass(rt.InputError, ValueError)
     assert issubclass(rt.UnknownName, rt.InputError)
+
+
+@pytest.mark.parametrize(
+    ("call", "remedy"),
+    [
+        (lambda: cartpole(constraints=[rt.obstacles.Sphere(0.1, position=(1, 1, 1))]), "rt.CollisionFree([...])"),
+        (lambda: cartpole(objective=rt.Effort), "Call it: rt.Effort()."),
+        (lambda: cartpole(end=rt.State(q={"pole": "180deg"})), "np.radians(90)"),
+        (lambda: rt.plan([cartpole(), cartpole()]), "rt.sweep plans each"),
+        (lambda: rt.plan(cartpole(), mesh=40), "rt.Mesh(40)"),
+        (lambda: rt.plan(cartpole(), rt.Mesh(10)).to_csv("motion.xlsx"), "let it end in .csv"),
+        (lambda: rt.replay(rt.plan(cartpole(), rt.Mesh(10)), "motion.gif"), "menu Save makes videos, GIFs"),
+    ],
+)
+def test_an_error_says_what_the_caller_wanted(call: Callable[[], object], remedy: str) -> None:
+    with pytest.raises(rt.InputError) as found:
+        call()
+    assert remedy in str(found.value)
+
+
+def test_values_that_a_solution_has_at_times_are_said_to_be_there() -> None:
+    solution = rt.plan(cartpole(), rt.Mesh(10))
+    with pytest.raises(AttributeError, match=r"no attribute 'q'. Read values at times: solution.at\(t\).q"):
+        _ = solution.q
+    with pytest.raises(AttributeError, match="no attribute 'trajectory'.$"):
+        _ = solution.trajectory

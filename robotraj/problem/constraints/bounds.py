@@ -265,7 +265,10 @@ def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
     try:
         number = _numbers(value)
     except (TypeError, ValueError) as error:
-        raise InputError(f"The {what} must be a number, None or rt.between(lower, upper); got {value!r}.") from error
+        advice = " Angles are in radians: np.radians(90)." if isinstance(value, str) and "deg" in value else ""
+        raise InputError(
+            f"The {what} must be a number, None or rt.between(lower, upper); got {value!r}.{advice}"
+        ) from error
     if number.size == 1 and not np.isfinite(number).all():
         wrong = "NaN" if np.isnan(number).any() else "infinite"
         raise InputError(f"The {what} is {wrong}; give a number, or None to leave it free.")

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
 
 Array = NDArray[np.float64]
+TEXTS = (".csv", ".tsv", ".txt", ".dat")
+"""Suffixes of tables of CSV: a file of another kind would not open."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ def to_csv(
     pathlib.Path
         The file, absolute. Numbers have all their digits; a variable that a phase lacks is an empty cell.
     """
-    target = output_path(path, (), "the export")
+    target = output_path(path, TEXTS if Path(path).suffix else (), "the table of CSV")
     columns = table(solution, samples, gains, rate)
     with WholeFile(target) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -134,7 +136,7 @@ def to_json(
 
     Parameters and errors are those of ``to_csv``.
     """
-    target = output_path(path, (), "the export")
+    target = output_path(path, (".json", ".txt") if Path(path).suffix else (), "the table of JSON")
     columns = table(solution, samples, gains, rate)
     content = {
         "status": solution.status.value,
