@@ -12,7 +12,7 @@ ROBOTRAJ_INLINE Elimination parts_of(const StageFactor& factor) {
   double* at = factor.elimination;
   const auto take = [&at](std::size_t count) {
     double* here = at;
-    at += count;
+    if (at) at += count;  // a stage without constraints has no memory for them
     return here;
   };
   Elimination parts;
@@ -49,7 +49,7 @@ void gather_constraints(const StageView& stage, const StageFactor* next, double*
   const double* thin = own.values + own.wide_count * ld;
   for (int r = 0; r < own.thin_count; ++r)
     for (int e = own.starts[r]; e < own.starts[r + 1]; ++e) c[own.thin[r] * ld + own.columns[e]] = thin[e];
-  if (!next || next->gamma == next->rank) return;
+  if (!next) return;
   const double* h = parts_of(*next).h_matrix;
   c += stage.equality_count * ld;
   for (int r = 0; r < next->gamma - next->rank; ++r, h += padded(stage.next), c += ld) {
