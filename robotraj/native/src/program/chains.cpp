@@ -21,6 +21,14 @@ inline std::size_t inside(std::int64_t column, std::int64_t first, std::size_t w
   return at;
 }
 
+/// Refuses stages that do not fit the columns of y.
+void check(const Runs& runs, std::size_t columns) {
+  const std::vector<std::int64_t>& starts = runs.starts;
+  if (starts.empty() || starts.front() < 0 || !std::is_sorted(starts.begin(), starts.end()) ||
+      static_cast<std::size_t>(starts.back()) > columns)
+    throw std::invalid_argument("the starts of the stages do not ascend within the columns");
+}
+
 /// Nonzeros of one place by the output they belong to.
 std::vector<std::vector<std::size_t>> by_output(const Chain& chain) {
   std::vector<std::vector<std::size_t>> result(chain.outputs);
@@ -51,6 +59,7 @@ Combined<Csr> jacobian_chain(const Csr& linear, const std::vector<const Chain*>&
   for (const Chain* chain : chains)
     if (chain->scatter.rows() != linear.rows()) throw std::invalid_argument("a chain writes other rows");
   if (runs.rows.size() != linear.rows()) throw std::invalid_argument("every row needs its stage");
+  check(runs, linear.columns());
   std::vector<std::vector<std::vector<std::size_t>>> outputs;
   for (const Chain* chain : chains) outputs.push_back(by_output(*chain));
   std::vector<ProductRows> parts;
@@ -172,6 +181,7 @@ std::vector<Step> steps_of(const Chain& chain, const std::vector<std::size_t>& p
 }  // namespace
 
 Combined<Stacked> hessian_chain(const std::vector<const Chain*>& chains, const Runs& runs) {
+  for (const Chain* chain : chains) check(runs, chain->gather.columns());
   const std::size_t stages = runs.starts.size() - 1;
   // Places of every block by stage.
   std::vector<std::vector<std::vector<std::size_t>>> places(chains.size());
