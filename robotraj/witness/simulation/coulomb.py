@@ -62,6 +62,8 @@ def coulomb_drift(solution: SolutionLike, clock: Callable[[], None] = lambda: No
     rough = [has_dry_friction(planned) for planned in solution.phases]
     if not any(rough):
         return None
+    if any(planned.phase.robot is not None and floats(planned.phase.robot.model) for planned in solution.phases):
+        return "plans of robots with a free root keep the smooth law of dry friction, and may leave Coulomb's by far"
     if any(not contact.holds for planned in solution.phases for contact in planned.phase.bound_contacts):
         return "contacts are implicit, and their forces on a deviating robot are not known"
     try:

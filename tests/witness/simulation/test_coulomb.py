@@ -71,3 +71,10 @@ def test_a_robot_without_dry_friction_has_no_such_claim() -> None:
     ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.5, 0], v=0)
     report = rt.validate(rt.plan(rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort())))
     assert "model" not in {claim.name for claim in report.claims}
+
+
+def test_legs_with_dry_friction_are_not_judged_by_coulombs_law() -> None:
+    """A trot of go1 keeps the smooth law, and deviates by a quarter of a joint's range."""
+    robot = rt.load("go1", root="floating")
+    claim = model(rt.plan(rt.gait.trot(robot, speed=0.4, duration=0.25), rt.Mesh(6)))
+    assert claim.judgement is Judgement.NOT_JUDGED and "smooth law" in claim.notes[0]
