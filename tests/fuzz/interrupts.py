@@ -24,7 +24,7 @@ import numpy as np
 
 import robotraj as rt
 from robotraj._util.system import interrupts as presses
-from robotraj.planning.many import sweep as sweep_module
+from robotraj.planning.many import one_of_many
 from robotraj.solution.errors import PlanInterrupted
 from robotraj.solvers.status import Status
 
@@ -63,7 +63,7 @@ class Interrupts:
         }
 
     def __enter__(self) -> Interrupts:
-        plan = self._plan = sweep_module.plan
+        plan = self._plan = one_of_many.plan
 
         @wraps(plan)
         def counted(*arguments: object, **options: object) -> rt.Solution:
@@ -71,11 +71,11 @@ class Interrupts:
             self._planned += found.status is not Status.INTERRUPTED
             return found
 
-        sweep_module.plan = counted
+        one_of_many.plan = counted
         return self
 
     def __exit__(self, *_: object) -> None:
-        sweep_module.plan = self._plan
+        one_of_many.plan = self._plan
 
     def attempt(self, kind: str, delay: float) -> str:
         """Press Ctrl-C after a delay [s] of an action; return the fault, empty where there is none."""

@@ -136,9 +136,10 @@ def test_curves_of_a_group_differ_in_colour_and_dash(browser: Any, talos: Any, w
 
 def test_jumps_of_a_state_are_marked_and_those_of_a_control_are_not(block_plan: Any, browser: Any, tmp_path: Any):
     """The control of the block jumps by its plan; its position would not obey the equations if it did."""
-    path = replay(block_plan, tmp_path / "block.html")
-    page = browser.open(path)
+    drawn = "() => robotraj.charts.every((chart) => chart.high > chart.low)"
     jumps = "() => robotraj.charts.map((chart) => jumpsOf(chart))"
+    page = browser.open(replay(block_plan, tmp_path / "block.html"))
+    page.wait_for_function(drawn)
     assert page.evaluate(jumps) == [[], []]
     part = block_plan.phases[0]
 
@@ -149,5 +150,6 @@ def test_jumps_of_a_state_are_marked_and_those_of_a_control_are_not(block_plan: 
 
     plan = replace(block_plan, phases=(replace(part, read=broken),))
     page = browser.open(replay(plan, tmp_path / "broken.html"))
+    page.wait_for_function(drawn)
     states, controls = page.evaluate(jumps)
     assert states == [[1.0, 0.5, 0.75]] and controls == []
