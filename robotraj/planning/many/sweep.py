@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from os import PathLike
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from robotraj._util.errors import InputError
 from robotraj.planning.many.case_limits import CaseLimits
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from robotraj.planning.many.options import GuessedChoices
-    from robotraj.planning.studies.cases import Case
     from robotraj.planning.studies.study import Study
 
 
@@ -37,7 +36,7 @@ def sweep(
 
 @overload
 def sweep(
-    problems: Callable[[Case], Problem | Phase],
+    problems: Callable[[Any], Problem | Phase],
     cases: object,
     *,
     store: str | PathLike[str],
@@ -52,7 +51,7 @@ def sweep(
 
 
 def sweep(
-    problems: Sequence[Problem | Phase] | Callable[[Case], Problem | Phase],
+    problems: Sequence[Problem | Phase] | Callable[[Any], Problem | Phase],
     cases: object = None,
     *,
     store: str | PathLike[str] | None = None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, cast, overload
+from typing import TYPE_CHECKING, Any, cast, overload
 
 from robotraj._util.errors import InputError
 from robotraj.planning.many.libraries.library import Library
@@ -49,7 +49,7 @@ class StoredSolutions(Sequence["Solution"]):
         return self._known[at]
 
 
-def stored_library(store: Store, make: Callable[[Case], Problem | Phase] | None) -> Library:
+def stored_library(store: Store, make: Callable[[Any], Problem | Phase] | None) -> Library:
     """Return the library of a folder; see ``Study.library``."""
     if make is None:
         raise InputError("A folder keeps no function: give the one of the study, rt.Study(folder).library(make).")
@@ -71,7 +71,7 @@ def stored_library(store: Store, make: Callable[[Case], Problem | Phase] | None)
 class _Posed:
     """The problem of a case, made when it is called."""
 
-    def __init__(self, make: Callable[[Case], Problem | Phase], case: Case) -> None:
+    def __init__(self, make: Callable[[Any], Problem | Phase], case: Case) -> None:
         self._make, self._case = make, case
 
     def __call__(self) -> Problem | Phase:

@@ -43,7 +43,7 @@ class Study(OneLine):
         There is no such study, or pyarrow is not installed.
     """
 
-    def __init__(self, folder: str | Path, make: Callable[[Case], Problem | Phase] | None = None) -> None:
+    def __init__(self, folder: str | Path, make: Callable[[Any], Problem | Phase] | None = None) -> None:
         arrow()
         self.store = Store(folder)
         self.make = make
@@ -135,7 +135,7 @@ class Study(OneLine):
 
         return validated(self.store, self.make, executor)
 
-    def library(self, make: Callable[[Case], Problem | Phase] | None = None) -> Library:
+    def library(self, make: Callable[[Any], Problem | Phase] | None = None) -> Library:
         """Return a library of the solved cases, whose ``plan`` and ``answer`` start from the nearest one.
 
         Solutions are read from their files when they are the nearest ones. Cases are compared by their numbers.

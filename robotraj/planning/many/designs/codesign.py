@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Posed = Problem | Phase
-Make = Callable[[Mapping[str, float]], Posed | Sequence[Posed]]
+Make = Callable[[Any], Posed | Sequence[Posed]]
 
 AT_BOUND = 1e-6
 """Distance from a bound, relative to the range, below which a number is at it."""

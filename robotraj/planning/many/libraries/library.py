@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,7 @@ class Library(OneLine):
         Cases that were not solved, with what came of them.
     """
 
-    make: Callable[[Case], Problem | Phase]
+    make: Callable[[Any], Problem | Phase]
     cases: tuple[Case, ...]
     solutions: Sequence[Solution]
     failures: tuple[tuple[Case, Solution | Failure], ...]
@@ -189,7 +189,7 @@ class Library(OneLine):
 
 
 def library(
-    make: Callable[[Case], Problem | Phase], cases: Sequence[Case], **options: Unpack[GuessedChoices]
+    make: Callable[[Any], Problem | Phase], cases: Sequence[Case], **options: Unpack[GuessedChoices]
 ) -> Library:
     """Plan the cases one after the other, each from the nearest one that is solved.
 
