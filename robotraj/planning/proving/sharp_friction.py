@@ -37,10 +37,12 @@ SHARE = 0.1
 STILL = 3e-3
 """Speed below which a joint rests, relative to its largest: its friction takes any value up to F."""
 LEAST, MOST = 0.3, 0.5
-"""Bounds on the factor of v_s from one plan to the next."""
+"""Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
 AIM = 0.7
 """Part of the allowed share that the next plan aims at."""
-STEPS = 14
+GENTLEST = 0.8
+"""Factor above which a further plan would hardly differ."""
+STEPS = 8
 """Largest number of plans with a smaller v_s."""
 PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
 """Gauss's rule on an interval."""
@@ -51,8 +53,10 @@ def sharpened(
 ) -> Solution:
     """Return a proved plan by nearly Coulomb's law, whose proof has the share of friction that is left out.
 
-    The plan before is kept where the next one is not proved, or where links overlap along it.
+    Where a next plan is not proved, or links overlap along it, the plan before is kept. Its machine may follow it by
+    Coulomb's law already; if not, v_s falls by less.
     """
+    factor = LEAST
     for step in range(STEPS + 1):
         if found.proof is None or not any(map(has_friction, problem.phases)):
             return found
@@ -61,19 +65,32 @@ def sharpened(
         found = replace(found, proof=proof)
         if missing <= FRICTION or not proof.holds or step == STEPS:
             return found
-        problem = _sharper(problem, float(np.clip(AIM * FRICTION / missing, LEAST, MOST)))
+        sharper = _sharper(problem, max(factor, min(AIM * FRICTION / missing, MOST)))
         near = replace(
             settings,
             mesh=tuple(part.mesh for part in found.phases),
             restarts=Restarts(0),
             solver=settings.solver.at_most(PATIENCE),
         )
-        again = run(problem, found, near, progress, apart.surfaces, is_brief=True)
-        stopped = again.status is Status.INTERRUPTED
-        if stopped or again.proof is None or not again.proof.holds or not apart.is_free(again):
-            return replace(with_effort_of(again, found), status=again.status if stopped else found.status)
-        found = with_effort_of(found, again)
+        again = run(sharper, found, near, progress, apart.surfaces, is_brief=True)
+        if again.status is Status.INTERRUPTED:
+            return replace(with_effort_of(again, found), status=again.status)
+        if again.proof is not None and again.proof.holds and apart.is_free(again):
+            problem, found = sharper, with_effort_of(found, again)
+            continue
+        found, factor = with_effort_of(again, found), factor**0.5
+        if factor > GENTLEST or is_followed(found):
+            return found
     return found
+
+
+def is_followed(found: Solution) -> bool:
+    """Whether a machine with Coulomb's friction stays within half of what ``rt.validate`` allows."""
+    from robotraj.witness.figures import Tolerances
+    from robotraj.witness.simulation.coulomb import coulomb_drift
+
+    allowed, drift = Tolerances().friction, coulomb_drift(found)
+    return drift is None or isinstance(drift, str) or (allowed is not None and drift.worst.relative <= 0.5 * allowed)
 
 
 def missing_friction(part: PhaseSolution) -> float:

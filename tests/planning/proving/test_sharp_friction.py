@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.planning.proving import sharp_friction
 from robotraj.planning.proving.sharp_friction import missing_friction
 from robotraj.solution.proof import FRICTION
 from tests.lies import axis
@@ -67,3 +68,23 @@ def test_friction_of_small_machines_is_coulombs_too(tmp_path: Path, d: float, m:
     solution = rt.plan(rt.Phase(robot, 0.2, *ends, rt.Effort()))
     assert moving < 0.2
     assert solution.objective == pytest.approx(friction**2 * moving + 12.0 * m**2 * d**2 / moving**3, rel=4e-3)
+
+
+@pytest.mark.parametrize(("follows", "factors"), [(False, [0.3, 0.3**0.5, 0.3**0.25]), (True, [0.3])])
+def test_the_width_falls_by_less_after_a_plan_that_fails_unless_the_machine_follows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, follows: bool, factors: list[float]
+) -> None:
+    widths: list[float] = []
+
+    def failing(problem: rt.Problem, found: rt.Solution, *_: object, **__: object) -> rt.Solution:
+        robot = problem.phases[0].robot
+        assert robot is not None
+        widths.append(robot.friction_speed)
+        return replace(found, proof=None)
+
+    monkeypatch.setattr(sharp_friction, "run", failing)
+    monkeypatch.setattr(sharp_friction, "is_followed", lambda found: follows)
+    ends = rt.State(q=[0], v=0), rt.State(q=[0.2], v=0)
+    plan = rt.plan(rt.Phase(mass(tmp_path, 4.0, 0.5, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()))
+    assert plan.proof is not None and plan.proof.friction > FRICTION
+    assert np.array(widths) / 0.5 == pytest.approx(np.array(factors), rel=1e-5)
