@@ -95,7 +95,7 @@ def _compare(nodes: list, parts: list, first: int, v: ca.SX, c: ca.SX, own_v, ow
 
 
 def spheres(draw: Draws) -> None:
-    """Read a tree of spheres among shapes, then ask it for distances, proofs of motions and a path."""
+    """Read a tree of spheres among shapes, then compute distances, proofs of motions and a path."""
     n, groups, count, shapes = draw.below(4), draw.below(4), draw.below(7), draw.below(4)
     parents = np.array([draw.index(-1, i) for i in range(draw.length(n))], dtype=np.int64)
     joints = draw.numbers(15 * n)
@@ -118,7 +118,7 @@ def spheres(draw: Draws) -> None:
     )
     q = draw.numbers(2 * n)
     pairs = draw.below(4)
-    for ask in (
+    for call in (
         lambda: tree.clearances(q),
         lambda: tree.distances(
             q, draw.indices(pairs, 0, max(1, count)), draw.indices(pairs, 0, max(1, count)), draw.index(0, pairs + 1)
@@ -142,11 +142,11 @@ def spheres(draw: Draws) -> None:
         ),
     ):
         with contextlib.suppress(*REFUSED):
-            ask()
+            call()
 
 
 def planes(draw: Draws) -> None:
-    """Read pairs of spheres and shapes, and ask for the planes between them."""
+    """Read pairs of spheres and shapes, and compute the planes between them."""
     count, shapes, pairs, groups, joints = (1 + draw.below(3) for _ in range(5))
     triangles = draw.indices(shapes, 0, 3)
     ends = np.column_stack(

@@ -7,12 +7,10 @@ from numpy.typing import NDArray
 
 from robotraj.guess.reaching.branches import nodes_of
 from robotraj.guess.reaching.open_end import OpenEnd
+from robotraj.planning.diagnosis.self_collision import SIZE
 from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
-
-SIZE = 0.05
-"""Distance [m] relative to which overlaps are stated where the margin is smaller."""
 
 
 def blocked_ends(problem: Problem) -> tuple[Conflict, ...]:

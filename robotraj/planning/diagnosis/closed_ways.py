@@ -15,7 +15,7 @@ from robotraj.guess.paths.geometric_path import GeometricPath
 from robotraj.guess.paths.phase_scene import scene_of
 from robotraj.guess.paths.planner import RRTConnect
 from robotraj.guess.straight_line import StraightLine
-from robotraj.planning.diagnosis.blocked_ends import SIZE
+from robotraj.planning.diagnosis.self_collision import SIZE
 from robotraj.problem.clearance.end_checks import distances_at_rest
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.constraints.collision_free import CollisionFree

@@ -9,7 +9,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 
 SIZE = 0.05
-"""Distance [m] relative to which overlaps are stated."""
+"""Distance [m] relative to which overlaps are stated where no larger margin is."""
 
 
 def overlapping_ends(problem: Problem) -> tuple[Conflict, ...]:

@@ -163,11 +163,9 @@ def _within(robot: Robot, body: OwnBody, q: Array, pair: Indices, at: Indices, m
 def deepest_overlap(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> tuple[float, float]:
     """Return the largest depth [m] of a pair at ``DEPTHS`` times of its overlap, and its time [s]."""
     times = near.times[np.unique(np.linspace(0, len(near.times) - 1, DEPTHS).astype(int))]
-    first, second = body.pairs[near.pair].tolist()
-    rotations, origins = placements(robot, motion(times))
-    depths = [
-        depth(body.placed(first, *where), body.placed(second, *where)) for where in zip(rotations, origins, strict=True)
-    ]
+    joints = placements(robot, motion(times))
+    first, second = (body.placed_along(shape, *joints) for shape in body.pairs[near.pair].tolist())
+    depths = list(map(depth, first, second))
     most = int(np.argmax(depths))
     return depths[most], float(times[most])
 
@@ -175,12 +173,9 @@ def deepest_overlap(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> 
 def least_distance(robot: Robot, body: OwnBody, motion: Motion, near: Near) -> tuple[float, float]:
     """Return the least distance [m] of a pair that does not overlap at ``DEPTHS`` times, and its time [s]."""
     times = near.times[np.unique(np.linspace(0, len(near.times) - 1, DEPTHS).astype(int))]
-    first, second = body.pairs[near.pair].tolist()
-    rotations, origins = placements(robot, motion(times))
-    apart = [
-        distance(body.placed(first, *where), body.placed(second, *where))
-        for where in zip(rotations, origins, strict=True)
-    ]
+    joints = placements(robot, motion(times))
+    first, second = (body.placed_along(shape, *joints) for shape in body.pairs[near.pair].tolist())
+    apart = list(map(distance, first, second))
     least = int(np.argmin(apart))
     return apart[least], float(times[least])
 

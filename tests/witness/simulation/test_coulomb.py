@@ -74,7 +74,7 @@ def test_a_robot_without_dry_friction_has_no_such_claim() -> None:
 
 
 def test_legs_with_dry_friction_are_not_judged_by_coulombs_law() -> None:
-    """A trot of go1 keeps the smooth law, and deviates by a quarter of a joint's range."""
+    """A trot of go1 keeps the smooth law of its file's friction."""
     robot = rt.load("go1", root="floating")
     claim = model(rt.plan(rt.gait.trot(robot, speed=0.4, duration=0.25), rt.Mesh(6)))
     assert claim.judgement is Judgement.NOT_JUDGED and "smooth law" in claim.notes[0]
