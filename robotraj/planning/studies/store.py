@@ -105,9 +105,9 @@ class Store:
     def row(self, key: str, columns: Sequence[str]) -> Row | None:
         """Return some columns of the row of a key; None where it has none."""
         for path in self._files():
-            keys = _read(path, ["key"]).column("key").to_pylist()
+            keys = read_parquet(path, ["key"]).column("key").to_pylist()
             if key in keys:
-                return dict(_read(path, columns).slice(keys.index(key), 1).to_pylist()[0])
+                return dict(read_parquet(path, columns, columns).slice(keys.index(key), 1).to_pylist()[0])
         return None
 
     def columns(self) -> list[str]:
@@ -137,14 +137,6 @@ class Store:
 
         with WholeFile(path) as partial:
             parquet.write_table(table, partial, compression="zstd")
-
-
-def _read(path: Path, columns: Sequence[str] | None) -> pa.Table:
-    """Read a file of rows, of which there may be thousands: ``parquet.read_table`` takes twice the time for each."""
-    import pyarrow.parquet as parquet
-
-    with parquet.ParquetFile(path) as file:
-        return file.read(None if columns is None else list(columns), use_threads=False)
 
 
 def _prefixed(case: Mapping[str, object]) -> dict[str, object]:

@@ -18,6 +18,8 @@ parquet = pytest.importorskip("pyarrow.parquet")
 
 SEEDS = int(os.environ.get("FUZZ_STUDIES", "40"))
 MANY = 200_000
+FIRST = "00000000.parquet"
+"""It is read before the study's own files, whose names are random."""
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +56,7 @@ def changed(name: str, values: Callable[[int], object]) -> Callable[[Path], None
 
 
 def put(table: Callable[[], object]) -> Callable[[Path], None]:
-    return lambda folder: parquet.write_table(table(), folder / "rows" / "0a.parquet", compression="zstd")
+    return lambda folder: parquet.write_table(table(), folder / "rows" / FIRST, compression="zstd")
 
 
 def bomb() -> object:
@@ -73,8 +75,8 @@ HOSTILE = {
     "another column": (put(lambda: pa.table({"key": ["a"], "__class__": ["a"]})), "damaged"),
     "texts of 100 GB": (put(bomb), "its texts have 100"),
     "many values": (put(lambda: pa.table({"key": ["a"], "t": [np.zeros(51 * 10**6, np.float32)]})), "values"),
-    "a pipe": (lambda folder: os.mkfifo(folder / "rows" / "0a.parquet"), "is no regular file"),
-    "a device": (lambda folder: (folder / "rows" / "0a.parquet").symlink_to("/dev/zero"), "is no regular file"),
+    "a pipe": (lambda folder: os.mkfifo(folder / "rows" / FIRST), "is no regular file"),
+    "a device": (lambda folder: (folder / "rows" / FIRST).symlink_to("/dev/zero"), "is no regular file"),
     "facts of 5000 digits": (lambda folder: (folder / "study.json").write_text('{"a":' + "9" * 5000 + "}"), "damaged"),
     "deep facts": (lambda folder: (folder / "study.json").write_text("[" * 100_000), "damaged"),
     "no cases": (lambda folder: (folder / "cases.parquet").write_bytes(b""), "damaged"),
