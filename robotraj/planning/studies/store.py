@@ -105,9 +105,9 @@ class Store:
     def row(self, key: str, columns: Sequence[str]) -> Row | None:
         """Return some columns of the row of a key; None where it has none."""
         for path in self._files():
-            keys = read_parquet(path, ["key"]).column("key").to_pylist()
-            if key in keys:
-                return dict(read_parquet(path, columns, columns).slice(keys.index(key), 1).to_pylist()[0])
+            if key in (keys := read_parquet(path, ["key"]).column("key").to_pylist()):
+                rows = read_parquet(path, wanted := ["key", *columns], wanted).select(list(columns))
+                return dict(rows.slice(keys.index(key), 1).to_pylist()[0])
         return None
 
     def columns(self) -> list[str]:
