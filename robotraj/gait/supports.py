@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.gait.bounds.margins import MARGIN
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
@@ -50,11 +51,16 @@ class GaitTerms(OneLine):
         Objective of every phase; ``gait_objective(robot, standing)`` by default.
     upright : Upright or None
     ground : Ground or callable
-        Ground for the clearance; contacts have their own ground.
+        Ground for the clearance, which lies below the robot; contacts have their own ground.
     sides : OwnSides or None
         Feet keep to their own sides; None lets legs cross.
     margin : float
         Share of friction cones, soles, torques and speeds that the plan keeps back, 0 to less than 1.
+
+    Raises
+    ------
+    InputError
+        The ground is a wall or a ceiling.
     """
 
     contact: FootKind = PointContact
@@ -64,3 +70,10 @@ class GaitTerms(OneLine):
     ground: Ground | GroundFunction = Flat()
     sides: OwnSides | None = OwnSides()
     margin: float = MARGIN
+
+    def __post_init__(self) -> None:
+        if not as_ground(self.ground).below:
+            raise InputError(
+                f"ground={self.ground!r} is a wall or a ceiling, on which no gait walks; give a ground below the "
+                "robot. A contact of a phase may touch a wall, rt.PointContact(frame, ground=...)."
+            )

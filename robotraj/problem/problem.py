@@ -81,8 +81,8 @@ class Problem(OneLine):
 
     @property
     def has_footholds(self) -> bool:
-        """Return whether a contact of some phase has a foothold."""
-        return any(contact.anchors for phase in self.phases for contact in phase.bound_contacts)
+        """Return whether the robot stands on a contact with a foothold in some phase."""
+        return any(contact.anchors and contact.stands for phase in self.phases for contact in phase.bound_contacts)
 
     def with_(self, **changes: Unpack[PhaseChanges]) -> Problem:
         """Return the problem with another start, end or other field of its phase.

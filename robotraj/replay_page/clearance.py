@@ -32,9 +32,14 @@ def clearance_scene(cycles: GaitCycles) -> list[dict[str, object]]:
     curves = []
     for cycle_phase in cycles.phases:
         for constraint in cycle_phase.phase.constraints:
-            if isinstance(constraint, GroundClearance) and constraint.height is not None:
+            if isinstance(constraint, GroundClearance) and _is_drawn(constraint):
                 curves += _curves(cycle_phase, constraint)
     return curves
+
+
+def _is_drawn(constraint: GroundClearance) -> bool:
+    """Whether a clearance requires heights above the ground; the distance from a wall has no curve."""
+    return constraint.height is not None and as_ground(constraint.ground).below
 
 
 def _curves(cycle_phase: CyclePhase, constraint: GroundClearance) -> list[dict[str, object]]:

@@ -67,7 +67,7 @@ class Contact(OneLine, ABC):
     Attributes
     ----------
     ground : Ground or callable, or None
-        The ground that carries the contact, the level one at z = 0 by default; None between bodies.
+        The ground that carries the contact, the level one at z = 0 by default, or a wall; None between bodies.
     friction : float
         Coefficient mu of the cone |f_t| <= mu f_n in which the force lies; infinite by default, without such a cone.
     margin : float
@@ -138,6 +138,11 @@ class BoundContact(OneLine, ABC):
     footing_rows: tuple[Row, ...]
 
     @property
+    def stands(self) -> bool:
+        """Whether the robot stands on the contact: it has a ground, which lies below it."""
+        return self.contact.ground is not None and as_ground(self.contact.ground).below
+
+    @property
     def touching(self) -> Spot:
         """The point of the robot on which the force acts; by default the frame's origin."""
         return Spot(self.frame)
@@ -147,9 +152,10 @@ class BoundContact(OneLine, ABC):
         return None
 
     def normal_at(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
-        """Upward unit normal (3) of the ground at the anchors, or at the origin without them."""
-        x, y = (anchors.get(f"{self.name}.{axis}", 0.0) for axis in "xy")
-        return list(as_ground(self.contact.ground or Flat()).normal(x, y))
+        """Return the unit normal (3) of the ground towards the robot at the anchors, or at the origin without them."""
+        return as_ground(self.contact.ground or Flat()).normal_at(
+            [anchors.get(f"{self.name}.{axis}", 0.0) for axis in AXES]
+        )
 
     def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
         """Points that must stay above the ground while the foot swings, as (frame, offset [m]): the frame's origin."""
@@ -205,14 +211,14 @@ def force_variables(name: str, linear: Sequence[int], angular: Sequence[int] = (
 
 
 def held_rows(
-    name: str, linear: Sequence[int], angular: Sequence[int] = (), upright: str = "yaw"
+    name: str, linear: Sequence[int], angular: Sequence[int] = (), normal: int | None = 2
 ) -> tuple[Variable, ...]:
     """``<name>.x`` ... along and ``<name>.rx``, ``<name>.ry``, ``<name>.yaw`` about world axes.
 
-    A row that determines an anchor has its name; ``upright`` names the row about z.
+    A row that determines an anchor has its name: that about the axis ``normal`` of the ground is the yaw.
     """
     rows = [Variable(f"{name}.{AXES[i]}", "m", "contact position", name) for i in linear]
-    turns = [("rx", "ry", upright)[i] for i in angular]
+    turns = ["yaw" if i == normal else f"r{AXES[i]}" for i in angular]
     return (*rows, *(Variable(f"{name}.{turn}", "rad", "contact position", name) for turn in turns))
 
 

@@ -29,7 +29,7 @@ from robotraj.dynamics.contacts.base import (
 from robotraj.dynamics.contacts.foot_axes import FootAxes, foot_axes, unit
 from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
-from robotraj.dynamics.contacts.point_contact import cone_share, require_vertical
+from robotraj.dynamics.contacts.point_contact import cone_share, require_normal
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.soles import PressureAndTorsion, Rectangle, Sole
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
@@ -136,7 +136,8 @@ class FlatFoot(Contact):
         spot = Spot(self.frame, self.offset)
         axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
         require_plane(robot, self.frame, axes, about)
-        require_vertical(robot, self.frame, axes)
+        ground = as_ground(self.ground)
+        require_normal(robot, self.frame, axes, ground)
         require_rank(
             robot, lambda q: spot.jacobian(robot, q)[[*axes, *(3 + i for i in about)]], len(axes) + len(about), what
         )
@@ -149,10 +150,9 @@ class FlatFoot(Contact):
         if spatial and self.width is None:
             raise InputError(f"{what} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
         place, rotation = spot.placed(robot, robot.neutral)
-        ground = as_ground(self.ground)
-        normal = ground.normal(float(place[0]), float(place[1]))
-        feet = foot_axes(rotation, normal, self.normal, self.forward, what, np.eye(3)[axes[0]])
         where = Footing(self.label, ground, axes, (float(place[0]), float(place[1]), float(place[2])))
+        ahead = np.eye(3)[where.along[0]]
+        feet = foot_axes(rotation, ground.normal_at(where.still), self.normal, self.forward, what, ahead)
         yaw = (Variable(f"{self.label}.yaw", "rad", "foothold", self.label),) if spatial else ()
         return BoundFlatFoot(
             self,
@@ -160,7 +160,7 @@ class FlatFoot(Contact):
             self.frame,
             force_variables(self.label, axes, about),
             (*where.anchors, *yaw),
-            held_rows(self.label, axes, about),
+            held_rows(self.label, axes, about, ground.axis),
             self._limit_rows(spatial),
             where.rows(),
             spot,
@@ -280,7 +280,7 @@ class BoundFlatFoot(BoundFoothold):
     def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the sole's point and heading of the foot in configuration q."""
         place, rotation = self.spot.placed(robot, q)
-        found = {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.horizontal, strict=False)}
+        found = {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.along, strict=False)}
         if len(self.about) == 3:
             (first, second), _ = self.where.tangents(found)
             ahead = rotation @ np.array(self.feet.forward)

@@ -20,6 +20,8 @@ from robotraj.dynamics.variable import Scalar, Variable
 class Footing:
     """A place (x, y, h(x, y)) on the ground; its coordinates are unknown along the axes the contact can move along.
 
+    On a wall the unknown coordinates are those along the two axes of the ground's ``plan``.
+
     Attributes
     ----------
     name : str
@@ -37,14 +39,14 @@ class Footing:
     still: tuple[float, float, float]
 
     @property
-    def horizontal(self) -> tuple[int, ...]:
-        """The horizontal axes among ``axes``."""
-        return tuple(axis for axis in self.axes if axis < 2)
+    def along(self) -> tuple[int, ...]:
+        """The axes among ``axes`` over which the ground is a height: x and y, or other two for a wall."""
+        return tuple(axis for axis in self.ground.plan if axis in self.axes)
 
     @property
     def anchors(self) -> tuple[Variable, ...]:
-        """``<name>.x``, ``<name>.y`` [m] where the contact can move along them."""
-        return tuple(Variable(f"{self.name}.{AXES[i]}", "m", "foothold", self.name) for i in self.horizontal)
+        """``<name>.x``, ``<name>.y`` [m] where the contact can move along them; other axes on a wall."""
+        return tuple(Variable(f"{self.name}.{AXES[i]}", "m", "foothold", self.name) for i in self.along)
 
     def place(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Point [x, y, h] of the ground [m]."""
@@ -56,17 +58,16 @@ class Footing:
         In a plane, tangent and normal are those of the curve in which the plane cuts the ground.
         """
         first, second, normal = self.ground.axes(*self._plan(anchors))
-        if len(self.horizontal) == 2:
+        if len(self.along) == 2:
             return [first, second], normal
-        if not self.horizontal:
-            return [], [0.0, 0.0, 1.0]
-        (axis,) = self.horizontal
-        across, up = normal[axis], normal[2]
+        height = self.ground.axis
+        if not self.along:
+            return [], spread([self.ground.side], [height])
+        (axis,) = self.along
+        across, up = normal[axis], normal[height]
         size = (across * across + up * up) ** -0.5
-        tangent: list[Scalar] = [0.0, 0.0, -across * size]
-        section: list[Scalar] = [0.0, 0.0, up * size]
-        tangent[axis], section[axis] = up * size, across * size
-        return [tangent], section
+        tangent = spread([up * size, -across * size], [axis, height])
+        return [tangent], spread([across * size, up * size], [axis, height])
 
     def components(self, force: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> tuple[Scalar, list[Scalar]]:
         """Split a force in world axes into its normal part and its tangential parts [N]."""
@@ -78,7 +79,7 @@ class Footing:
         symbols = ca.SX.sym("f", len(self.axes))
         anchors = {anchor.name: ca.SX.sym(anchor.name) for anchor in self.anchors}
         normal, _ = self.components(spread(ca.vertsplit(symbols), self.axes), anchors)
-        up = self.axes.index(2)
+        up = self.axes.index(self.ground.axis)
         slope = ca.jacobian(normal, symbols) - ca.DM.eye(len(self.axes))[up, :]
         return forces[up].name if ca.simplify(slope).is_zero() else None
 
@@ -108,14 +109,14 @@ class Footing:
 
     def _ahead(self, anchors: Mapping[str, Scalar]) -> tuple[Scalar, Scalar]:
         """Heading of a foot on level ground, world x and y: from its yaw, or along the plane."""
-        if self.horizontal == (0, 1):
+        if self.along == (0, 1):
             yaw = anchors[f"{self.name}.yaw"]
             return ca.cos(yaw), ca.sin(yaw)
-        return (1.0, 0.0) if self.horizontal == (0,) else (0.0, -1.0)
+        return (1.0, 0.0) if self.along == (0,) else (0.0, -1.0)
 
     def _plan(self, anchors: Mapping[str, Scalar]) -> tuple[Scalar, Scalar]:
-        """World x and y [m] of the anchor."""
-        x, y = (anchors[f"{self.name}.{AXES[i]}"] if i in self.axes else self.still[i] for i in (0, 1))
+        """World x and y [m] of the anchor, or its coordinates along the two axes of the ground's ``plan``."""
+        x, y = (anchors[f"{self.name}.{AXES[i]}"] if i in self.axes else self.still[i] for i in self.ground.plan)
         return x, y
 
 

@@ -14,7 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, Contact, Wrench, checked_name, label_of, positive
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane
-from robotraj.dynamics.contacts.point_contact import require_vertical
+from robotraj.dynamics.contacts.point_contact import require_normal
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.contacts.vectors import dot
 from robotraj.dynamics.point import FramePoint
@@ -22,7 +22,6 @@ from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.variable import Scalar, Variable
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ class ImplicitContact(Contact):
     relaxation : float
         e, in [N m] for the gap and in [W] for friction.
     ground : Ground
-        A plane: ``rt.terrain.Flat()`` or ``rt.terrain.Slope(...)``.
+        A plane: ``rt.terrain.Flat()``, ``rt.terrain.Slope(...)`` or ``rt.terrain.Plane(...)``.
     name : str, optional
         The frame's name where none is given.
     offset : sequence of 3 float
@@ -79,10 +78,10 @@ class ImplicitContact(Contact):
         positive(self.friction, f"friction of {what}", "")
         positive(self.relaxation, f"relaxation of {what}", "N m")
         object.__setattr__(self, "offset", offset_of(self.offset, what))
-        if not isinstance(as_ground(self.ground), Flat | Slope):
+        if not as_ground(self.ground).even:
             raise InputError(
                 f"{what} needs a plane as its ground; the ground is {self.ground!r}. "
-                f"Give rt.terrain.Flat() or rt.terrain.Slope(...), "
+                f"Give rt.terrain.Flat(), rt.terrain.Slope(...) or rt.terrain.Plane(...), "
                 "or write the contact sequence as phases with rt.PointContact."
             )
 
@@ -97,9 +96,10 @@ class ImplicitContact(Contact):
         spot = Spot(self.frame, self.offset)
         axes, _ = mobility(robot, lambda q: spot.jacobian(robot, q))
         require_plane(robot, self.frame, axes)
-        require_vertical(robot, self.frame, axes)
+        ground = as_ground(self.ground)
+        require_normal(robot, self.frame, axes, ground)
         still, _ = spot.placed(robot, robot.neutral)
-        footing = Footing(self.label, as_ground(self.ground), axes, (float(still[0]), float(still[1]), float(still[2])))
+        footing = Footing(self.label, ground, axes, (float(still[0]), float(still[1]), float(still[2])))
         anywhere = {anchor.name: 0.0 for anchor in footing.anchors}
         tangents, normal = footing.tangents(anywhere)
         directions = tuple(
@@ -119,7 +119,7 @@ class ImplicitContact(Contact):
         rows += [Row("slipping speed", "m/s", 0.0, np.inf, name) for _ in directions]
         rows += [Row("friction complementarity", "W", -np.inf, self.relaxation, name) for _ in directions]
         up = tuple(float(part) for part in normal)
-        ground, friction = as_ground(self.ground), float(self.friction)
+        friction = float(self.friction)
         return BoundImplicitContact(
             self, name, self.frame, forces, (), (), tuple(rows), (), friction, spot, ground, up, directions
         )
@@ -169,8 +169,7 @@ class BoundImplicitContact(BoundContact):
 
     def gap(self, point: FramePoint) -> Scalar:
         """Height above the plane along its normal [m]."""
-        x, y, z = self.spot.position(point)
-        return (z - self.ground.height(x, y)) * self.normal[2]
+        return self.ground.gap(self.spot.position(point)) * abs(self.normal[self.ground.axis])
 
     def wrench(self, point: FramePoint, forces: Sequence[Scalar]) -> list[Wrench]:
         """Force at the spot, as a wrench at the frame's origin."""

@@ -123,6 +123,8 @@ class LineContact(FrictionContact):
             raise InputError(f"{what} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
         place, rotation = spot.placed(robot, robot.neutral)
         ground = as_ground(self.ground)
+        if not ground.below:
+            raise InputError(f"{what} touches a ground that is not below it; use PointContact or FlatFoot on a wall.")
         along = self._along(rotation, ground.normal(float(place[0]), float(place[1])))
 
         def held(q: Array) -> Array:

@@ -147,7 +147,7 @@ class LoopClosure(Contact):
             )
         rows = [*axes, *(3 + i for i in about)]
         require_rank(robot, lambda q: relative(q)[rows], len(rows), f"LoopClosure {self.label!r}")
-        forces, holds = force_variables(self.label, axes, about), held_rows(self.label, axes, about, "rz")
+        forces, holds = force_variables(self.label, axes, about), held_rows(self.label, axes, about, None)
         x, y, z, w = self.rotation_b
         turn = np.array(pin.Quaternion(w, x, y, z).toRotationMatrix())
         return BoundLoopClosure(self, self.label, self.frame_a, forces, (), holds, (), (), *ends, turn, axes, about)

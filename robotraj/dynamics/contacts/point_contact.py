@@ -27,7 +27,7 @@ from robotraj.dynamics.contacts.base import (
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
 from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
-from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
+from robotraj.dynamics.contacts.mobility import AXES, mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
@@ -75,7 +75,8 @@ class PointContact(FrictionContact):
     friction : float
         Coefficient mu.
     ground : Ground or callable
-        ``rt.terrain.Flat()``, ``rt.terrain.Slope(...)`` ... or a function of (x, y) written with CasADi.
+        ``rt.terrain.Flat()``, ``rt.terrain.Slope(...)`` ... or a function of (x, y) written with CasADi. A hand on a
+        wall has ``rt.terrain.Plane(point, outward)``.
     name : str, optional
         The frame's name where none is given.
     cone : FrictionCone
@@ -130,18 +131,18 @@ def bind_point(contact: FrictionContact, robot: Robot, spot: Spot) -> BoundPoint
     Raises
     ------
     InputError
-        The frame does not exist, leaves a planar robot's plane, cannot move up and down, or moves in a tilted plane.
+        The frame does not exist, leaves a planar robot's plane, cannot move to and from the ground, or moves in a
+        tilted plane.
     """
     what = f"{type(contact).__name__} {contact.label!r}"
     robot.frame(spot.frame)
     axes, _ = mobility(robot, lambda q: spot.jacobian(robot, q))
     require_plane(robot, spot.frame, axes)
-    require_vertical(robot, spot.frame, axes)
+    ground = as_ground(contact.ground)
+    require_normal(robot, spot.frame, axes, ground)
     require_rank(robot, lambda q: spot.jacobian(robot, q)[list(axes)], len(axes), what)
     still, _ = spot.placed(robot, robot.neutral)
-    footing = Footing(
-        contact.label, as_ground(contact.ground), axes, (float(still[0]), float(still[1]), float(still[2]))
-    )
+    footing = Footing(contact.label, ground, axes, (float(still[0]), float(still[1]), float(still[2])))
     forces = force_variables(contact.label, axes)
     least, greatest = contact.normal_force
     normal = Row("normal force", "N", float(least), float(greatest), contact.label, footing.normal_variable(forces))
@@ -152,19 +153,18 @@ def bind_point(contact: FrictionContact, robot: Robot, spot: Spot) -> BoundPoint
         forces,
         footing.anchors,
         held_rows(contact.label, axes),
-        (normal, *friction_rows(contact, len(footing.horizontal), contact.label)),
+        (normal, *friction_rows(contact, len(footing.along), contact.label)),
         footing.rows(),
         spot,
         footing,
     )
 
 
-def require_vertical(robot: Robot, frame: str, axes: tuple[int, ...]) -> None:
-    """Refuse a ground contact whose frame cannot move up or down."""
-    if 2 not in axes:
-        raise InputError(
-            f"Frame {frame!r} of {robot.name!r} cannot move up or down; give a ground contact a frame that can."
-        )
+def require_normal(robot: Robot, frame: str, axes: tuple[int, ...], ground: Ground) -> None:
+    """Refuse a contact whose frame cannot move to and from the ground, up and down by default."""
+    if ground.axis not in axes:
+        way = "up or down" if ground.axis == 2 else f"along {AXES[ground.axis]}, to and from its ground"
+        raise InputError(f"Frame {frame!r} of {robot.name!r} cannot move {way}; give a contact a frame that can.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +216,7 @@ class BoundPointContact(BoundFoothold):
     def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the spot in configuration q."""
         place, _ = self.spot.placed(robot, q)
-        return {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.horizontal, strict=True)}
+        return {anchor.name: float(place[i]) for anchor, i in zip(self.anchors, self.where.along, strict=True)}
 
 
 def friction_values(contact: FrictionContact, normal: Scalar, tangential: Sequence[Scalar]) -> list[Scalar]:

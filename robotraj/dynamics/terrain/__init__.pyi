@@ -4,6 +4,7 @@ from .base import Ground
 from .flat import Flat
 from .function import HeightFunction, as_ground
 from .height_map import HeightMap
+from .plane import Plane
 from .slope import Slope
 from .steps import Steps
 
@@ -12,6 +13,7 @@ __all__ = [
     "Ground",
     "HeightFunction",
     "HeightMap",
+    "Plane",
     "Slope",
     "Steps",
     "as_ground",

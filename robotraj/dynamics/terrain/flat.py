@@ -21,6 +21,7 @@ class Flat(Ground):
     """
 
     level: float = 0.0
+    even = True
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.level):

@@ -54,6 +54,6 @@ def as_ground(value: object) -> Ground:
     if callable(value):
         return HeightFunction(value)
     raise InputError(
-        f"ground must be rt.terrain.Flat, rt.terrain.Slope, rt.terrain.Steps, rt.terrain.HeightMap or a "
-        f"function of (x, y) [m]; got {value!r}."
+        f"ground must be rt.terrain.Flat, rt.terrain.Slope, rt.terrain.Steps, rt.terrain.HeightMap, rt.terrain.Plane "
+        f"or a function of (x, y) [m]; got {value!r}."
     )

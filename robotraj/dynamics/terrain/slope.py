@@ -23,6 +23,7 @@ class Slope(Ground):
     slope_x: float = 0.0
     slope_y: float = 0.0
     level: float = 0.0
+    even = True
 
     def __post_init__(self) -> None:
         if not np.isfinite([self.slope_x, self.slope_y, self.level]).all():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ from robotraj.gait.checks import number
 from robotraj.gait.feet import feet_of, foot_contact
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.stepping.footholds import LEVEL, StepOptions, steps
+from robotraj.gait.stepping.stances import FeetOverlap
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.problem import Problem
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 Array = NDArray[np.float64]
+
+LEAST_TURN = 0.1
+"""Turn in a pair of steps [rad] below which no smaller one is tried."""
 
 
 def start_stop(robot: Robot, *, step_length: float, count: int = 4, **options: Unpack[StepOptions]) -> Problem:
@@ -88,8 +93,10 @@ def sidestep(robot: Robot, *, distance: float, count: int = 2, **options: Unpack
     return steps(robot, places, **options)
 
 
-def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOptions]) -> Problem:
+def turn(robot: Robot, *, angle: float, count: int | None = None, **options: Unpack[StepOptions]) -> Problem:
     """Return a turn on the spot from rest to rest: in each pair of steps, all feet turn by an equal part of ``angle``.
+
+    The foot of a biped on the side of the turn moves first, with its toe outwards.
 
     Parameters
     ----------
@@ -97,8 +104,8 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOp
         With a floating root.
     angle : float
         Angle about the vertical axis [rad]; positive to the left.
-    count : int
-        Number of steps, even.
+    count : int, optional
+        Number of steps, even; by default the least in which no flat foot turns into the other one.
     **options
         Of ``rt.gait.steps``.
 
@@ -113,16 +120,26 @@ def turn(robot: Robot, *, angle: float, count: int = 2, **options: Unpack[StepOp
         raise InputError(
             f"rt.gait.turn(angle) is {whole:g} rad; give less than half a turn, and plan longer ones in parts."
         )
-    _check_space(robot, count, "turn")
+    _check_space(robot, 2 if count is None else count, "turn")
     groups, home = alternating(robot, options)
+    if len(home) == 2 and (home[groups[0][0]][1] - home[groups[1][0]][1]) * whole < 0:
+        groups = groups[::-1]
     centre = np.mean([place[:2] for place in home.values()], axis=0)
-    places = []
-    for k in range(count):
-        yaw = whole * (k // 2 + 1) / (count // 2)
-        c, s = np.cos(yaw), np.sin(yaw)
-        spots = {f: np.array([[c, -s], [s, c]]) @ (home[f][:2] - centre) + centre for f in groups[k % 2]}
-        places.append({f: (float(p[0]), float(p[1]), yaw) for f, p in spots.items()})
-    return steps(robot, places, **options)
+
+    def turned(count: int) -> Problem:
+        places = []
+        for k in range(count):
+            yaw = whole * (k // 2 + 1) / (count // 2)
+            c, s = np.cos(yaw), np.sin(yaw)
+            spots = {f: np.array([[c, -s], [s, c]]) @ (home[f][:2] - centre) + centre for f in groups[k % 2]}
+            places.append({f: (float(p[0]), float(p[1]), yaw) for f, p in spots.items()})
+        return steps(robot, places, **options)
+
+    most = int(np.ceil(abs(whole) / LEAST_TURN)) or 1
+    for pairs in range(1, most) if count is None else ():
+        with suppress(FeetOverlap):
+            return turned(2 * pairs)
+    return turned(2 * most if count is None else count)
 
 
 def alternating(robot: Robot, options: StepOptions) -> tuple[list[tuple[str, ...]], dict[str, Array]]:

@@ -2,7 +2,8 @@
 
 Before and after a step, all feet are on their footholds. Inverse kinematics within the position limits find a
 configuration for each such stance. A step to which there is none is refused, with the greatest part of it that inverse
-kinematics reach: the least distance by which a foot is off its foothold grows with that part.
+kinematics reach: the least distance by which a foot is off its foothold grows with that part. Soles on footholds where
+the shapes of two feet overlap are refused too: the footholds determine the places of both feet.
 """
 
 from __future__ import annotations
@@ -14,9 +15,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, mean_ground
+from robotraj.robot.collision.own_body import own_body
 from robotraj.robot.root import QUATERNION
 
 Array = NDArray[np.float64]
@@ -27,6 +30,10 @@ HALVINGS = 8
 """Number of bisections for the part of a step that is reached."""
 MODEST = 0.25
 """Part of the greatest step that a message names as one that would do."""
+
+
+class FeetOverlap(InputError):
+    """Two feet of the robot overlap on their footholds."""
 
 
 def check_footholds(
@@ -48,12 +55,36 @@ def check_footholds(
     ------
     InputError
         The robot cannot stand on the footholds after a step. The message has a part of the step that would do.
+    FeetOverlap
+        Two feet overlap on their footholds.
     """
+    allowed = set(overlapping_feet(stance, first))
     for k, feet in enumerate(moved):
         last, angle, off = standing_on(stance, first, places[0], places[k + 1])
         if off > (OFF * stance.size if k + 1 < len(moved) else FOOT_TOLERANCE):
             raise InputError(_refusal(stance, first, places, k, feet, off))
+        overlap = next((pair for pair in overlapping_feet(stance, last) if pair not in allowed), None)
+        if overlap is not None:
+            raise FeetOverlap(
+                f"{overlap} of {stance.robot.name!r} overlap on the footholds after step {k + 1}. Place the feet "
+                "farther apart, or let them turn by less in a step."
+            )
     return last, angle
+
+
+def overlapping_feet(stance: BalancedStance, q: Array) -> list[str]:
+    """Return the pairs of links of flat feet whose shapes overlap in a configuration, ``"left and right"``."""
+    model = stance.robot.model
+    feet = {
+        model.frames[stance.robot.frame(contact.frame)].parentJoint
+        for contact in stance.feet
+        if isinstance(contact, BoundFlatFoot)
+    }
+    if len(feet) < 2 or not stance.robot.collision_model.ngeoms:
+        return []
+    body = own_body(stance.robot)
+    overlaps = body.touching(stance.robot, q)
+    return [body.label(pair) for pair in overlaps if feet.issuperset(body.joint[body.pairs[pair]].tolist())]
 
 
 def _refusal(

@@ -79,7 +79,7 @@ class InvertedPendulum(InitialGuess):
         if robot is None or robot.root == "fixed":
             raise InputError("InvertedPendulum needs a robot with root='floating' or root='planar'; use another guess.")
         schedule = schedule_of(problem, self.durations)
-        if all(contact.contact.ground is None for contact in schedule.contacts):
+        if not any(contact.stands for contact in schedule.contacts):
             raise InputError("InvertedPendulum needs contacts with the ground, but no phase has any.")
         stance = BalancedStance(robot, schedule.contacts)
         return _ScheduledMotion(Footsteps(problem, schedule, stance, self.height, self.apex))

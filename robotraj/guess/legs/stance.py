@@ -13,8 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_expressions import anchors
+from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.robot.size.reach import reach
 from robotraj.robot.tangent import rate_matrix
@@ -55,8 +58,8 @@ class BalancedStance:
 
     @cached_property
     def feet(self) -> tuple[BoundContact, ...]:
-        """Return the contacts with the ground."""
-        return tuple(contact for contact in self.contacts if contact.contact.ground is not None)
+        """Return the contacts with a ground below the robot; hands on walls are others."""
+        return tuple(contact for contact in self.contacts if contact.stands)
 
     @cached_property
     def upward(self) -> list[int]:
@@ -131,11 +134,11 @@ class BalancedStance:
 
     def lifted(self, lifts: Mapping[str, float]) -> Array:
         """Return the rows (m,) of feet at the given heights above the ground [m]; on the ground they are zero."""
-        heights = [
-            lifts.get(contact.name, 0.0) if row.name.endswith(".z") else 0.0
-            for contact in self.contacts
-            for row in contact.holds
-        ]
+        heights = []
+        for contact in self.contacts:
+            ground = as_ground(contact.contact.ground or Flat())
+            away = ground.side * lifts.get(contact.name, 0.0)
+            heights += [away if row.name.endswith(f".{AXES[ground.axis]}") else 0.0 for row in contact.holds]
         return np.array(heights)
 
     def places(self, q: Array, feet: Mapping[str, float]) -> tuple[Array, Array]:

@@ -9,10 +9,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj.dynamics.contacts.mobility import AXES
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.stance import BalancedStance
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.terrain.base import Ground
     from robotraj.dynamics.variable import Variable
 
 Array = NDArray[np.float64]
@@ -70,17 +73,20 @@ def inside(stance: BalancedStance, held: Sequence[str], forces: Array, least: fl
         if contact.name not in held:
             continue
         axes = [force.name.rsplit(".", 1)[-1] for force in contact.forces]
-        if "z" in axes and contact.contact.ground is not None:
+        if contact.contact.ground is not None:
             own = forces[first : first + len(axes)]
-            _shrink(contact, axes, own, least, LEVER * stance.size)
+            _shrink(contact, as_ground(contact.contact.ground), axes, own, least, LEVER * stance.size)
         first += len(axes)
     return forces
 
 
-def _shrink(contact: BoundContact, axes: Sequence[str], own: Array, least: float, lever: float) -> None:
-    up = max(own[axes.index("z")], least)
-    own[axes.index("z")] = up
-    along = [i for i, axis in enumerate(axes) if axis in "xy"]
+def _shrink(contact: BoundContact, ground: Ground, axes: Sequence[str], own: Array, least: float, lever: float) -> None:
+    normal = AXES[ground.axis]
+    if normal not in axes:
+        return
+    up = max(ground.side * own[axes.index(normal)], least)
+    own[axes.index(normal)] = ground.side * up
+    along = [i for i, axis in enumerate(axes) if axis in "xyz" and axis != normal]
     size = np.linalg.norm(own[along])
     allowed = INSIDE * contact.contact.planned_friction * up
     if size > allowed:

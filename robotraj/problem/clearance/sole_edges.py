@@ -16,8 +16,6 @@ import numpy as np
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.base import Ground
-from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.slope import Slope
 from robotraj.problem.constraints.clearance_geometry import ClearancePoint
 
 if TYPE_CHECKING:
@@ -76,7 +74,7 @@ class EdgePlace(OneLine):
 
 def edge_places(spots: Sequence[ClearancePoint], ground: Ground) -> list[EdgePlace]:
     """Return the places on all edges of bodies with several points; none over a plane."""
-    if isinstance(ground, Flat | Slope):
+    if ground.even:
         return []
     bodies: dict[tuple[str, str], list[ClearancePoint]] = {}
     for spot in spots:

@@ -2,7 +2,8 @@
 
 A foot is a frame that a contact holds in some phase, or the image of one in a mirror. In every other phase its points
 get the row z_p(q) - h(x_p, y_p) >= -d with d = 0.1 mm. h is the lowest of the grounds on which the problem holds
-contacts, so that a foot that climbs onto a box starts below the top of the box.
+contacts, so that a foot that climbs onto a box starts below the top of the box. A hand that some phase holds on a wall
+stays on the free side of that wall instead.
 """
 
 from __future__ import annotations
@@ -42,8 +43,15 @@ def with_feet_above_ground(phases: Sequence[Phase], links: Iterable[Link]) -> tu
     InputError
         A given end of a phase has a foot below the ground. The message names the frame and its depth.
     """
-    ground, feet = _lowest_ground(phases), _feet(phases, links)
-    return tuple(phases) if ground is None else tuple(_above(phase, feet, ground) for phase in phases)
+    lowest = _lowest_ground(phases)
+    feet: dict[Ground, list[tuple[Robot, Spot]]] = {}
+    for robot, spot, touched in _feet(phases, links):
+        ground = lowest if touched.below else touched
+        if ground is not None:
+            feet.setdefault(ground, []).append((robot, spot))
+    for ground, spots in feet.items():
+        phases = [_above(phase, spots, ground) for phase in phases]
+    return tuple(phases)
 
 
 def stiff_legged(robot: Robot, frame: str) -> bool:
@@ -56,20 +64,20 @@ def stiff_legged(robot: Robot, frame: str) -> bool:
 
 
 def _lowest_ground(phases: Sequence[Phase]) -> Ground | None:
-    """Return the ground of all contacts; of several level ones the lowest, of other several ones None."""
-    grounds = {as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if c.contact.ground is not None}
+    """Return the ground below all contacts; of several level ones the lowest, of other several ones None."""
+    grounds = {as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if c.stands}
     if all(isinstance(each, Flat) for each in grounds):
         return min(grounds, key=lambda each: each.level, default=None)  # type: ignore[attr-defined]
     return grounds.pop() if len(grounds) == 1 else None
 
 
-def _feet(phases: Sequence[Phase], links: Iterable[Link]) -> list[tuple[Robot, Spot]]:
-    """Return the points of feet that some phase holds, and of their mirror images, each with its robot."""
+def _feet(phases: Sequence[Phase], links: Iterable[Link]) -> list[tuple[Robot, Spot, Ground]]:
+    """Return the points of feet that some phase holds, and of their mirror images, with the robot and the ground."""
     both: dict[str, str] = {}
     for link in links:
         repeat = getattr(link, "repeat", link)
         both |= repeat.partner_of if isinstance(repeat, Mirror) else {}
-    found: dict[tuple[Robot, Spot], None] = {}
+    found: dict[tuple[Robot, Spot, Ground], None] = {}
     for phase in phases:
         for contact in phase.bound_contacts:
             assert phase.robot is not None
@@ -80,7 +88,8 @@ def _feet(phases: Sequence[Phase], links: Iterable[Link]) -> list[tuple[Robot, S
             for foot in feet:
                 if foot.ground is not None:
                     found |= dict.fromkeys(
-                        (phase.robot, Spot(*point)) for point in foot.bound_to(phase.robot).outline()
+                        (phase.robot, Spot(*point), as_ground(foot.ground))
+                        for point in foot.bound_to(phase.robot).outline()
                     )
     return list(found)
 
@@ -119,11 +128,13 @@ def _check_ends(phase: Phase, robot: Robot, spots: Sequence[Spot], ground: Groun
             continue
         pin.framesForwardKinematics(model, data, q)
         for spot in spots:
-            x, y, z = (float(v) for v in data.oMf[robot.frame(spot.frame)].act(np.array(spot.offset)))
-            depth = float(ground.height(x, y)) - z
+            place = [float(v) for v in data.oMf[robot.frame(spot.frame)].act(np.array(spot.offset))]
+            depth = -float(ground.gap(place))
             if depth > TOUCH:
+                inside = "below the ground" if ground.below else "behind its wall"
+                away = f"Raise the robot by {depth:.3g} m" if ground.below else f"Move it back by {depth:.3g} m"
                 raise InputError(
-                    f"Phase {phase.name!r}: the {where.value} has foot {spot.frame!r} {depth:.3g} m below the ground, "
-                    f"which another phase holds on it. Raise the robot by {depth:.3g} m or bend that leg; "
+                    f"Phase {phase.name!r}: the {where.value} has foot {spot.frame!r} {depth:.3g} m {inside}, "
+                    f"which another phase holds on it. {away} or bend that leg; "
                     f"rt.GroundClearance({spot.frame!r}, None) in constraints= lets the foot pass through the ground."
                 )

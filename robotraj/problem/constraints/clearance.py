@@ -45,7 +45,8 @@ class GroundClearance(Constraint):
         walkers without knees do.
     ground : Ground or callable
         ``rt.terrain.Flat()`` (the default), ``rt.terrain.Slope``, ``rt.terrain.Steps``,
-        ``rt.terrain.HeightMap`` or any function of (x, y) written with CasADi.
+        ``rt.terrain.HeightMap`` or any function of (x, y) written with CasADi; ``rt.terrain.Plane`` keeps places off a
+        wall.
     """
 
     frames: PlacesLike

@@ -62,19 +62,21 @@ class ClearancePoint(OneLine):
     def gap(self, point: FramePoint, position: Sequence[Scalar], ground: Ground) -> Scalar:
         """Least vertical distance z - h(x, y) [m] over the ground's tangent plane below the spot's ``position``.
 
+        The distance from a wall is that along its axis.
+
         With g = (-h_x, -h_y, 1), a ball's lowest point lies r |g| below its centre, a disc's
         r sqrt(|g|^2 - (g . axis)^2), rounded where the disc lies along the ground.
         """
-        x, y, z = position
-        height, slope_x, slope_y = ground.plane(x, y)
         if self.radius == 0.0:
-            return z - height
+            return ground.gap(position)
+        (first, second), up = ground.plan, ground.axis
+        height, slope_x, slope_y = ground.plane(position[first], position[second])
         steep = 1.0 + slope_x * slope_x + slope_y * slope_y
         if self.axis is not None:
             axis = _turned(point.frame(self.frame), self.axis)
-            along = axis[2] - slope_x * axis[0] - slope_y * axis[1]
+            along = axis[up] - slope_x * axis[first] - slope_y * axis[second]
             steep = (1.0 + ROUNDING**2) * steep - along * along
-        return z - height - self.radius * steep**0.5
+        return ground.side * (position[up] - height) - self.radius * steep**0.5
 
 
 def _turned(view: FrameMotion, vector: Vector) -> Sequence[Scalar]:

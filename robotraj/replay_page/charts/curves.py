@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.system import System
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.dynamics.variable import Variable
 from robotraj.replay_page.charts.nearest import NearestObstacle, nearest_obstacle
 from robotraj.replay_page.charts.own_curves import NO_CURVES, OwnCurves, heading
@@ -92,8 +94,11 @@ def contact_panel(cycle_phase: CyclePhase) -> list[Panel]:
     holds = footholds(cycle_phase)
     if not holds:
         return []
-    # On level ground a bound on the normal force is a bound on the variable along z.
-    series = tuple(Series(hold.name, "N", f"force.{hold.contact.name}.z") for hold in holds)
+    # On level ground a bound on the normal force is a bound on the variable along z, on a wall on that along its axis.
+    normals = (AXES[as_ground(hold.contact.contact.ground).axis] for hold in holds)
+    series = tuple(
+        Series(hold.name, "N", f"force.{hold.contact.name}.{axis}") for hold, axis in zip(holds, normals, strict=True)
+    )
 
     def read(sample: Sample[Any] | CycleSample) -> Array:
         return np.column_stack([hold.normal_force(sample) for hold in holds])

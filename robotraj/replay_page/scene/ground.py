@@ -1,8 +1,9 @@
-"""The ground that a replay shows."""
+"""The ground and the walls that a replay shows."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +22,11 @@ SAMPLES = 49
 
 @dataclass(frozen=True)
 class GroundView(OneLine):
-    """A level [m] for the grid, and a surface where the ground is not level."""
+    """A level [m] for the grid, a surface where the ground is not level, and the walls that contacts touch."""
 
     level: float
     surface: Part | None = None
+    walls: tuple[Part, ...] = ()
 
 
 def ground_of(solution: Planned | GaitCycles, low: NDArray[np.float64], high: NDArray[np.float64]) -> GroundView:
@@ -39,10 +41,17 @@ def ground_of(solution: Planned | GaitCycles, low: NDArray[np.float64], high: ND
         Box [m] around the robot over its motion.
     """
     size = float(np.linalg.norm(high - low))
-    ground = next(_grounds(solution), None)
+    every = list(dict.fromkeys(_grounds(solution)))
+    walls = (_patch(wall, low, high, 0.2 * size)[0] for wall in every if not wall.below)
+    view = GroundView(0.0 if low[2] > -0.02 * size else float(low[2] - 0.03 * size))
+    ground = next((each for each in every if each.below), None)
     if ground is not None:
-        return _drawn(ground, low, high, 0.4 * size)
-    return GroundView(0.0 if low[2] > -0.02 * size else float(low[2] - 0.03 * size))
+        patch, heights = _patch(ground, low, high, 0.4 * size)
+        known = heights[np.isfinite(heights)]
+        level = float(known.min()) if known.size else 0.0
+        uneven = known.size and (known.size < heights.size or np.ptp(known) >= 1e-9)
+        view = GroundView(level, patch if uneven else None)
+    return replace(view, walls=tuple(wall for wall in walls if wall is not None))
 
 
 def _grounds(solution: Planned | GaitCycles) -> Iterator[Ground]:
@@ -55,19 +64,24 @@ def _grounds(solution: Planned | GaitCycles) -> Iterator[Ground]:
                 yield as_ground(ground)
 
 
-def _drawn(ground: Ground, low: NDArray[np.float64], high: NDArray[np.float64], reach: float) -> GroundView:
-    """Sample the ground around the robot; it has holes where its height is not defined."""
-    xlim, ylim = ((float(low[i] - reach), float(high[i] + reach)) for i in (0, 1))
-    xs, ys, z = ground.grid(xlim, ylim, SAMPLES)
-    known = np.isfinite(z)
-    level = float(z[known].min()) if known.any() else 0.0
-    if not known.any() or (known.all() and np.ptp(z) < 1e-9):
-        return GroundView(level)
-    x, y = np.meshgrid(xs, ys, indexing="ij")
-    vertices = np.column_stack([x.ravel(), y.ravel(), np.where(known, z, level).ravel()])
-    width = len(ys)
-    corner = (np.arange(len(xs) - 1)[:, None] * width + np.arange(width - 1)).ravel()
+def _patch(
+    ground: Ground, low: NDArray[np.float64], high: NDArray[np.float64], reach: float
+) -> tuple[Part | None, NDArray[np.float64]]:
+    """Return the part of a ground around the robot, with holes where its height is not defined, and its heights."""
+    first, second = ground.plan
+    # A wall ends at the robot's lowest place, which is the ground.
+    limits = [(float(low[i] - (reach if i < 2 else 0.0)), float(high[i] + reach)) for i in (first, second)]
+    us, vs, heights = ground.grid(limits[0], limits[1], SAMPLES)
+    known = np.isfinite(heights)
+    u, v = np.meshgrid(us, vs, indexing="ij")
+    vertices = np.empty((u.size, 3))
+    vertices[:, first], vertices[:, second] = u.ravel(), v.ravel()
+    vertices[:, ground.axis] = np.where(known, heights, 0.0).ravel()
+    width = len(vs)
+    corner = (np.arange(len(us) - 1)[:, None] * width + np.arange(width - 1)).ravel()
     one = np.column_stack([corner, corner + width, corner + width + 1])
     two = np.column_stack([corner, corner + width + 1, corner + 1])
     faces = np.concatenate([one, two])
-    return GroundView(level, weld(vertices, faces[known.ravel()[faces].all(axis=1)]))
+    if ground.side < 0.0:
+        faces = faces[:, ::-1]
+    return weld(vertices, faces[known.ravel()[faces].all(axis=1)]), heights

@@ -30,6 +30,8 @@ from robotraj.solution.cycles.gait_cycles import GaitCycles
 
 Array = NDArray[np.float64]
 GROUND_COLOR = (0.80, 0.82, 0.78, 1.0)
+WALL_COLOR = (0.80, 0.82, 0.78, 0.4)
+"""A wall may stand between the camera and the robot."""
 STILL = 1e-9
 """Change of a pose [m, and unitless quaternion] below which a joint has no track."""
 
@@ -103,6 +105,8 @@ def _scene(
     ground = ground_of(cycles, low, high)
     if ground.surface is not None:
         draw(viewer["ground"], ground.surface, GROUND_COLOR, shininess=0.0)
+    for number, wall in enumerate(ground.walls):
+        draw(viewer["walls"][str(number)], wall, WALL_COLOR, shininess=0.0)
     size = float(np.linalg.norm(high - low))
     # A contact's trace has the contact's colour, and one of several solutions has the solution's.
     colors = [feet.index(name) if name in feet else len(feet) + k for k, name in enumerate(names)]

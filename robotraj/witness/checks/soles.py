@@ -16,9 +16,7 @@ from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.point import FramePoint, Point
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
-from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.dynamics.terrain.slope import Slope
 from robotraj.problem.constraints.base import BoundConstraint
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import ClearancePoint, spots_of
@@ -60,7 +58,7 @@ def _segments_of(planned: PhaseSolutionLike, bound: BoundConstraint) -> list[_Se
     if not isinstance(source, GroundClearance) or not isinstance(source.height, int | float | np.number):
         return []
     ground = as_ground(source.ground)
-    if isinstance(ground, Flat | Slope):
+    if ground.even:
         return []
     bodies: dict[tuple[str, str], list[ClearancePoint]] = {}
     for spot in spots_of(source.frames, realised(planned)):

@@ -141,7 +141,7 @@ def _followed(
             for k, spot in enumerate(spots):
                 places[i, k] = pin.updateFramePlacement(model, data, indices[k]).act(np.array(spot.offset))
         for k, spot in enumerate(spots):
-            heights = places[:, k, 2] - np.asarray(spot.ground.height(places[:, k, 0], places[:, k, 1]))
+            heights = np.asarray(spot.ground.gap(list(places[:, k].T)))
             i = int(np.argmin(np.nan_to_num(heights, nan=-np.inf)))
             lowest[spot.frame] = min(lowest[spot.frame], (float(heights[i]), float(part.times[i])))
     size = reach(model)
@@ -180,7 +180,7 @@ def _rise(planned: PhaseSolutionLike, spots: Sequence[FootPoint]) -> float:
         pose = pin.updateFramePlacement(model, data, index)
         motion = pin.getFrameVelocity(model, data, index, WORLD)
         arm = pose.rotation @ np.array(spot.offset)
-        x, y, _ = (float(each) for each in pose.translation + arm)
-        normal = as_numbers(spot.ground.normal(x, y), "normal of the ground")
+        place = [float(each) for each in pose.translation + arm]
+        normal = as_numbers(spot.ground.normal_at(place), "normal of the ground")
         fastest = max(fastest, float(normal @ (motion.linear + np.cross(motion.angular, arm))))
     return fastest

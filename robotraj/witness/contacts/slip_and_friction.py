@@ -200,8 +200,8 @@ def split(
     if ground is None:
         return float(np.linalg.norm(away)), 0.0, turn
     place = instant.frame(contact.frame).position
-    x, y = (anchors.get(f"{contact.name}.{axis}", place[i]) for i, axis in enumerate("xy"))
-    normal = as_numbers(as_ground(ground).normal(x, y), "normal of the ground")
+    where = [anchors.get(f"{contact.name}.{axis}", place[i]) for i, axis in enumerate("xyz")]
+    normal = as_numbers(as_ground(ground).normal_at(where), "normal of the ground")
     along = float(away @ normal)
     return float(np.linalg.norm(away - along * normal)), along, turn
 

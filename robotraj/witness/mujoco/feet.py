@@ -104,7 +104,8 @@ class Foot:
     half : tuple of float
         Half the length of a capsule, half the length and half the width of a box [m].
     friction : float
-    ground : Ground
+    grounds : tuple of Ground
+        The ground, and the walls that the contact touches in other phases.
     """
 
     name: str
@@ -113,7 +114,11 @@ class Foot:
     shape: str
     half: tuple[float, ...]
     friction: float
-    ground: Ground
+    grounds: tuple[Ground, ...]
+
+    def touched(self, at: Array) -> Ground:
+        """Return the ground that is nearest to a place (3,) [m]."""
+        return min(self.grounds, key=lambda ground: abs(float(ground.gap(at.tolist()))))
 
     def size(self, radius: float) -> list[float]:
         """Return the sizes (3,) of MuJoCo's shape; half the height of a box is the radius."""
@@ -134,7 +139,9 @@ def feet_of(course: ReferenceMotion) -> tuple[Foot, ...]:
         for bound in getattr(planned.phase, "bound_contacts", ()):
             if bound.contact.ground is None:
                 continue
-            found.setdefault(bound.name, _foot(course, bound))
+            foot = found.setdefault(bound.name, _foot(course, bound))
+            if (ground := as_ground(bound.contact.ground)) not in foot.grounds:
+                found[bound.name] = replace(foot, grounds=(*foot.grounds, ground))
     if course.mirrored(1):
         partners = course.closing.partners if course.closing is not None else {}
         for name, foot in tuple(found.items()):
@@ -161,13 +168,12 @@ def furnish(
     mujoco = load_mujoco()
     grounds: list[Ground] = []
     for foot in feet:
-        if foot.ground not in grounds:
-            grounds.append(foot.ground)
-        bit = 1 << grounds.index(foot.ground)
+        grounds += [ground for ground in foot.grounds if ground not in grounds]
+        bits = sum(1 << grounds.index(ground) for ground in foot.grounds)
         frame = course.robot.model.frames[foot.frame]
         pose = frame.placement * foot.pose
         geom = bodies[frame.parentJoint].add_geom(
-            name=foot.name, pos=pose.translation, quat=wxyz(pose.rotation), contype=bit, conaffinity=0, condim=3
+            name=foot.name, pos=pose.translation, quat=wxyz(pose.rotation), contype=bits, conaffinity=0, condim=3
         )
         geom.type, geom.size = getattr(mujoco.mjtGeom, f"mjGEOM_{foot.shape}"), foot.size(soft.radius)
         geom.friction = [soft.grip * foot.friction, 0.0, 0.0]
@@ -201,7 +207,7 @@ def _foot(course: ReferenceMotion, bound: BoundContact) -> Foot:
         )
     contact = cast("FrictionContact | FlatFoot | ImplicitContact", bound.contact)
     frame, ground = course.robot.frame(bound.frame), as_ground(contact.ground)
-    return Foot(bound.name, frame, pose, shape, half, float(contact.friction), ground)
+    return Foot(bound.name, frame, pose, shape, half, float(contact.friction), (ground,))
 
 
 def _partner(course: ReferenceMotion, frame: str, name: str, partners: Mapping[str, str]) -> int:
@@ -235,17 +241,25 @@ def _add_ground(
     """Add a plane, or a height field where the ground is not plane."""
     own = {"name": f"ground {index}", "contype": 0, "conaffinity": 1 << index, "friction": [0.0, 0.0, 0.0]}
     middle = 0.5 * (low + high)
-    normal = np.array(ground.normal(*middle), dtype=float)
-    centre = np.array([*middle, ground.height(*middle)])
+    # A wall has no height over x and y.
+    at = middle if ground.below else np.zeros(2)
+    normal, centre = np.array(ground.normal(*at), dtype=float), np.array(ground.at(*at), dtype=float)
+
+    def add_plane() -> None:
+        turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), normal).toRotationMatrix()
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0], pos=centre - radius * normal, quat=wxyz(turn), **own
+        )
+
+    if ground.even:
+        add_plane()
+        return
     columns, rows = (int(min(MOST_CELLS, np.ceil(size / CELL))) + 1 for size in high - low)
     x, y = np.linspace(low[0], high[0], columns), np.linspace(low[1], high[1], rows)
     heights = np.asarray(ground.height(x[None, :], y[:, None]), dtype=float)
     flat = centre[2] - (normal[0] * (x[None, :] - centre[0]) + normal[1] * (y[:, None] - centre[1])) / normal[2]
     if np.max(np.abs(heights - flat)) < PLANE_TOLERANCE:
-        turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), normal).toRotationMatrix()
-        spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0.0, 0.0, 1.0], pos=centre - radius * normal, quat=wxyz(turn), **own
-        )
+        add_plane()
         return
     # A shift along the normal by r is one along z by r / n_z.
     up = np.array([np.broadcast_to(part, heights.shape) for part in ground.normal(x[None, :], y[:, None])])[2]

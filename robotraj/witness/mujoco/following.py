@@ -121,9 +121,8 @@ def second_opinion(
             furnish(course, feet, soft, spec, bodies)
 
     robot = mujoco_robot(course.robot, limits, touching)
-    run = MujocoRun(
-        course, robot, feedback, feet, bool(feet or loops), Fall(course.robot, feet[0].ground if feet else Flat())
-    )
+    below = next((ground for foot in feet for ground in foot.grounds if ground.below), Flat())
+    run = MujocoRun(course, robot, feedback, feet, bool(feet or loops), Fall(course.robot, below))
     run.place(away)
     for passage in course.passages:
         if not run.through(passage, float(step)):

@@ -116,9 +116,9 @@ class LinearPhase:
             motion = pin.getFrameJacobian(model, data, foot.frame, WORLD)
             arm = data.oMf[foot.frame].rotation @ foot.pose.translation
             jacobian = motion[:3] - pin.skew(arm) @ motion[3:]
-            x, y, _ = place(foot, data.oMf)
             moves += jacobian / len(feet)
-            upward += np.array(foot.ground.normal(float(x), float(y))) @ jacobian / len(feet)
+            at = place(foot, data.oMf)
+            upward += np.array(foot.touched(at).normal_at(at.tolist())) @ jacobian / len(feet)
         height = np.concatenate([upward, np.zeros(nv)])
         if (speed := height @ rate) < -SLOWEST:
             landed = landed @ (np.eye(2 * nv) - np.outer(rate, height) / speed)

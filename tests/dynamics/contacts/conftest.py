@@ -35,6 +35,7 @@ class Case:
     robot: rt.Robot
     contact: Any
     rows: int
+    wall: tuple[float, float, float] | None = None
 
     def bind(self) -> BoundContact:
         return self.contact.bind(self.robot)
@@ -56,6 +57,8 @@ class Case:
         """Return the case with a ground under the foot in q: a plane through it, along the sole or the edge."""
         if isinstance(self.contact, LoopClosure):
             return self
+        if self.wall is not None:
+            return self.on_wall(q)
         frame = self.numbers(q, np.zeros(self.robot.nv), np.zeros(self.robot.nv)).frame(self.contact.frame)
         x, y, z = frame.position + frame.rotation @ np.array(self.contact.offset)
         bound = self.bind()
@@ -71,6 +74,15 @@ class Case:
         ground = rt.terrain.Slope(*slopes, z - slopes @ np.array([x, y]))
         return replace(self, contact=replace(self.contact, ground=ground, **axes))
 
+    def on_wall(self, q: Array) -> Case:
+        """Return the case with a wall through the point in q, along the sole if it has one."""
+        frame = self.numbers(q, np.zeros(self.robot.nv), np.zeros(self.robot.nv)).frame(self.contact.frame)
+        place = frame.position + frame.rotation @ np.array(self.contact.offset)
+        outward = np.array(self.wall)
+        if isinstance(self.contact, FlatFoot):
+            outward = frame.rotation @ np.array(self.contact.normal)
+        return replace(self, contact=replace(self.contact, ground=rt.terrain.Plane(place, outward)))
+
 
 CASES: dict[str, Callable[[], Case]] = {
     "point, fixed root": lambda: Case(load("solo12", "fixed"), PointContact("FL_FOOT"), 3),
@@ -80,6 +92,21 @@ CASES: dict[str, Callable[[], Case]] = {
     "point, planar root": lambda: Case(load("five_link", "planar"), PointContact("left_foot"), 2),
     "point beside its frame, planar root": lambda: Case(
         load("five_link", "planar"), PointContact("left_foot", offset=(0.1, 0.0, -0.02)), 2
+    ),
+    "point on a wall, floating root": lambda: Case(
+        load("solo12", "floating"), PointContact("FL_FOOT", offset=(0.01, -0.02, 0.03)), 3, (-1.0, 0.1, 0.2)
+    ),
+    "point under a ceiling, fixed root": lambda: Case(
+        load("solo12", "fixed"), PointContact("FL_FOOT"), 3, (0.2, 0.1, -1.0)
+    ),
+    "point on a wall, planar root": lambda: Case(
+        load("five_link", "planar"), PointContact("left_foot"), 2, (1.0, 0.0, 0.3)
+    ),
+    "palm on a wall, floating root": lambda: Case(
+        load("talos_legs", "floating"), FlatFoot(SOLE, 0.2, 0.1, normal=(1, 0, 0), forward=(0, 0, 1)), 6, (1, 0, 0)
+    ),
+    "sole on a wall, planar root": lambda: Case(
+        load("five_link", "planar"), FlatFoot("right_foot", 0.1, normal=(1, 0, 0), forward=(0, 0, -1)), 3, (1, 0, 0)
     ),
     "point on a rail": lambda: Case(load("hopper", "fixed"), PointContact("foot"), 2),
     "flat foot, floating root": lambda: Case(load("talos_legs", "floating"), FlatFoot(SOLE, 0.2, 0.1), 6),

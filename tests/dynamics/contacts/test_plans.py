@@ -164,3 +164,30 @@ def test_feet_of_talos_neither_slide_nor_sink(feet: Any) -> None:
     assert len(report.holdings) == 2
     assert all(max(hold.slip.value, hold.sink.value, hold.turn.value) < 1e-4 for hold in report.holdings)
     assert report.passed
+
+
+def test_a_robot_between_two_walls_is_held_by_friction() -> None:
+    """Without ground, the impulses of friction carry the weight from rest to rest, and those of the walls are alike."""
+    robot = rt.load("five_link", root="planar")
+    q = {"root_x": 0.0, "root_z": 1.0, "root_pitch": 0.0}
+    joints = (name for name in robot.position_names if not name.startswith("root"))
+    q |= dict(zip(joints, (-1.1, 0.9, 0.5, 0.9), strict=True))
+    pose = np.array([q[name] for name in robot.position_names])
+    data, friction = robot.model.createData(), 1.2
+    pin.framesForwardKinematics(robot.model, data, pose)
+    feet = {name: data.oMf[robot.frame(name)].translation for name in ("left_foot", "right_foot")}
+    middle = np.mean(list(feet.values()), axis=0)
+    contacts = [
+        rt.PointContact(name, friction, ground=rt.terrain.Plane(place, middle * (1, 0, 0) - place * (1, 0, 0)))
+        for name, place in feet.items()
+    ]
+    rest = rt.State(q=pose, v=0)
+    solution = rt.plan(rt.Phase(robot, 0.2, rest, rest, rt.Effort(), contacts=contacts, name="brace"))
+    assert rt.validate(solution).passed
+    times = np.linspace(0.0, 0.2, 401)
+    force = solution.at(times).forces
+    pushes = np.array([force[name][:, 0] * np.sign(middle[0] - feet[name][0]) for name in feet])
+    lifts = np.array([force[name][:, 2] for name in feet])
+    assert np.trapezoid(lifts.sum(axis=0), times) == pytest.approx(robot.mass * 9.81 * 0.2, rel=1e-3)
+    assert np.trapezoid(pushes[0] - pushes[1], times) == pytest.approx(0.0, abs=1e-3 * pushes.mean())
+    assert np.all(pushes > 0.0) and np.all(np.abs(lifts) <= friction * pushes * (1 + 1e-3))

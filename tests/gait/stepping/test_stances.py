@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from functools import partial
 
 import pytest
 
@@ -33,6 +34,28 @@ def test_long_steps_that_the_legs_reach_are_not_refused() -> None:
     robot = rt.load("talos_legs", root="floating")
     rt.gait.start_stop(robot, step_length=0.6)
     rt.gait.sidestep(robot, distance=0.5)
+
+
+TALOS = {"feet": ("left_sole_link", "right_sole_link"), "contact": partial(rt.FlatFoot, length=0.2, width=0.12)}
+
+
+def test_a_turn_takes_as_many_steps_as_keep_the_feet_apart() -> None:
+    robot = rt.load("talos_legs", root="floating")
+    with pytest.raises(rt.InputError, match="leg_right_6_link and leg_left_6_link of 'talos_legs' overlap"):
+        rt.gait.turn(robot, angle=0.45, count=2, **TALOS)
+    for angle, count, standing in (
+        (0.2, 2, "right_sole_link"),
+        (0.45, 4, "right_sole_link"),
+        (-0.45, 4, "left_sole_link"),
+    ):
+        phases = [phase for phase in rt.gait.turn(robot, angle=angle, **TALOS).phases if phase.name.startswith("step")]
+        assert len(phases) == count
+        assert [contact.label for contact in phases[0].contacts] == [standing]
+
+
+def test_point_feet_turn_in_two_steps() -> None:
+    problem = rt.gait.turn(rt.load("bolt", root="floating"), angle=1.5, feet=("FL_FOOT", "FR_FOOT"))
+    assert sum(phase.name.startswith("step") for phase in problem.phases) == 2
 
 
 @pytest.mark.slow

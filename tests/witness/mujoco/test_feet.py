@@ -9,7 +9,7 @@ import pytest
 import robotraj as rt
 from robotraj._util.errors import InputError
 from robotraj.witness.mujoco import mujoco_robot
-from robotraj.witness.mujoco.feet import feet_of, furnish
+from robotraj.witness.mujoco.feet import Foot, feet_of, furnish
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 
 mujoco = pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
@@ -221,3 +221,10 @@ def test_ice_is_slippery():
     rough, ice = (rt.witness.second_opinion(solution, ground=rt.witness.SoftGround(grip=grip)) for grip in (1.5, 0.05))
     assert rough.slip < 2e-3 < 2e-2 < ice.slip
     assert replace(rough, fell=0.1).completed is False
+
+
+def test_a_foot_on_ground_and_wall_touches_the_nearer_one() -> None:
+    grounds = (rt.terrain.Flat(), rt.terrain.Plane((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)))
+    foot = Foot("foot", 0, pin.SE3.Identity(), "SPHERE", (), 0.7, grounds)
+    assert foot.touched(np.array([0.9, 0.0, 0.5])) == grounds[1]
+    assert foot.touched(np.array([0.2, 0.0, 0.5])) == grounds[0]
