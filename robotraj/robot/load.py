@@ -37,8 +37,9 @@ def load(
     Parameters
     ----------
     source : str, path, pinocchio.Model or pinocchio.RobotWrapper
-        A name, the path of a URDF or MJCF file, or a model, which is copied and not changed. ``catalogue()`` lists the
-        names; robotraj's robots precede those of example-robot-data.
+        A name, the path of a URDF, xacro or MJCF file, or a model, which is copied and not changed. ``catalogue()``
+        lists the names; robotraj's robots precede those of example-robot-data. Macros of xacro need the package
+        ``xacro``.
     package_dirs : path or sequence of paths
         Folders that are searched for meshes first: those above a package, or packages themselves.
     trust_paths : bool

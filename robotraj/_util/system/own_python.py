@@ -11,7 +11,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-NEEDED = ("robotraj", "casadi", "numpy", "lazy_loader", "cloudpickle")
+NEEDED = ("robotraj", "casadi", "numpy", "lazy_loader", "cloudpickle", "xacro", "yaml")
 """Packages that may lie outside the folders of an isolated interpreter, as below PYTHONPATH or a user's own site."""
 
 _START = """

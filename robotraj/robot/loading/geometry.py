@@ -91,8 +91,7 @@ class UrdfGeometry(OneLine):
         """
         if _closed.get():
             raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
-        root = read_xml(self.urdf)
-        folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
+        root, folders = self._read()
         faults: dict[str, list[str]] = {}
         for link, shape, mesh in list(_meshes(root, kind)):
             address = mesh.get("filename", "")
@@ -121,8 +120,12 @@ class UrdfGeometry(OneLine):
         """Return the number of shapes of the kind for each link, meshes that cannot be read included."""
         if _closed.get():
             raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
-        links = read_xml(self.urdf).findall("link")
+        links = self._read()[0].findall("link")
         return Counter({link.get("name", ""): len(link.findall(TAGS[kind])) for link in links})
+
+    def _read(self) -> tuple[Element, list[Path]]:
+        folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
+        return read_xml(self.urdf, folders=folders, trust=self.trust_paths), folders
 
 
 def _meshes(root: Element, kind: pin.GeometryType) -> Iterator[tuple[Element, Element, Element]]:

@@ -145,7 +145,7 @@ def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
 
 
 def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) -> Description:
-    root = read_xml(entry.urdf)
+    root = read_xml(entry.urdf, folders=search_folders(entry.urdf, folders, trust_paths), trust=trust_paths)
     file = repr(str(entry.urdf))
     check_structure(file, root)
     findings = check_numbers(file, root)

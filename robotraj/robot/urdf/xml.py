@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,6 +10,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.system.regular_files import contents
+from robotraj.robot.macros.expansion import expanded
 from robotraj.robot.urdf.lenient import parsed, without_definitions
 
 MAX_BYTES = 10_000_000
@@ -24,25 +26,33 @@ MAX_ATTRIBUTES = 100
 """Largest number of attributes of an element; an <inertia> has six. The parser compares each with all others."""
 
 
-def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
-    """Return the root element of a URDF or SRDF file, whose contents are not checked; ``kind`` is for messages.
+def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust: bool = False) -> ElementTree.Element:
+    """Return the root element of a URDF or SRDF file, whose contents are not checked.
 
-    Blanks around the texts of attributes are removed.
+    Blanks around the texts of attributes are removed. Macros of xacro are expanded.
+
+    Parameters
+    ----------
+    path : Path
+    kind : str
+        For messages.
+    folders : sequence of Path
+        Folders whose files macros may include.
+    trust : bool
+        Whether they may include any other.
 
     Raises
     ------
     InputError
-        The file is missing, too large, no XML, XML of another kind (SDF, MJCF, xacro), or has too long or too many
-        attributes.
+        The file is missing, too large, no XML, XML of another kind (SDF, MJCF), or has too long or too many
+        attributes. Macros cannot be expanded.
     """
     if not path.is_file():
         raise InputError(f"There is no {kind} file {str(path)!r}; give the path of an existing file.")
     data = contents(path, MAX_BYTES, f"The {kind} file")
-    try:
-        root = parsed(data)
-    except ValueError as error:
-        raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
-    xacro = without_definitions(root) or path.suffix == ".xacro"
+    root = _parsed(data, path)
+    if without_definitions(root):
+        root = _parsed(expanded(path, folders, trust, MAX_BYTES), path)
     for element in root.iter():
         attributes = element.attrib
         if len(attributes) > MAX_ATTRIBUTES:
@@ -64,13 +74,14 @@ def read_xml(path: Path, kind: str = "URDF") -> ElementTree.Element:
         raise InputError(
             f"{str(path)!r} is no {kind}: its root is <{root.tag}>, not <robot>. Convert it to {kind} first."
         )
-    if xacro:
-        made = path.name.removesuffix(".xacro").removesuffix(".urdf") + "_expanded.urdf"
-        raise InputError(
-            f"{str(path)!r} is a xacro macro, not a {kind}: expand it first, with 'xacro {path.name} > {made}', and "
-            f"load {made!r}. The command comes with ROS, or with pip install xacro."
-        )
     return root
+
+
+def _parsed(data: bytes, path: Path) -> ElementTree.Element:
+    try:
+        return parsed(data)
+    except ValueError as error:
+        raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
 
 
 def read_model(root: ElementTree.Element, path: Path) -> pin.Model:

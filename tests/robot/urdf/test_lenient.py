@@ -65,8 +65,6 @@ def test_forms_that_other_readers_accept_are_read(form, tmp_path):
         ("\n<!-- two\nlines -->\n" + ROBOT.replace("</joint>", ""), "line 4"),
         (ROBOT.replace("<link", "<!-- open <link", 1), "well-formed"),
         (ROBOT.replace('name="r"', 'name="&unknown;"'), "undefined entity"),
-        (f'<robot {XACRO}><xacro:arm side="left"/></robot>', "xacro"),
-        (ROBOT.replace('value="1"', 'value="${mass}"'), "xacro"),
         ("", "no element"),
         ("words", "well-formed"),
     ],
@@ -86,12 +84,3 @@ def test_long_files_of_nonsense_end_soon(text, tmp_path):
     with pytest.raises(rt.InputError):
         rt.load(path)
     assert time.process_time() - begun < 2.0
-
-
-def test_a_xacro_macro_is_answered_by_the_command_that_expands_it_into_another_file(tmp_path):
-    path = tmp_path / "arm.urdf.xacro"
-    path.write_text(ROBOT.replace('value="1"', 'value="${mass}"'))
-    with pytest.raises(
-        rt.InputError, match=r"'xacro arm.urdf.xacro > arm_expanded.urdf', and load 'arm_expanded.urdf'"
-    ):
-        rt.load(path)
