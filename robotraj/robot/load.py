@@ -67,7 +67,7 @@ def load(
         Inertia of the rotor [kg m^2] and gear ratio by joint, ``{"elbow": (1e-5, 100)}``.
     springs : mapping, optional
         Springs at joints: stiffness [N m/rad, N/m], or stiffness and position without torque [rad, m],
-        ``{"knee": (20.0, -0.5)}``. By default those of an MJCF file.
+        ``{"knee": (20.0, -0.5)}``. By default those of the MJCF file, or of the URDF's elements for Gazebo.
 
     Returns
     -------
@@ -84,8 +84,8 @@ def load(
     Warns
     -----
     UserWarning
-        The URDF has inertias that no rigid body can have, joints without moving mass, axes that are not unit vectors,
-        implausible limits, or meshes that do not exist. ``robot.notes`` and ``robotraj show`` list them.
+        The URDF has inertias that no rigid body can have, joints without moving mass, implausible limits or
+        lengths, or meshes that do not exist. ``robot.notes`` and ``robotraj show`` list them.
 
     Notes
     -----

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+UNDRIVEN = "effort limit 0 locks it"
+"""Fault of a joint that files of passive joints state as well."""
 SHOWN = 8
 """Largest number of joints that a sentence names."""
 
@@ -23,7 +25,7 @@ def fault_of(quantity: str, low: float, high: float, missing: bool) -> str:
         return ""
     if quantity == "position":
         return "position limits are missing" if missing else f"position limits [{low:g}, {high:g}] lock it"
-    return f"{quantity} limit 0 locks it" if high == 0.0 else f"{quantity} limits [{low:g}, {high:g}] fix it"
+    return UNDRIVEN.replace("effort", quantity) if high == 0.0 else f"{quantity} limits [{low:g}, {high:g}] fix it"
 
 
 def sentences(faults: Mapping[str, Mapping[str, str]], rest: Mapping[str, float]) -> tuple[str, ...]:
@@ -49,11 +51,13 @@ def _sentence(joints: Sequence[str], faults: Mapping[str, str], rest: Mapping[st
     shown = ", ".join(map(repr, joints[:SHOWN]))
     if len(joints) > SHOWN:
         shown += f" and {len(joints) - SHOWN} more"
+    driven = f"leave {'them' if many else 'it'} out of actuated=[...] if no motor drives {'them' if many else 'it'}, "
+    passive = driven if faults.get("effort") == UNDRIVEN else ""
     held = rest[first] if "position" in faults and np.isfinite(rest[first]) else 0.0
     return (
         f"{'Joints' if many else 'Joint'} {shown} cannot be planned with {'their' if many else 'its'} limits: "
         f"{', '.join(faults.values())}. Give others with rt.load(..., limits={{{cures}}}) or "
-        f"Phase(limits=robot.limits.with_(...)), hold {'them' if many else 'it'} still with "
+        f"Phase(limits=robot.limits.with_(...)), {passive}hold {'them' if many else 'it'} still with "
         f"rt.load(..., locked={{{first!r}: {held:g}{more}}}), or remove all limits with Phase(limits=None)."
     )
 

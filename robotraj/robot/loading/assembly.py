@@ -28,6 +28,7 @@ from robotraj.robot.loading.notes import (
     neutral_note,
     renamed_frames_note,
     rest_note,
+    spread_note,
     strength_note,
     weightless_note,
 )
@@ -109,6 +110,7 @@ def assemble(
     found = (
         weightless_note(weightless_joints(model)),
         strength_note(model, wanted, units, motors),
+        spread_note(model),
         sides_note(own, wanted, units),
     )
     findings = (*about.findings, *filter(None, found))

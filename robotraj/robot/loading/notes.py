@@ -15,6 +15,9 @@ from robotraj.robot.size.reach import reach
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81
+THINNEST = 1e-4
+"""Mass over the cube of the reach [kg/m^3] below which lengths are doubted: arms have 1 to 100, tall cranes 0.01, and a
+billionth of that in mm. Air has 1.2."""
 STRONGEST = 20.0
 """Effort relative to the robot's weight at its full reach above which a limit is implausible; real arms reach 0.2 to 4,
 small grippers 9."""
@@ -70,6 +73,17 @@ def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuat
         f"Implausible effort limit of {strong[0]}{more}: the robot weighs {weight / GRAVITY:.3g} kg and reaches "
         f"{span:.2g} m. No motion needs as much, so this limit never holds one back; give the motors' own with "
         "limits={'effort': ...}."
+    )
+
+
+def spread_note(model: pin.Model) -> str:
+    """Name a reach that no robot of that mass has: lengths in millimetres, mostly."""
+    mass, span = sum(body.mass for body in model.inertias.tolist()[1:]), reach(model)
+    if not 0.0 < mass < THINNEST * span**3:
+        return ""
+    return (
+        f"The robot weighs {mass:.4g} kg and reaches {span:.4g} m, as if its lengths were in mm. A URDF's are in m, "
+        "its inertias in kg m^2: correct the file."
     )
 
 

@@ -21,8 +21,10 @@ from robotraj.robot.loading.missing_meshes import missing_meshes
 from robotraj.robot.loading.packages import search_folders
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.mjcf.model import is_mjcf, read_mjcf
+from robotraj.robot.urdf.balls import without_balls
 from robotraj.robot.urdf.limits import StatedLimits, stated_limits
 from robotraj.robot.urdf.numbers import check_numbers
+from robotraj.robot.urdf.springs import stated_springs
 from robotraj.robot.urdf.structure import check_structure
 from robotraj.robot.urdf.xml import read_model, read_xml
 
@@ -149,6 +151,7 @@ def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) 
     file = repr(str(entry.urdf))
     check_structure(file, root)
     findings = check_numbers(file, root)
+    root = without_balls(root)
     model = read_model(root, entry.urdf)
     check_bodies(file, model)
     return Description(
@@ -164,4 +167,5 @@ def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) 
         tuple(filter(None, (*findings, missing_meshes(root, entry.urdf, folders, trust_paths)))),
         stated_limits(root),
         bool(entry.name),
+        stated_springs(root),
     )

@@ -54,7 +54,8 @@ def confine(folders: Sequence[str]) -> None:
 
 def _expanded(question: bytes) -> bytes:
     asked = json.loads(question)
-    xacro, arguments = import_module("xacro"), import_module("xacro.substitution_args")
+    xacro: Any = import_module("xacro")
+    arguments: Any = import_module("xacro.substitution_args")
     with suppress(ImportError):
         import_module("yaml")
     elsewhere = arguments._eval_find

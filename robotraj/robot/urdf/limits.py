@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from robotraj._util.values import dataclass
+from robotraj.robot.urdf.springs import SPRING
 
 MADE_OF = ("acceleration", "jerk")
 """Quantities of ``<limit>`` that Pinocchio ignores."""
@@ -24,7 +25,7 @@ READ: Mapping[str, Sequence[str]] = {
     "child": ("link",),
     "axis": ("xyz",),
     "limit": ("lower", "upper", "velocity", "effort", *MADE_OF),
-    "dynamics": ("damping", "friction"),
+    "dynamics": ("damping", "friction", *SPRING),
     "mimic": ("joint", "multiplier", "offset"),
     "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
     "calibration": ("rising", "falling", "reference_position"),

@@ -14,15 +14,17 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.robot.loading.inertia import principal_moments, triangle_fault
+from robotraj.robot.urdf.balls import BALLS
 from robotraj.robot.urdf.limits import limit_findings, local
+from robotraj.robot.urdf.springs import SPRING, spring_faults
 from robotraj.robot.urdf.structure import SHOWN
 
-JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed"}
+JOINT_TYPES = {"revolute", "continuous", "prismatic", "floating", "planar", "fixed", *BALLS}
 MOVING = {"revolute", "continuous", "prismatic"}
 """Joint types with one axis."""
 JOINT_NUMBERS: Mapping[str, Sequence[str]] = {
     "limit": ("lower", "upper", "velocity", "effort", "acceleration", "jerk"),
-    "dynamics": ("damping", "friction"),
+    "dynamics": ("damping", "friction", *SPRING),
     "mimic": ("multiplier", "offset"),
     "safety_controller": ("soft_lower_limit", "soft_upper_limit"),
 }
@@ -30,10 +32,8 @@ JOINT_NUMBERS: Mapping[str, Sequence[str]] = {
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 """Places in ``INERTIA`` of the entries of the matrix, row by row."""
-UNIT_AXIS = 1e-2
-"""Largest accepted difference between 1 and the length of an axis."""
 SPEEDS = (1e-6, 1e6)
-"""Plausible range of velocity [rad/s, m/s] and effort [N m, N] limits; 0 and missing limits are reported elsewhere."""
+"""Plausible range of velocity limits [rad/s, m/s]; 0 and missing limits are reported elsewhere."""
 UNLIMITED = 1e20
 """Magnitudes above represent no limit."""
 
@@ -55,6 +55,7 @@ def check_numbers(file: str, root: Element) -> tuple[str, ...]:
         lists the links and joints.
     """
     faults = [fault for joint in root.findall("joint") for fault in _joint_faults(joint)]
+    faults += spring_faults(root)
     faults += [fault for link in root.findall("link") for fault in _link_faults(link)]
     if faults:
         more = f" And {len(faults) - SHOWN} more." if len(faults) > SHOWN else ""
@@ -124,17 +125,12 @@ def _origin_faults(owner: Element, what: str) -> Iterator[str]:
 
 
 def _joint_findings(joint: Element) -> Iterator[str]:
-    name, axis, limit = joint.get("name"), joint.find("axis"), joint.find("limit")
-    if joint.get("type") not in MOVING:
+    name, limit = joint.get("name"), joint.find("limit")
+    if joint.get("type") not in MOVING or limit is None:
         return
-    if axis is not None:
-        length = math.hypot(*(numbers(axis.get("xyz", ""), 3) or ()))
-        if abs(length - 1.0) > UNIT_AXIS:
-            yield f"Joint {name!r} has an axis of length {length:.4g}; its direction is used. Scale it to length 1."
-    for key in ("velocity", "effort") if limit is not None else ():
-        size = float(limit.get(key, "0") if limit is not None else "0")
-        if size and size < UNLIMITED and not SPEEDS[0] <= size <= SPEEDS[1]:
-            yield f"Joint {name!r} has the implausible {key} limit {size:g}. Correct it with limits={{{key!r}: ...}}."
+    size = float(limit.get("velocity", "0"))
+    if size and size < UNLIMITED and not SPEEDS[0] <= size <= SPEEDS[1]:
+        yield f"Joint {name!r} has the implausible velocity limit {size:g}. Correct it with limits={{'velocity': ...}}."
 
 
 def _link_findings(links: Iterable[Element]) -> Iterator[str]:

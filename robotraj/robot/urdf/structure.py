@@ -33,11 +33,13 @@ def check_structure(file: str, root: Element) -> None:
     Raises
     ------
     InputError
-        There are more than ``MAX_LINKS`` links, or ``MAX_DEPTH`` joints in a chain. Or names are missing, unknown or
-        duplicate, a link has two parents, or the tree has several roots or a cycle.
+        There is no link, or more than ``MAX_LINKS``, or ``MAX_DEPTH`` joints in a chain. Or names are missing, unknown
+        or duplicate, a link has two parents, or the tree has several roots or a cycle.
     """
     links = [link.get("name", "") for link in root.findall("link")]
     joints = root.findall("joint")
+    if not links:
+        raise InputError(f"{file}: no <link> stands below <robot>; a URDF has one or more.")
     if len(links) > MAX_LINKS:
         raise InputError(
             f"{file}: {len(links)} links; at most {MAX_LINKS} can be read. Merge links joined by fixed joints."

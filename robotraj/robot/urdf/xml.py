@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -19,8 +20,12 @@ MAX_BYTES = 10_000_000
 MAX_TEXT = 4_000
 """Length of the longest attribute: the longest path of a file."""
 
-ENDLESS, INFINITE, UNLIMITED = ("effort", "velocity"), ("inf", "infinity"), "1e30"
-"""Limits that may be infinite, how they are written, and the number that stands for no limit."""
+UNLIMITED = "1e30"
+"""Number that stands for no limit."""
+INFINITE = {f"{sign}{text}": f"{sign.strip('+')}{UNLIMITED}" for sign in ("", "+", "-") for text in ("inf", "infinity")}
+"""How no limit is written; the parser behind Pinocchio takes no infinity."""
+ENDLESS = {"effort": "+", "velocity": "+", "lower": "+-", "upper": "+-"}
+"""Limits that may be infinite, with their signs."""
 
 MAX_ATTRIBUTES = 100
 """Largest number of attributes of an element; an <inertia> has six. The parser compares each with all others."""
@@ -68,8 +73,9 @@ def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust
                 )
             # The parser behind Pinocchio replaces a number that a blank follows by 0, or refuses the file.
             attributes[key] = text.strip()
-            if element.tag == "limit" and key in ENDLESS and text.strip().lower().lstrip("+") in INFINITE:
-                attributes[key] = UNLIMITED  # that parser takes no infinity
+            number = INFINITE.get(text.strip().lower()) if element.tag == "limit" else None
+            if number is not None and ("-" if number.startswith("-") else "+") in ENDLESS.get(key, ""):
+                attributes[key] = number
     if root.tag != "robot":
         raise InputError(
             f"{str(path)!r} is no {kind}: its root is <{root.tag}>, not <robot>. Convert it to {kind} first."
@@ -92,8 +98,12 @@ def read_model(root: ElementTree.Element, path: Path) -> pin.Model:
     InputError
         Pinocchio cannot read it; the URDF parser prints the reason on the console.
     """
+    bare = deepcopy(root)  # the parser prints what it finds wrong with shapes, which are read elsewhere
+    for link in bare.findall("link"):
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(shape)
     try:
-        return pin.buildModelFromXML(ElementTree.tostring(root, encoding="unicode"))
+        return pin.buildModelFromXML(ElementTree.tostring(bare, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise InputError(
             f"Pinocchio cannot read the URDF {str(path)!r}: {error} The URDF parser printed why above."
