@@ -111,8 +111,9 @@ def plan(
         ``solution.history.start`` names the one that led to the solution.
     smoothing : float, optional
         A duration T that is minimised counts as the integral of 1 + smoothing * m in the program of the solver. m is
-        the mean square of torques and accelerations relative to their limits. Of motions that take the same time it
-        selects a smooth one. T is at most ``1 + smoothing`` times the least, mostly far less, and is the objective.
+        the mean square of torques and accelerations relative to their limits, and of what alternates in torques with
+        the mesh. Of motions that take the same time it selects a smooth one. T exceeds the least by ``smoothing`` times
+        the m of that motion at most, mostly far less, and is the objective.
         Under a limit of a frame's speed or acceleration m is relative to its mean along the motion of the first mesh.
     goals : Goals, optional
         Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,

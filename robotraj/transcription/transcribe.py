@@ -41,6 +41,7 @@ from robotraj.transcription.scalar_table import ColumnBound, Entry, Scalars, Sca
 from robotraj.transcription.scaling import scales
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.smoothness.alternation import alternation_block
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -123,6 +124,8 @@ def transcribe(
             blocks += more
         else:
             points.append(collocate(phase, i, layout, rows, linear, as_tapes, interval_limits, known, smoothing))
+            smooth = alternation_block(phase, layout, smoothing)
+            blocks += [] if smooth is None else [smooth]
         impose_on_controls(interval_limits, phase, i, layout, rows, linear)
         impose_on_rates(phase, i, layout, rows, linear)
         ends = end_constraint_blocks(phase, i, layout, rows, as_tapes)

@@ -91,8 +91,14 @@ def ends_of_phases(phases: Sequence[Phase]) -> list[PhaseEnds]:
         body, names = phase.body, phase.parameter_names
         first, last = (ca.SX.sym(f"{which}{i}", len(body.states)) for which in ("first", "last"))
         duration, p = ca.SX.sym(f"T{i}"), ca.SX.sym(f"p{i}", len(names))
-        start = body.point(begun, first, None, None, p, names)
-        end = body.point(begun + duration, last, None, None, p, names)
+        inner = [
+            [ca.SX.sym(f"{variable.name} at the {which}") for variable in variables]
+            for which in ("start", "end")
+            for variables in (body.algebraic, body.controls)
+        ]
+        z0, u0, z1, u1 = (ca.vertcat(ca.SX(0, 1), *column) for column in inner)
+        start = body.point(begun, first, z0, u0, p, names)
+        end = body.point(begun + duration, last, z1, u1, p, names)
         found.append(PhaseEnds(phase, first, last, begun, duration, p, start, end))
     return found
 

@@ -22,7 +22,7 @@ from robotraj.dynamics.row import Magnitude
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.transcription.driven_motion import PlannedInputs
 from robotraj.transcription.interval_limits.row_values import Expressions
-from robotraj.transcription.refinement.objective_quadrature import smoothing_cost
+from robotraj.transcription.refinement.objective_quadrature import squares_cost
 from robotraj.transcription.smoothness.smoothing import weight_of_duration
 
 PLACES = np.array([0.25, 0.75])
@@ -39,7 +39,7 @@ def smoothing_weight(epsilon: float, parts: Sequence[PhaseSolution]) -> float:
     parts : sequence of PhaseSolution
     """
     durations = sum(weight_of_duration(part.phase) * part.duration for part in parts)
-    cost = sum(smoothing_cost(part.phase, part.trajectory, part.mesh.schemes, 1.0) for part in parts)
+    cost = sum(squares_cost(part.phase, part.trajectory, part.mesh.schemes, 1.0) for part in parts)
     if cost <= 0.0:
         return epsilon
     used = max((share for part in parts for share in _used(part)), default=0.0)

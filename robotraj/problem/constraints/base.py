@@ -179,11 +179,19 @@ def symbols_of(dynamics: Dynamics, parameters: Sequence[str]) -> Point:
     )
 
 
-def ends_of(dynamics: Dynamics, parameters: Sequence[str]) -> tuple[Point, Point]:
-    """Fresh symbols for the start and the end of a phase, to try an expression on."""
+def ends_of(dynamics: Dynamics, parameters: Sequence[str], inner: bool = False) -> tuple[Point, Point]:
+    """Fresh symbols for the start and the end of a phase, to try an expression on.
+
+    With ``inner`` the points have algebraic variables and controls, too.
+    """
     p = ca.SX.sym("p", len(parameters))
     n = len(dynamics.states)
-    start, end = (
-        dynamics.point(ca.SX.sym(f"t{k}"), ca.SX.sym(f"x{k}", n), None, None, p, parameters) for k in ("0", "1")
-    )
-    return start, end
+
+    def point(k: str) -> Point:
+        z, u = (
+            (ca.SX.sym(f"{name}{k}", len(variables)) if inner else None)
+            for name, variables in (("z", dynamics.algebraic), ("u", dynamics.controls))
+        )
+        return dynamics.point(ca.SX.sym(f"t{k}"), ca.SX.sym(f"x{k}", n), z, u, p, parameters)
+
+    return point("0"), point("1")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import field, replace
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import casadi as ca
 
@@ -50,6 +50,9 @@ class Carry(OneLine):
     partners: Mapping[str, str] = field(default_factory=dict)
 
 
+Joined: TypeAlias = "list[tuple[Row, Callable[[Point, Point], Scalar]]]"
+"""Rows, with the differences that are 0 of points at the end of a phase and at the start of the next one."""
+
 STATE = frozenset({"unit quaternion", "contact position", "contact velocity"})
 """Invariants that hold on both sides of a link with a continuous state."""
 
@@ -79,6 +82,18 @@ class BoundLink(OneLine):
     expression: Callable[[Sequence[Ends], Mapping[str, Scalar]], Sequence[Scalar]]
     unknowns: tuple[Variable, ...] = ()
     carries: tuple[Carry, ...] = ()
+
+    def with_rates(self, joined: Joined, first: int, second: int) -> BoundLink:
+        """Append rows between the end of one of the phases and the start of another, numbered as in ``phases``."""
+        if not joined:
+            return self
+        own = self.expression
+
+        def expression(ends: Sequence[Ends], unknowns: Mapping[str, Scalar]) -> list[Scalar]:
+            end, start = ends[first].end, ends[second].start
+            return [*own(ends, unknowns), *(difference(end, start) for _, difference in joined)]
+
+        return replace(self, rows=(*self.rows, *(row for row, _ in joined)), expression=expression)
 
     def values(self, ends: Sequence[Ends], unknowns: Mapping[str, Scalar]) -> list[ca.SX]:
         """Evaluate the expression on ends and unknowns of symbols, as a list of scalars."""

@@ -3,35 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.path_body import ACCELERATION, SPEED, PathPoint
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Named
-from robotraj.problem.augmentation import free_of, has
+from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import ends_of
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
+from robotraj.problem.links.limited_rates import joined_rates
 
 if TYPE_CHECKING:
-    from robotraj.dynamics.point import Point
     from robotraj.problem.phase import Phase
     from robotraj.problem.scalars import Scalar
 
 
-Array = NDArray[np.float64]
-
 TIME = Row("continuity", "s", 0.0, 0.0, "time")
 """Continuity of time."""
-ACCELERATION_ROW = Row("continuity", "1/s^2", 0.0, 0.0, "path acceleration")
-"""Continuity of the acceleration along a path."""
 SLOPE = 1e-9
 """Derivative of a row with respect to a time below which the row does not depend on it."""
 
@@ -40,7 +34,8 @@ SLOPE = 1e-9
 class Continuity(Link):
     """Time and state are continuous: t and x at the end of ``first`` equal t and x at the start of ``second``.
 
-    From path to path, under limits of jerk or torque rate on both, the acceleration along the path is continuous too.
+    Under limits of jerk or torque rate on both phases, accelerations or torques are continuous too; from path to path,
+    the acceleration along it.
     """
 
     first: int
@@ -55,15 +50,8 @@ class Continuity(Link):
             The phases do not exist or have different states.
         """
         bound = _follow(phases, self.first, self.second, {}, f"Continuity({self.first}, {self.second})")
-        direction = _along(*(phases[i] for i in bound.phases))
-        if direction is None:
-            return bound
-
-        def expression(ends: Sequence[Ends], unknowns: Mapping[str, Scalar]) -> list[Scalar]:
-            before, after = (_acceleration(point) for point in (ends[0].end, ends[1].start))
-            return [*bound.expression(ends, unknowns), ca.dot(direction, after - before)]
-
-        return replace(bound, rows=(*bound.rows, ACCELERATION_ROW), expression=expression)
+        before, after = (phases[i] for i in bound.phases)
+        return bound.with_rates(joined_rates(before, after), 0, 1)
 
 
 @dataclass(frozen=True)
@@ -116,23 +104,6 @@ def _follow(phases: Sequence[Phase], first: int, second: int, jumps: Mapping[str
     return BoundLink(what, pair, rows, expression, carries=carries)
 
 
-def _along(before: Phase, after: Phase) -> Array | None:
-    """Return p' / |p'|^2 at the start of the second path (nq,), if s'' is a state of both phases."""
-    if after.path is None or not all(has(phase.dae, [f"rate.{ACCELERATION}"]) for phase in (before, after)):
-        return None
-    curve = after.path.curve
-    slope = curve.derivative()(curve.breaks[0])
-    size = float(slope @ slope)
-    return slope / size if size > 0.0 else None
-
-
-def _acceleration(point: Point) -> ca.SX:
-    """Return the accelerations of the joints at an end of a path, a = p'' s'^2 + p' s''."""
-    assert isinstance(point, PathPoint)
-    first, second = point.slopes[:2]
-    return second * point.extra[SPEED] ** 2 + first * point.extra[ACCELERATION]
-
-
 def running_on(phases: Sequence[Phase], links: Sequence[BoundLink]) -> tuple[BoundLink, ...]:
     """Make time continuous into every phase whose start time no link determines.
 
@@ -152,7 +123,7 @@ def _times(link: BoundLink, index: int, phases: Sequence[Phase]) -> bool:
         return False
     if TIME in link.rows:
         return link.phases[-1] == index
-    ends = [Ends(*ends_of(phases[i].dae, phases[i].parameter_names)) for i in link.phases]
+    ends = [Ends(*ends_of(phases[i].dae, phases[i].parameter_names, inner=True)) for i in link.phases]
     own = Named("unknown of the link", [v.name for v in link.unknowns], ca.SX.sym("own", len(link.unknowns)))
     y = ca.vertcat(*link.values(ends, own))
     here = ends[link.phases.index(index)]

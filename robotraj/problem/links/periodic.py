@@ -14,6 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
+from robotraj.problem.links.limited_rates import joined_rates
 
 if TYPE_CHECKING:
     from robotraj.dynamics.point import Point
@@ -232,4 +233,11 @@ def _repeat(link: Periodic | Mirror, phases: Sequence[Phase], what: str) -> Boun
 
     pair = normal(phases, link.first), normal(phases, link.last)
     level = STATE if repeat.level else frozenset({"unit quaternion"})
-    return BoundLink(what, pair, rows, expression, carries=(Carry(pair[1], pair[0], level, repeat.partners),))
+    bound = BoundLink(what, pair, rows, expression, carries=(Carry(pair[1], pair[0], level, repeat.partners),))
+    # Where speeds repeat, so do accelerations.
+    images = {
+        names[i].removeprefix("v."): (source.removeprefix("v."), sign)
+        for i, (source, sign) in enumerate(repeat.sources)
+        if names[i].startswith("v.") and repeat.lower[i] == repeat.upper[i] == 0.0
+    }
+    return bound.with_rates(joined_rates(closing, opening, images), 1, 0)

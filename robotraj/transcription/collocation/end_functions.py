@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -58,22 +59,29 @@ def functions_of(
 
 
 class EndSymbols:
-    """Symbols of both ends of a phase."""
+    """Symbols of both ends of a phase: states, with ``inner`` also algebraic variables and controls."""
 
-    def __init__(self, phase: Phase, layout: PhaseLayout) -> None:
-        nx, names, scalars = len(phase.dae.states), phase.parameter_names, phase_scalars(layout)
-        self.unknowns, self.constants, (t0, duration, *each) = shared_symbols(scalars, 2 * nx, 0)
+    def __init__(self, phase: Phase, layout: PhaseLayout, inner: bool = False) -> None:
+        dae, names, scalars = phase.dae, phase.parameter_names, phase_scalars(layout)
+        nx, nz, nu = len(dae.states), len(dae.algebraic), len(dae.controls)
+        sizes = (nx, nx, *((nz, nu, nz, nu) if inner else ()))
+        cuts = list(accumulate(sizes, initial=0))
+        self.unknowns, self.constants, (t0, duration, *each) = shared_symbols(scalars, cuts[-1], 0)
         p = column_of(each)
-        self.points = (
-            phase.dae.point(t0, self.unknowns[:nx], None, None, p, names),
-            phase.dae.point(t0 + duration, self.unknowns[nx : 2 * nx], None, None, p, names),
-        )
+        first, last, *more = (self.unknowns[i:j] for i, j in pairwise(cuts))
+        z0, u0, z1, u1 = more or (None,) * 4
+        self.points = dae.point(t0, first, z0, u0, p, names), dae.point(t0 + duration, last, z1, u1, p, names)
 
 
-def end_columns(layout: PhaseLayout) -> Indices:
+def end_columns(layout: PhaseLayout, inner: bool = False) -> Indices:
     """Return the columns of the unknowns of ``EndSymbols``."""
     free = [scalar.column for scalar in phase_scalars(layout) if scalar.column is not None]
-    return np.concatenate([layout.knots[0], layout.knots[-1], free]).astype(int)
+    more = list[Indices]()
+    if inner:
+        for node in (0, -1):
+            interval = layout.interval(node)
+            more += [interval.algebraic[node], interval.controls[node]]
+    return np.concatenate([layout.knots[0], layout.knots[-1], *more, free]).astype(int)
 
 
 def fixed_values(layout: PhaseLayout) -> Array:

@@ -199,18 +199,20 @@ def link_block(
     joined = [layouts[i] for i in link.phases]
 
     def make() -> EndFunctions:
-        ends = [EndSymbols(phases[i], layouts[i]) for i in link.phases]
+        ends = [EndSymbols(phases[i], layouts[i], inner=True) for i in link.phases]
         brought = ca.SX.sym("b", len(link.unknowns))
         known = Named("unknown of the link", [v.name for v in link.unknowns], brought)
         y = ca.vertcat(*link.values([Ends(*e.points) for e in ends], known))
         unknowns, constants = ca.vertcat(*(e.unknowns for e in ends), brought), ca.vertcat(*(e.constants for e in ends))
-        stage = point_functions(unknowns, constants, y, as_tapes=as_tapes)
-        return EndFunctions(stage, np.arange(stage.inputs))
+        read = read_by(y, unknowns)
+        return EndFunctions(point_functions(unknowns[read.tolist()], constants, y, as_tapes=as_tapes), read)
 
     known = functions_of(link, (as_tapes,), joined, make)
     added = rows.impose(link.phases[0], link.rows, np.array([1.0]))
-    columns = np.concatenate([*(end_columns(layout) for layout in joined), own])
-    return single(known.stage, columns, np.concatenate([fixed_values(layout) for layout in joined]), added[0])
+    columns = np.concatenate([*(end_columns(layout, inner=True) for layout in joined), own])
+    return single(
+        known.stage, columns[known.read], np.concatenate([fixed_values(layout) for layout in joined]), added[0]
+    )
 
 
 def single(stage: PointFunctions, columns: NDArray[np.int_], constants: Array, rows: NDArray[np.int_]) -> Block:

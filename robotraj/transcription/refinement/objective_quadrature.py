@@ -24,6 +24,7 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.problem.rows import phase_symbols
 from robotraj.transcription.driven_motion import PlannedInputs
 from robotraj.transcription.schemes.collocation import Collocation
+from robotraj.transcription.smoothness.alternation import alternation_cost
 from robotraj.transcription.smoothness.smoothing import smoothing_weights
 
 if TYPE_CHECKING:
@@ -84,6 +85,12 @@ def surplus(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]
 
 
 def smoothing_cost(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], smoothing: float) -> float:
+    """Return what ``transcription.smoothness`` adds to the sum at the nodes."""
+    alternating = alternation_cost(phase, trajectory, schemes, smoothing)
+    return squares_cost(phase, trajectory, schemes, smoothing) + alternating
+
+
+def squares_cost(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], smoothing: float) -> float:
     """Return what ``smoothness.smoothing`` adds to the sum at the nodes."""
     weights = smoothing_weights(phase, smoothing)
     if not any(each.any() for each in weights):

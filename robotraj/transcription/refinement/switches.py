@@ -6,6 +6,9 @@ With a knot at the jump it does not. Where the rate is constant, l_0 before time
 gives the time of the jump,
 
     t_0 + (a(t_1) - a(t_0) - l_1 (t_1 - t_0)) / (l_0 - l_1).
+
+Where both are the same, l, an arc at a limit m may be shorter than the intervals between. With D = t_1 - t_0, the arc
+lasts (a(t_1) - a(t_0) - l D) / (m - l), and the integral of a over D gives its middle.
 """
 
 from __future__ import annotations
@@ -29,6 +32,8 @@ FLAT, JUMP = 1e-3, 0.02
 """Largest change of a constant rate on an interval, and least jump, relative to the limit."""
 WIDEST = 2
 """Largest number of intervals on which a jump is spread."""
+SITES, SIMPSON = np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6.0
+"""Places in an interval, and the weights of Simpson's rule there."""
 AT_KNOT = 0.02
 """Distance from a knot, relative to the interval, below which a jump is at the knot."""
 
@@ -39,26 +44,37 @@ def switches(phase: Phase, trajectory: PhaseTrajectory) -> Array:
     for variables, curve in ((phase.dae.algebraic, trajectory.z), (phase.dae.controls, trajectory.u)):
         bounds = phase.rows.rates_of(variables)
         if bounds:
-            both = np.array([0.0, 1.0])
-            ends, rates = curve.inside(both), curve.derivative().inside(both)
+            values, rates = curve.inside(SITES), curve.derivative().inside(SITES[[0, -1]])
             for row, column in bounds:
-                found += _jumps(curve.breaks, ends[:, :, column], rates[:, :, column], row.greatest_bound)
+                found += _jumps(curve.breaks, values[:, :, column], rates[:, :, column], row.greatest_bound)
     breaks = trajectory.x.breaks
     return np.sort((np.array(found) - breaks[0]) / (breaks[-1] - breaks[0]))
 
 
-def _jumps(knots: Array, ends: Array, rates: Array, limit: float) -> Iterator[float]:
-    """Yield the times of the jumps of one rate inside intervals."""
+def _jumps(knots: Array, values: Array, rates: Array, limit: float) -> Iterator[float]:
+    """Yield the times of the jumps of one rate inside intervals.
+
+    ``values`` are those at ``SITES`` of every interval, ``rates`` those at its ends.
+    """
     flat = np.flatnonzero(np.abs(rates[:, 1] - rates[:, 0]) < FLAT * limit)
     levels = rates.mean(axis=1)
     for i, j in zip(flat[:-1], flat[1:], strict=True):
-        jump = levels[i] - levels[j]
-        if not 1 < j - i <= 1 + WIDEST or abs(jump) < JUMP * limit:
+        if not 1 < j - i <= 1 + WIDEST:
             continue
         length = knots[j] - knots[i + 1]
-        after = (ends[j, 0] - ends[i, 1] - levels[j] * length) / jump
-        if 0.0 <= after <= length:
-            yield float(knots[i + 1] + after)
+        jump, changed = levels[i] - levels[j], values[j, 0] - values[i, -1] - levels[j] * length
+        if abs(jump) >= JUMP * limit:
+            places = [changed / jump]
+        elif abs(changed) > AT_KNOT * limit * length:
+            between = slice(i + 1, j)
+            mean = np.diff(knots[i + 1 : j + 1]) @ (values[between] @ SIMPSON) / length
+            # An arc in the middle of the intervals changes the mean by half of what it changes the value.
+            after = length * (mean - values[i, -1] - 0.5 * levels[j] * length) / changed
+            half = 0.5 * abs(changed / (np.copysign(limit, changed) - levels[j]))
+            places = [length - after - half, length - after + half]
+        else:
+            continue
+        yield from (float(knots[i + 1] + place) for place in places if 0.0 <= place <= length)
 
 
 def with_knots_at(mesh: Mesh, fractions: Array) -> Mesh:

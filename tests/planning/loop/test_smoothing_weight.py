@@ -7,7 +7,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.loop.smoothing_weight import smoothing_weight
-from robotraj.transcription.refinement.objective_quadrature import smoothing_cost
+from robotraj.transcription.refinement.objective_quadrature import squares_cost
 
 FIRST, LAST = np.array([0, -1.2, 1.4, -1.5, -1.57, 0.0]), np.array([1.4, -0.8, 0.9, -1.2, -1.2, 0.5])
 
@@ -27,7 +27,7 @@ def test_at_the_limit_smoothing_is_its_share_of_the_duration():
     slow = planned(rt.constraints.FrameSpeed("tool0", linear=0.1))
     part = slow.phases[0]
     weight = smoothing_weight(5e-3, slow.phases)
-    cost = smoothing_cost(part.phase, part.trajectory, part.mesh.schemes, weight)
+    cost = squares_cost(part.phase, part.trajectory, part.mesh.schemes, weight)
     assert 0.9 * 5e-3 < cost / part.duration <= 5e-3 * (1 + 1e-9)
 
 

@@ -80,19 +80,22 @@ def end_accelerations(
         own: list[Constraint] = []
         if given is not None:
             own.append(EndAcceleration(given))
-        elif limits and isinstance(body, InverseRigidBody) and _can_rest(body):
-            robot = body.robot
-            speeds = slice(robot.nq, robot.nq + robot.nv)
-            if not (state.lower[speeds].any() or state.upper[speeds].any()):
-                own += _at_rest(limits, robot)
+        elif limits and isinstance(body, InverseRigidBody) and can_rest(body) and rests(body, state):
+            own += _at_rest(limits, body.robot)
         found += [AtStart(each) if where is Where.START else AtEnd(each) for each in own]
     return tuple(found)
 
 
-def _can_rest(body: InverseRigidBody) -> bool:
+def can_rest(body: InverseRigidBody) -> bool:
     """Whether motors alone hold a robot in any configuration."""
     robot = body.robot
     return robot.root == "fixed" and robot.nq == robot.nv == robot.nu and not body.contacts
+
+
+def rests(body: InverseRigidBody, state: Bounds) -> bool:
+    """Whether the bounds on the state at an end leave no speed."""
+    speeds = slice(body.robot.nq, body.robot.nq + body.robot.nv)
+    return not (state.lower[speeds].any() or state.upper[speeds].any())
 
 
 def _at_rest(limits: Sequence[RateLimit], robot: Robot) -> list[Constraint]:
