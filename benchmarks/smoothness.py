@@ -4,6 +4,9 @@ Ends are drawn within the limits, and one or two boxes or posts stand near the m
 frame. Each problem is planned by the default call and with ``smoothing=0``. Roughness is
 ``solution.proof.roughness``, the height of teeth of the torque that has most of them, relative to its limit. The table
 goes to ``smoothness.md``, and the torques of ur5 around a post to ``smoothness.png``.
+
+``python benchmarks/smoothness.py weights`` writes ``smoothness_weights.md``: roughness and time on a given mesh for
+several weights of what alternates.
 """
 
 from __future__ import annotations
@@ -18,6 +21,8 @@ import numpy as np
 import pinocchio as pin
 
 import robotraj as rt
+from robotraj.transcription.smoothness import alternation
+from robotraj.transcription.smoothness.roughness import roughness
 
 TABLE = Path(__file__).with_suffix(".md")
 ROBOTS = ("ur5", "panda", "ur10", "kinova", "xarm7")
@@ -26,6 +31,8 @@ WIDEST, ROOM = 2.5, 0.1
 """Joints move within this [rad], and leave this share of their range free at both ends."""
 NEAREST = 0.25
 """Least distance of an obstacle from the axis of the base [m]."""
+MESH, WEIGHTS = 60, (0.0, 1.0, 3.0, 20.0)
+"""Least number of intervals, and the weights of what alternates, of the table of weights."""
 LIMIT = 40.0
 """Processor time of a plan [s]."""
 
@@ -105,9 +112,7 @@ def picture(path: Path) -> None:
     """Draw the torques of ur5 around a post, before and after."""
     import matplotlib.pyplot as plt
 
-    post = rt.CollisionFree([rt.obstacles.Box((0.1, 0.1, 0.3), position=(0.52, 0.07, 0.47))], margin=0.01)
-    ends = (rt.State(q=[side, -1.8, 1.6, -1.2, -1.57, 0.0], v=0) for side in (-1.1, 1.1))
-    phase = rt.Phase(rt.load("ur5"), (0.2, 5.0), *ends, rt.Duration(), [post])
+    phase = around_post()
     figure, axes = plt.subplots(1, 2, figsize=(10, 3), sharey=True)
     for axis, smoothing in zip(axes, (0.0, None), strict=True):
         solution, _ = planned(phase, smoothing)
@@ -119,9 +124,40 @@ def picture(path: Path) -> None:
     figure.savefig(path, dpi=90)
 
 
+def around_post() -> rt.Phase:
+    """Return ur5 around a post."""
+    post = rt.CollisionFree([rt.obstacles.Box((0.1, 0.1, 0.3), position=(0.52, 0.07, 0.47))], margin=0.01)
+    ends = (rt.State(q=[side, -1.8, 1.6, -1.2, -1.57, 0.0], v=0) for side in (-1.1, 1.1))
+    return rt.Phase(rt.load("ur5"), (0.2, 5.0), *ends, rt.Duration(), [post])
+
+
+def weights() -> None:
+    """Write the table of weights of what alternates."""
+    problem = {"ur5, post": around_post(), "xarm7": next(problems("xarm7", 7)), "panda": next(problems("panda", 7))}
+    lines = ["| motion | weight | roughness [%] | longer than without smoothing |", "|---|---|---|---|"]
+    for name, phase in problem.items():
+        guess = rt.plan(phase, check=False, progress=False, smoothing=0.0, time_limit=LIMIT)
+        mesh = rt.Mesh(max(MESH, guess.phases[0].mesh.count))
+        least = np.nan
+        for weight in (None, *WEIGHTS):
+            alternation.ALTERNATING = weight or 0.0
+            smoothing = 0.0 if weight is None else 5e-3
+            found = rt.plan(phase, mesh=mesh, guess=guess, smoothing=smoothing, check=False, progress=False)
+            part = found.phases[0]
+            rough = roughness(part.phase, part.trajectory, part.inputs).max()
+            least = found.duration if weight is None else least
+            shown = "no smoothing" if weight is None else f"{weight:g}"
+            lines.append(f"| {name} | {shown} | {100 * rough:.2f} | {found.duration / least - 1:.0e} |")
+    title = "Roughness and time on a given mesh, by `python benchmarks/smoothness.py weights`"
+    TABLE.with_name("smoothness_weights.md").write_text("\n".join([f"{title}.", "", *lines, ""]))
+
+
 def main() -> None:
     """Write the table and the picture."""
     warnings.simplefilter("ignore")
+    if sys.argv[1:] == ["weights"]:
+        weights()
+        return
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 8
     head = "robot | plans | roughness without smoothing, median and largest [%] | with it | above 2 %, both "
     head += "| longer by, median and largest | processor time, both, median [s]"

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 ALTERNATING = 3.0
 """Weight of squares of alternating torques relative to that of squares of torques.
 
-Less leaves teeth, more delays the switches of torques on coarse meshes: see ``benchmarks/smoothness.md``."""
+Less leaves teeth, more delays the switches of torques on coarse meshes: see ``benchmarks/smoothness_weights.md``."""
 LEAST_NODES = 3
 """Nodes from which values can alternate inside an interval."""
 
