@@ -80,7 +80,7 @@ def require_solution(value: object, what: str) -> None:
 
 
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:
-    """Build the error for a name that does not exist, with the nearest valid names first.
+    """Build the error for a name that does not exist, with the names of like spelling or meaning first.
 
     Parameters
     ----------
@@ -93,18 +93,32 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     advice : str
         A closing sentence with the remedy.
     """
-    from difflib import get_close_matches
+    from robotraj._util.names.near_words import near_names
 
     names = list(valid)
-    # Names that differ in capitals or carry one more word are near.
-    plain: dict[str, list[str]] = {}
-    for each in names:
-        plain.setdefault(each.lower(), []).append(each)
-    near = [each for key in get_close_matches(str(name).lower(), plain, n=3, cutoff=0.5) for each in plain[key]]
+    near = near_names(str(name), names)
     shown = ", ".join(names[:30]) + (f", ... ({len(names)} in all)" if len(names) > 30 else "")
     guess = f" Did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
     end = f" {advice}" if advice else ""
     return UnknownName(f"There is no {kind} named {name!r}.{guess} Valid names: {shown or 'none'}.{end}")
+
+
+def no_attribute(value: object, name: str, advice: str = "") -> NoSuchValue:
+    """Build the error for an attribute that a value does not have, with names of like spelling or meaning.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+    advice : str
+        A closing sentence with the remedy.
+    """
+    from robotraj._util.names.near_words import near_names
+
+    # A value has many attributes, of which some are faintly like any name.
+    near = near_names(name, (each for each in dir(value) if not each.startswith("_")), 0.75)
+    guess = f" Did you mean {' or '.join(map(repr, near))}?" if near else ""
+    return NoSuchValue(f"{type(value).__name__!r} object has no attribute {name!r}.{guess}{advice and ' '}{advice}")
 
 
 def called(what: str, function: Callable[..., Result], *arguments: object) -> Result:

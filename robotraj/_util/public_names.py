@@ -10,7 +10,8 @@ from types import FunctionType, ModuleType
 
 import lazy_loader
 
-from robotraj._util.keywords import guard, guarded
+from robotraj._util.errors import NoSuchValue, unknown_name
+from robotraj._util.names.keywords import guard, guarded
 from robotraj._util.system.forks import unforked
 
 _guarded: dict[FunctionType, object] = {}
@@ -30,7 +31,13 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
 
     def attribute(name: str) -> object:
         with unforked():
-            found: object = imported(name)
+            try:
+                found: object = imported(name)
+            except AttributeError:
+                # Python and its tools ask for names with underscores to learn what a module supports.
+                if name.startswith("_"):
+                    raise
+                raise NoSuchValue(str(unknown_name(f"name in {package}", name, names))) from None
         if isinstance(found, type):
             guard(found)
         elif isinstance(found, FunctionType):

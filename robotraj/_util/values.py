@@ -127,7 +127,11 @@ def _freezing(cls: type, names: frozenset[str]) -> dict[str, Callable[..., None]
 
     def __setattr__(self: object, name: str, value: object) -> None:
         if type(self) is cls or name in names:
-            raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+            copy = "value.with_" if hasattr(cls, "with_") else "dataclasses.replace"
+            call = f"{copy}({'' if hasattr(cls, 'with_') else 'value, '}{name}=...)"
+            raise dataclasses.FrozenInstanceError(
+                f"cannot assign to field {name!r} of {cls.__name__}: values do not change. {call} makes a changed copy."
+            )
         object.__setattr__(self, name, value)
 
     def __delattr__(self: object, name: str) -> None:

@@ -20,7 +20,7 @@ from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.inertia import weightless_joints, weightless_together
-from robotraj.robot.loading.other_units import OTHER_UNITS, in_other_unit, other_unit_note, seems_other
+from robotraj.robot.loading.other_units import doubt_of_unit, in_other_unit, other_unit_note, seems_other
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 
@@ -206,22 +206,12 @@ def _check_against_limits(table: RowTable, end: Where, bounds: Bounds, rows: Map
             slack = SLACK * max(1.0, abs(row.lower) if np.isfinite(row.lower) else 1.0)
             if low > row.upper + slack or high < row.lower - slack:
                 value = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
+                doubt = doubt_of_unit(low, row.lower, row.upper, row.unit) if low == high else ""
                 raise InputError(
                     f"Phase {table.phase!r}: the {end.value} {variable.quantity} of {variable.label!r} is "
                     f"{_with(value, variable.unit)}, outside its {row.name} {_range(row)}. "
-                    f"Move the {end.value}, or give other limits.{_other_unit(low, high, row)}"
+                    f"Move the {end.value}, or give other limits.{doubt}"
                 )
-
-
-def _other_unit(low: float, high: float, row: Row) -> str:
-    """Return a sentence on the unit of a fixed value that is within its limits in degrees or millimetres."""
-    base = row.unit.partition("/")[0]
-    if low != high or base not in OTHER_UNITS:
-        return ""
-    _, factor, least = OTHER_UNITS[base]
-    if abs(low) < least or not row.lower <= factor * low <= row.upper:
-        return ""
-    return f" {in_other_unit(low, row.unit)}"
 
 
 def _warn_of_order(table: RowTable, end: Where, bounds: Bounds) -> None:
@@ -265,5 +255,13 @@ def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:
             value = _with(f"{row.shown(number):.6g}", row.shown_unit)
             raise InputError(
                 f"Phase {table.phase!r}: at the {end.value}, {row.label} is {value}, outside {_range(row)}. "
-                f"Move the {end.value}, or relax the constraint."
+                f"Move the {end.value}, or relax the constraint.{_at_one_end(row.where, end)}"
             )
+
+
+def _at_one_end(where: Where, violated: Where) -> str:
+    """Name the class that imposes a constraint at the other end alone, where it is violated at this one."""
+    if where is not Where.THROUGHOUT:
+        return ""
+    other, name = (Where.END, "AtEnd") if violated is Where.START else (Where.START, "AtStart")
+    return f" It holds throughout; rt.{name}(...) imposes it at the {other.value} alone."

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.feasibility import Ends
@@ -21,6 +21,8 @@ from robotraj.robot.robot import Robot
 
 ROUNDING = 1e-9
 """Relative excess over a bound that counts as round-off."""
+MILLI = 1e-3
+"""Milliseconds in place of seconds: a duration that the speed limits allow in this unit too."""
 GREATEST = 1e9
 """Largest acceleration [rad/s^2, m/s^2] that a message names as sufficient."""
 
@@ -60,8 +62,8 @@ class _Travel:
         return high
 
 
-def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, ends: Ends) -> None:
-    """Refuse a joint that must travel faster than its limits allow in the longest duration [s].
+def check_durations(phase: str, robot: Robot, limits: Limits, durations: tuple[float, float], ends: Ends) -> None:
+    """Refuse a joint that must travel faster than its limits allow in the longest of both durations [s].
 
     Speeds limit every joint with fixed or bounded ends; accelerations those whose positions and speeds are fixed.
 
@@ -70,7 +72,14 @@ def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, en
     InputError
         A joint cannot travel the distance in time, or cannot brake inside its position limits. The message names the
         joint, the distance, and the duration or acceleration that suffices.
+
+    Warns
+    -----
+    UserWarning
+        The shortest duration is plausible in milliseconds only.
     """
+    shortest, longest = durations
+    least = 0.0
     start, end = ends[Where.START], ends[Where.END]
     positions, accelerations = robot.position_names, limits.largest("acceleration")
     for i, joint in enumerate(robot.velocity_names):
@@ -88,6 +97,8 @@ def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, en
                 f"{speed:.4g} {unit}/s allows {speed * longest:.4g} {unit} in {longest:.4g} s. "
                 f"Allow at least {gap / speed:.4g} s, or a velocity of at least {gap / longest:.4g} {unit}/s."
             )
+        if np.isfinite(gap) and speed > 0.0:
+            least = max(least, gap / speed)
         if not np.isfinite(acceleration):
             continue
         low, high = limits.positions
@@ -101,6 +112,11 @@ def check_durations(phase: str, robot: Robot, limits: Limits, longest: float, en
             first, last = float(start.lower[at]), float(end.lower[at])
             speeds = float(start.lower[rate]), float(end.lower[rate])
             _check_travel(phase, _Travel(joint, unit, first, last, *speeds, speed, acceleration), longest)
+    if 0.0 < least <= MILLI * shortest:
+        warn(
+            f"Phase {phase!r}: it takes at least {shortest:g} s, {shortest / least:.3g} times as long as its speed "
+            f"limits need. The unit is s: {shortest:g} ms are {MILLI * shortest:g} s."
+        )
 
 
 def _check_travel(phase: str, travel: _Travel, longest: float) -> None:

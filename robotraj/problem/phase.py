@@ -141,7 +141,7 @@ class Phase(OneLine):
         """Raise an InputError if rows, ends, contacts and duration contradict each other."""
         if isinstance(self.limits, Limits) and self.robot is not None:
             check_limits(self.name, self.limits, self.robot)
-        known, (_, longest) = self.parameter_bounds, self.duration_bounds
+        known, durations = self.parameter_bounds, self.duration_bounds
         if self.system is not None:
             check_equations(self.rows, self.system)
         check_rows(self.rows, self._ends, self.constraints)
@@ -159,9 +159,9 @@ class Phase(OneLine):
                 check_path(self.name, self.constraints, self.robot, self.path.curve)
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body, ends)
-            check_contacts(self.rows, self.robot, self.bound_contacts, known, ends, self.duration_bounds)
+            check_contacts(self.rows, self.robot, self.bound_contacts, known, ends, durations)
         if isinstance(self.limits, Limits):
-            check_durations(self.name, self.robot, self.limits, longest, ends)
+            check_durations(self.name, self.robot, self.limits, durations, ends)
 
     @property
     def robot(self) -> Robot | None:

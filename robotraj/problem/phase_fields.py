@@ -6,13 +6,14 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypedDict, TypeVar
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Constraint
-from robotraj.problem.objectives.base import Objective
+from robotraj.problem.objectives.base import Integral, Objective
+from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 
@@ -54,6 +55,11 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
     ------
     InputError
         The subject is neither a robot nor a System, an end is no State, or the objective is no objective.
+
+    Warns
+    -----
+    UserWarning
+        An integral such as the effort has a negative weight.
     """
     if not isinstance(subject, Robot | System):
         raise InputError(f"A phase moves a robot of rt.load(...) or an rt.System; got {type(subject).__name__}.")
@@ -71,6 +77,11 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
         raise InputError(
             f"The objective of phase {phase!r} must be an objective such as rt.Effort(); got {objective!r}.{advice}"
         )
+    for weight, term in objective.terms if objective is not None else ():
+        if weight < 0.0 and isinstance(term, Integral) and not isinstance(term, Lagrange):
+            warn(
+                f"Phase {phase!r}: the weight {weight:g} of {term} is negative, so the motion with the most is sought."
+            )
 
 
 def as_mapping(phase: str, which: str, given: object) -> object:

@@ -51,7 +51,7 @@ def groups_of(robot: Robot | None, cycles: GaitCycles, labels: Sequence[str]) ->
     names = _names([[str(robot.model.names[joint]) for joint in chain] for chain in chains])
     found: list[Group] = [{"name": n, "root": False, "labels": m} for n, m in zip(names, members, strict=True) if m]
     if rest:
-        found.append({"name": "others", "root": False, "labels": rest})
+        found.append({"name": "no joint", "root": False, "labels": rest})
     if own:
         found.append({"name": "root", "root": True, "labels": own})
     return found

@@ -253,4 +253,6 @@ def _heading(cycles: Sequence[GaitCycles], judged: Verdict, labels: Sequence[str
     facts.append(("Iterations", str(solution.iterations)))
     # The first limit that must give is the largest one.
     facts += [("In conflict", solution.in_phase(conflict)) for conflict in solution.conflicts[:1]]
-    return Heading(title or _name(first), shown, judged.text, judged.colour, tuple(facts))
+    heading = title or _name(first)
+    subtitle = "" if shown.lower() == heading.lower() else shown
+    return Heading(heading, subtitle, judged.text, judged.colour, tuple(facts))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError, NoSuchValue
+from robotraj._util.errors import InputError, NoSuchValue, no_attribute
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
@@ -80,8 +80,11 @@ class Sample(OneLine, Generic[Value]):
     else:
 
         def __getattr__(self, name: str) -> object:
-            if name not in JOINTS or "x" not in vars(self):
+            # Python and its tools ask for names with underscores to learn what a value supports.
+            if name.startswith("_") or "x" not in vars(self):
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            if name not in JOINTS:
+                raise no_attribute(self, name)
             kinds = (("x", self.x), ("u", self.u))
             lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)
             raise NoSuchValue(

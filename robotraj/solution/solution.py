@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.checks import is_whole
 from robotraj._util.display import drawn
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, no_attribute
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief
 from robotraj._util.values import dataclass
@@ -118,8 +118,11 @@ class Solution(OneLine):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> object:
-            advice = f" Read values at times: solution.at(t).{name}." if name in (*JOINTS, "x", "u") else ""
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}.{advice}")
+            # Python and its tools ask for names with underscores to learn what a value supports.
+            if name.startswith("_"):
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            advice = f"Read values at times: solution.at(t).{name}." if name in (*JOINTS, "x", "u") else ""
+            raise no_attribute(self, name, advice)
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle and copy the solution without its program; feedback gains that were read from a file are kept."""

@@ -15,7 +15,7 @@ LARGEST = 2**31 - 1
 def above_zero(name: str, value: object, unit: str = "") -> None:
     """Raise an InputError unless ``value`` is a real number above 0; ``name`` as in ``"Ipopt(tolerance)"``."""
     if not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool) or not value > 0:
-        raise InputError(f"{name} must be above 0{unit and ' '}{unit}, got {value!r}.")
+        raise InputError(f"{name} must be a number above 0{unit and ' '}{unit}, got {value!r}.")
 
 
 def counted(name: str, value: object) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import robotraj as rt
 from robotraj._util.values import dataclass, own
 
 KINDS = {"standard": dataclasses.dataclass, "shared": dataclass}
@@ -210,3 +211,13 @@ def test_own_copies_share_no_array_list_or_dict() -> None:
     assert kept["b"] == "text" and kept["c"] is abs
     with pytest.raises(ValueError, match="read-only"):
         kept["a"][0][0] = 3.0
+
+
+def test_a_refused_change_names_what_makes_a_changed_copy() -> None:
+    robot = rt.load("pendulum")
+    with pytest.raises(dataclasses.FrozenInstanceError, match=r"'velocity' of Limits.*value\.with_\(velocity=\.\.\.\)"):
+        robot.limits.velocity = 1.0
+    with pytest.raises(dataclasses.FrozenInstanceError, match=r"'duration' of Phase.*value\.with_\(duration=\.\.\.\)"):
+        rt.Phase(robot, 1.0).duration = 2.0
+    with pytest.raises(dataclasses.FrozenInstanceError, match=r"dataclasses\.replace\(value, q=\.\.\.\)"):
+        rt.State(q=0).q = 1.0

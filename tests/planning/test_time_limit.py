@@ -179,7 +179,7 @@ def test_the_clock_is_read_at_every_iteration() -> None:
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, "60"])
 def test_a_limit_must_be_seconds_above_zero(limit: object) -> None:
-    with pytest.raises(rt.InputError, match="time_limit must be above 0 s"):
+    with pytest.raises(rt.InputError, match="time_limit must be a number above 0 s"):
         rt.plan(cartpole(), time_limit=limit)  # type: ignore[arg-type]
 
 

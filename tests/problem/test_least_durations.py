@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -48,3 +50,14 @@ def test_a_speed_that_no_joint_can_lose_is_refused() -> None:
     with pytest.raises(rt.InputError, match="'shoulder' is 0.1 rad from its position limit of 0.1 rad .* 20 rad/s"):
         arm(5.0, 0.05, speed=2.0, **limits)
     assert arm(5.0, 0.05, speed=0.9, **limits)
+
+
+def test_a_fixed_duration_that_seems_to_be_in_milliseconds_is_doubted() -> None:
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, 0], v=0)
+    slow = rt.load("cartpole").limits.with_(velocity=2.0)
+    with pytest.warns(UserWarning, match="The unit is s: 2000 ms are 2 s"):
+        rt.Phase(rt.load("cartpole"), 2000.0, *ends, limits=slow)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for duration in (2.0, (0.1, 2000.0)):  # an upper bound is no duration
+            rt.Phase(rt.load("cartpole"), duration, *ends, limits=slow)

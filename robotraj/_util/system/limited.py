@@ -24,7 +24,8 @@ from robotraj._util.system.own_python import command
 MEMORY = 640 * 2**20
 """Memory that one answer may allocate [bytes]."""
 PAUSE = 10.0
-"""Wall-clock time over the processor's, after which an answer that waits for something is stopped."""
+"""Wall-clock time over the processor's, after which an answer that waits for something is stopped; longer by the number
+of processes that share a processor, since a busy machine lets a process wait for its turn."""
 _LENGTH = struct.Struct("!?Q")
 
 
@@ -130,7 +131,7 @@ def serve(answer: Callable[[bytes], bytes]) -> None:
         (seconds,) = struct.unpack("!d", head)
         _, question = _receive(questions)
         signal.setitimer(signal.ITIMER_PROF, seconds)
-        signal.setitimer(signal.ITIMER_REAL, seconds + PAUSE)
+        signal.setitimer(signal.ITIMER_REAL, (seconds + PAUSE) * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1)))
         try:
             found, text = True, answer(question)
         except MemoryError:

@@ -7,10 +7,15 @@ from __future__ import annotations
 
 import os
 import stat
+from difflib import get_close_matches
+from itertools import islice
+from pathlib import Path
 
 from robotraj._util.errors import InputError
 
 _FLAGS = os.O_RDONLY | os.O_CLOEXEC | os.O_NOCTTY | os.O_NONBLOCK
+_MOST_NAMES = 10_000
+"""Largest number of names in a folder that are compared."""
 
 
 def contents(path: str | os.PathLike[str], most: int, what: str = "The file") -> bytes:
@@ -40,5 +45,20 @@ def contents(path: str | os.PathLike[str], most: int, what: str = "The file") ->
             return file.read(found.st_size)
     except InputError:
         raise
+    except FileNotFoundError as error:
+        raise InputError(f"{named} does not exist.{near_files(path)}") from error
     except (OSError, ValueError) as error:  # a ValueError is a path with a null character
         raise InputError(f"{named} cannot be read: {getattr(error, 'strerror', None) or error}.") from error
+
+
+def near_files(path: str | os.PathLike[str]) -> str:
+    """Return a sentence, after a space, on where a file that does not exist may be; empty without a near name."""
+    missing = Path(path)
+    try:
+        if not missing.parent.is_dir():
+            return f" Neither does the folder {str(missing.parent)!r}."
+        names = [each.name for each in islice(missing.parent.iterdir(), _MOST_NAMES)]
+    except (OSError, ValueError):
+        return ""
+    near = get_close_matches(missing.name, names, n=2)
+    return f" Did you mean {' or '.join(map(repr, near))}?" if near else ""

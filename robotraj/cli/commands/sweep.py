@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from robotraj._util.errors import InputError
+from robotraj._util.system.regular_files import near_files
 from robotraj.cli.terminal import say
 
 StudyArgument = Annotated[Path, typer.Argument(help="Python file with make(case), cases and, if wanted, options.")]
@@ -30,7 +31,9 @@ def sweep_study(
     from robotraj.planning.many.sweep import sweep
 
     if not file.is_file():
-        raise InputError(f"There is no file {str(file)!r}; give a Python file with make(case) and cases.")
+        raise InputError(
+            f"There is no file {str(file)!r}; give a Python file with make(case) and cases.{near_files(file)}"
+        )
     known = runpy.run_path(str(file))
     for name in ("make", "cases"):
         if name not in known:

@@ -50,7 +50,9 @@ class ConvexMesh(Obstacle):
         try:
             points = np.array(self.vertices, dtype=float)
         except (TypeError, ValueError):
-            raise InputError(f"{self.label}: vertices are no numbers; give (n, 3) in metres.") from None
+            raise InputError(
+                f"{self.label}: vertices are no numbers; give (n, 3) in metres. ConvexMesh.from_file reads a file."
+            ) from None
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
             raise InputError(f"{self.label}: vertices have shape {points.shape}; give finite numbers (n, 3) in metres.")
         kept = points[_hull(points, self.label)]

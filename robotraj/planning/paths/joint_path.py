@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -12,6 +12,7 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.splines import through
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.robot.limits import Limits
+from robotraj.robot.loading.other_units import doubt_of_unit
 from robotraj.robot.robot import Robot
 from robotraj.solution.solution import Solution
 
@@ -71,7 +72,12 @@ def as_path(path: JointPath, parameters: ArrayLike | None = None) -> PiecewisePo
 def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
     """Return configurations without jumps by nearly a turn, which files have whose angles are wrapped to [-pi, pi].
 
-    Only joints without position limits are unwrapped; another shape is returned as it is.
+    Only joints without position limits are unwrapped.
+
+    Raises
+    ------
+    InputError
+        The configurations have another number of joints than the robot.
 
     Warns
     -----
@@ -79,8 +85,13 @@ def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
         A joint was unwrapped. The message names it and the configuration.
     """
     found = np.array(points, dtype=float)
-    if found.ndim != 2 or found.shape[1] != robot.nq or robot.nq != robot.nv:
+    if found.ndim != 2 or robot.nq != robot.nv:
         return points
+    if found.shape[1] != robot.nq:
+        raise InputError(
+            f"A path of {robot.name!r} is an array (m, {robot.nq}), a column for each of "
+            f"{', '.join(robot.position_names)}; got shape {found.shape}."
+        )
     low, high = limits.positions
     jumped = []
     for i, name in enumerate(robot.position_names):
@@ -93,8 +104,11 @@ def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
     return found
 
 
-def check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
-    """Raise an InputError that names the joint and the parameter s at which a path exceeds a limit of position."""
+def check_positions(path: PiecewisePolynomial, limits: Limits, units: Sequence[str]) -> None:
+    """Raise an InputError that names the joint and the parameter s at which a path exceeds a limit of position.
+
+    ``units`` has "rad" or "m" of each joint.
+    """
     q = path.inside(PLACES)
     if q.shape[-1] != len(limits.joints):
         raise InputError(f"The path has {q.shape[-1]} joints, but the robot {len(limits.joints)}.")
@@ -103,9 +117,10 @@ def check_positions(path: PiecewisePolynomial, limits: Limits) -> None:
     if beyond[piece, place, joint] > ROUNDING:
         s = path.breaks[piece] + PLACES[place] * (path.breaks[piece + 1] - path.breaks[piece])
         low, high = (float(side[joint]) for side in limits.positions)
+        doubt = doubt_of_unit(float(q[piece, place, joint]), low, high, units[int(joint)])
         raise InputError(
             f"The path has {limits.joints[joint]!r} at {q[piece, place, joint]:.6g} at s = {s:.4g}, outside its "
-            f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=."
+            f"position limit [{low:g}, {high:g}]. Move the path, or give other limits=.{doubt}"
         )
 
 

@@ -116,7 +116,7 @@ def retime(
     if isinstance(path, list | tuple | np.ndarray):
         path = unwrapped(path, robot, given)
     joints = as_path(path, parameters)
-    check_positions(joints, given)
+    check_positions(joints, given, robot.units)
     if deviation is None:
         limited = jerk is not None or torque_rate is not None or bool(np.isfinite(given.jerk).any())
         abrupt = isinstance(path, Solution) and limited

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -28,13 +28,11 @@ from robotraj.planning.problem_files.parameters import (
 )
 from robotraj.problem.constraints.bounds import between
 from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.problem.objectives.base import Objective
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import fits, mismatch
 from robotraj.solution.storage.load import load_solution
-
-if TYPE_CHECKING:
-    from robotraj.problem.objectives.base import Objective
 
 NONE = "none"
 """Text of Python's None, which TOML lacks."""
@@ -93,10 +91,12 @@ class Reader:
             raise Misplaced(place, f"{name} is a table of its parameters; got {data!r}.")
         for key in data:
             if key not in known and key != "type":
-                raise Misplaced((*place, key), str(unknown_name(f"key of {name}", key, known)))
+                weighted = isinstance(maker, type) and issubclass(maker, Objective)
+                names = [*known, *(["weight"] if weighted else [])]
+                raise Misplaced((*place, key), str(unknown_name(f"key of {name}", key, names)))
         missing = [key for key, each in known.items() if each.required and key not in data]
         if missing:
-            raise Misplaced(place, f"{name} lacks {', '.join(repr(key) for key in missing)}.")
+            raise Misplaced(place, f"{name} lacks {', '.join(map(repr, missing))}; its keys are {', '.join(known)}.")
         return {key: self._argument(known[key], entry, (*place, key)) for key, entry in data.items() if key != "type"}
 
     def _argument(self, parameter: Parameter, data: Data, place: Place) -> object:

@@ -21,6 +21,9 @@ else:
     import tomli as tomllib
 
 _PLACE = re.compile(r" \(at line (\d+), column \d+\)")
+_REPEATED = "A key is stated twice"
+_WIDEST = 80
+"""Characters of a line that a message shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,9 @@ def read_toml(path: str | os.PathLike[str], what: str) -> TomlFile:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits are ValueErrors
         found = _PLACE.search(str(error))
-        at = f", line {found[1]}" if found else ""
-        raise InputError(f"{source.name}{at}: this is no TOML: {_PLACE.sub('', str(error))}.") from error
+        at, line = (f", line {found[1]}", text.splitlines()[int(found[1]) - 1 :][:1]) if found else ("", [])
+        shown = f" in {line[0].strip()[:_WIDEST]!r}" if line else ""
+        reason = _REPEATED if "overwrite" in str(error) else _PLACE.sub("", str(error))
+        raise InputError(f"{source.name}{at}: this is no TOML: {reason}{shown}.") from error
     check_bounds(data, source.name)
     return TomlFile(source, text, data)

@@ -103,7 +103,7 @@ class Program(Problem):
         parts = _parts(robot, robot.configuration(start, "start of rt.Program"), moves, robot.frame(tool), tool, given)
         phases = []
         for path in (each for run in _runs(parts) for each in _paths(run)):
-            check_positions(path.curve, given)
+            check_positions(path.curve, given, robot.units)
             phases.append(
                 Phase(
                     robot,

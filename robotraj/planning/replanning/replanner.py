@@ -99,7 +99,7 @@ class Replanner:
         ahead: int = 2,
     ) -> None:
         if deadline is not None and not deadline > 0.0:
-            raise InputError(f"Replanner(deadline) must be above 0 s, got {deadline!r}.")
+            raise InputError(f"Replanner(deadline) must be a number above 0 s, got {deadline!r}.")
         if solver is not None and not isinstance(solver, InteriorPoint):
             raise InputError(f"Replanner(solver) must be an rt.InteriorPoint, got {solver!r}.")
         self._deadline = Deadline(deadline)

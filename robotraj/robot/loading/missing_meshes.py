@@ -50,7 +50,8 @@ def missing_meshes(root: Element, urdf: Path, package_dirs: Sequence[str | os.Pa
         cure = (
             f"They lie outside the URDF's package: rt.load(..., package_dirs={paths}) or trust_paths=True reads them."
         )
-    return f"{missing.total()} of {len(addresses)} mesh files are not read: {listed}{more}. {cure}"
+    first = next(iter(bases.values()))
+    return f"{missing.total()} of {len(addresses)} mesh files are not read: {listed}{more}, the first {first!r}. {cure}"
 
 
 def _folder(address: str) -> str:

@@ -29,6 +29,25 @@ def in_other_unit(given: float, unit: str) -> str:
     return f"The unit is {unit}: {given:g} {'/'.join((name, *rest))} are {factor * given:.6g} {unit}."
 
 
+def doubt_of_unit(value: float, lower: float, upper: float, unit: str) -> str:
+    """Return a sentence, after a space, on a value outside its limits that is within them in degrees or millimetres.
+
+    Examples
+    --------
+    >>> doubt_of_unit(90.0, -3.0, 3.0, "rad")
+    ' The unit is rad: 90 degrees are 1.5708 rad.'
+    >>> doubt_of_unit(3.5, -3.0, 3.0, "rad")
+    ''
+    """
+    base = unit.partition("/")[0]
+    if base not in OTHER_UNITS:
+        return ""
+    _, factor, least = OTHER_UNITS[base]
+    if abs(value) < least or not lower <= factor * value <= upper:
+        return ""
+    return f" {in_other_unit(value, unit)}"
+
+
 def other_unit_note(own: Limits, given: Limits, units: Sequence[str]) -> str:
     """Name the first position or velocity limit that is plausible in degrees or millimetres only.
 

@@ -95,6 +95,8 @@ def describe(
         return Description(source.name or "robot", uncoupled(source), NoGeometry(), "a pin.Model", mimics_of(source))
     if isinstance(getattr(source, "model", None), pin.Model) and hasattr(source, "visual_model"):
         return _wrapper(source)
+    if isinstance(source, str) and "://" in source:
+        raise InputError(f"rt.load reads a file of this machine; {source!r} is an address. Give the path of the file.")
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
         path = Path(source).expanduser()
         if is_mjcf(path):
@@ -121,7 +123,8 @@ def _folders(package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[s
 
 
 def _is_path(text: str) -> bool:
-    return "/" in text or os.sep in text or text.lower().endswith((".urdf", ".xml", ".xacro", ".sdf", ".mjcf"))
+    """Whether a text is a path rather than a name: names of robots have neither folders nor suffixes."""
+    return "/" in text or os.sep in text or bool(os.path.splitext(text)[1])
 
 
 def _wrapper(wrapper: pin.RobotWrapper) -> Description:

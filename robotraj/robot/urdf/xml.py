@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
-from robotraj._util.system.regular_files import contents
+from robotraj._util.system.regular_files import contents, near_files
 from robotraj.robot.macros.expansion import expanded
 from robotraj.robot.urdf.lenient import parsed, without_definitions
 
@@ -53,7 +53,7 @@ def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust
         attributes. Macros cannot be expanded.
     """
     if not path.is_file():
-        raise InputError(f"There is no {kind} file {str(path)!r}; give the path of an existing file.")
+        raise InputError(f"There is no {kind} file {str(path)!r}.{near_files(path) or ' Give the path of a file.'}")
     data = contents(path, MAX_BYTES, f"The {kind} file")
     root = _parsed(data, path)
     if without_definitions(root):

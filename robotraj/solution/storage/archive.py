@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError, warn
 from robotraj._util.paths import output_path
 from robotraj._util.printing import OneLine
+from robotraj._util.system.regular_files import near_files
 from robotraj._util.system.whole_files import WholeFile
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
@@ -43,6 +44,14 @@ WORD = 60
 """Characters of a word of a file that an error message repeats."""
 
 ADVICE = "give the path of a file that solution.save(path) wrote."
+OTHERS = dict.fromkeys((".npy", ".pkl", ".pickle", ".mat", ".h5", ".hdf5"), "Let the name end in .npz.") | {
+    ".csv": "solution.to_csv writes tables.",
+    ".json": "solution.to_json writes JSON.",
+    ".html": "rt.replay writes pages.",
+    ".yaml": "solution.to_controller writes the files of controllers.",
+    ".mcap": "solution.to_controller writes the files of controllers.",
+}
+"""Suffixes of other formats, each with what writes it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +91,8 @@ def write(path: str | os.PathLike[str], contents: Contents) -> Path:
         The directory does not exist, or the path is one.
     """
     named = Path(path)
+    if named.suffix.lower() in OTHERS:
+        raise InputError(f"solution.save writes an .npz file; got {str(path)!r}. {OTHERS[named.suffix.lower()]}")
     whole = named.suffix == ".npz" or named.is_dir()
     target = output_path(named if whole else named.with_name(f"{named.name}.npz"), (), "the saved solution")
     packer = Packer()
@@ -218,7 +229,7 @@ def _existing(source: Path) -> Path:
     for candidate in (source, source.with_name(source.name + ".npz")):
         if candidate.is_file():
             return candidate
-    raise InputError(f"There is no file {str(source)!r}; {ADVICE}")
+    raise InputError(f"There is no file {str(source)!r}; {ADVICE}{near_files(source)}")
 
 
 def _arrays(source: Path) -> tuple[dict[str, NDArray[np.generic]], Mapping[str, Json]]:

@@ -121,7 +121,7 @@ def test_a_file_without_a_robot_or_a_motion_says_what_is_missing(tmp_path: Path)
 
 def test_a_time_limit_of_no_time_is_found_in_its_line(tmp_path: Path) -> None:
     found = message_of(UR5.replace("[plan]", "[plan]\ntime_limit = -5"), tmp_path)
-    assert "plan.time_limit: time_limit must be above 0 s" in found
+    assert "plan.time_limit: time_limit must be a number above 0 s" in found
 
 
 def test_a_file_of_another_encoding_is_reported_with_its_line(tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_a_file_of_another_encoding_is_reported_with_its_line(tmp_path: Path) ->
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(rt.InputError, match="cannot be read"):
+    with pytest.raises(rt.InputError, match=r"none\.toml' does not exist"):
         rt.load_problem(tmp_path / "none.toml")
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from inspect import Parameter, isfunction, signature
+from traceback import walk_tb
 from typing import Any
 
 from robotraj._util.errors import InputError, unknown_name
@@ -35,6 +37,9 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
                 signature(function).bind(*arguments, **keywords)
             except TypeError as misfit:
                 raise _refusal(function, keywords, misfit, package) from None
+            inner = _passed_on(error, keywords)
+            if inner is not None:
+                raise _refusal(function, keywords, error, package, inner) from None
             raise error
         if type(found) not in _returned:
             _guard_value(found)
@@ -72,17 +77,42 @@ def _is_ours(cls: type) -> bool:
     return cls.__module__.partition(".")[0] == __name__.partition(".")[0]
 
 
+_UNEXPECTED = re.compile(r"(\w+)\(\) got an unexpected keyword argument '(\w+)'")
 _known: set[type] = set()
 _returned: set[type] = set()
 """Classes of values that a call returned; those of their fields are guarded too."""
 
 
-def _refusal(function: Callable[..., Any], given: dict[str, object], error: TypeError, package: str) -> WrongArguments:
-    """Return the error of a call that does not fit: near names of a wrong keyword, or what is missing or too many."""
+def _passed_on(error: TypeError, given: dict[str, object]) -> Callable[..., Any] | None:
+    """Return the function that refused a keyword which a function with ``**options`` passed on; None for other errors.
+
+    Python's message names the function, which is a global of its caller's frame.
+    """
+    found = _UNEXPECTED.match(str(error))
+    if found is None or found[2] not in given:
+        return None
+    known = [frame.f_globals.get(found[1]) for frame, _ in walk_tb(error.__traceback__)]
+    return next((inner for inner in reversed(known) if callable(inner)), None)
+
+
+def _refusal(
+    function: Callable[..., Any],
+    given: dict[str, object],
+    error: TypeError,
+    package: str,
+    inner: Callable[..., Any] | None = None,
+) -> WrongArguments:
+    """Return the error of a call that does not fit: near names of a wrong keyword, or what is missing or too many.
+
+    ``inner`` is a further function whose keywords are those of the call.
+    """
     known = [each for each in signature(function).parameters.values() if each.name != "self"]
     name = function.__qualname__.removesuffix(".__init__")
     name = f"rt{package.removeprefix('robotraj')}.{name}" if package else name
-    names = [each.name for each in known if each.kind in (Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD)]
+    # The first parameter of a function that options are passed on to is what the outer one made.
+    more = list(signature(inner).parameters.values())[1:] if inner is not None else []
+    named = (Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
+    names = list(dict.fromkeys(each.name for each in (*known, *more) if each.kind in named))
     wrong = [each for each in given if each not in names]
     if wrong:
         return WrongArguments(str(unknown_name(f"argument of {name}", wrong[0], names)))

@@ -6,7 +6,7 @@ import pickle
 import pytest
 
 import robotraj as rt
-from robotraj._util.keywords import WrongArguments, guarded
+from robotraj._util.names.keywords import WrongArguments, guarded
 
 CART = rt.load("cartpole")
 MOVE = rt.Phase(CART, 2.0, rt.State(q=[0, 0], v=0), rt.State(q=[1, 0], v=0), rt.Effort())

@@ -1,0 +1,77 @@
+"""Words that users write for names of robotraj: by spelling ``tolerence``, by meaning ``goal`` for ``end``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+_MEANINGS = tuple(
+    frozenset(line.split())
+    for line in """
+    q position positions pos angle angles configuration joint_positions
+    v velocity velocities vel speed dq qd qdot joint_velocities
+    a acceleration accelerations acc ddq qdd qddot
+    tau effort torque torques joint_torques
+    forces force wrench contact_forces
+    position center centre origin xyz pos translation location
+    quaternion orientation rotation quat rot rpy euler
+    sides size sizes extents half_extents dimensions dims
+    radius r
+    length height h l
+    start initial begin beginning from q0 x0 q_start
+    end goal target final finish to qf xf q_goal q_end
+    duration time times t tf total_time horizon t_final
+    objective objectives cost costs criterion
+    constraints constraint obstacles obstacle collision collisions
+    limits bounds joint_limits velocity acceleration effort max_velocity velocity_limit velocity_limits
+    tolerance tol rtol atol eps accuracy precision
+    mesh n nodes knots intervals grid num_nodes segments
+    guess initial_guess warm_start init x0
+    time_limit timeout max_time budget
+    margin distance clearance padding buffer safety
+    ground terrain floor
+    friction mu friction_coefficient
+    root base base_type floating_base
+    floating free free_flyer freeflyer mobile
+    locked frozen locked_joints
+    actuated motors actuators motor
+    package_dirs package_dir packages mesh_dir mesh_dirs package_path
+    joint_names joints names
+    frame_names frames links link_names
+    frame link body link_name frame_name
+    traces trace trail trails
+    objective_value objective cost value fun
+    plan solve optimize optimise
+    load load_urdf load_robot from_urdf
+    replay visualize visualise animate show view display
+    validate verify simulate
+    panda franka emika fr3
+    iiwa kuka
+    solo12 solo
+    """.strip().splitlines()
+)
+"""Each line holds words of one meaning; some of them are names."""
+
+
+def near_names(name: str, valid: Iterable[str], likeness: float = 0.5) -> list[str]:
+    """Return the valid names that are nearest to a name, those of like spelling first, then those of like meaning.
+
+    Names that differ in capitals only are alike. ``likeness`` is the least ratio of equal letters, as of difflib.
+
+    Examples
+    --------
+    >>> near_names("tolerence", ["mesh", "tolerance"])
+    ['tolerance']
+    >>> near_names("goal", ["start", "end"])
+    ['end']
+    """
+    plain: dict[str, list[str]] = {}
+    for each in valid:
+        plain.setdefault(each.lower(), []).append(each)
+    word = name.lower()
+    alike = {known for meaning in _MEANINGS if word in meaning for known in meaning}
+    near = get_close_matches(word, plain, n=3, cutoff=likeness)
+    # A name that means the same is meant rather than one of faintly similar letters.
+    meant = [each for each in plain if each in alike and each != word]
+    close = get_close_matches(word, near, n=3, cutoff=0.8) if meant else near
+    return [each for key in dict.fromkeys((*close, *meant)) for each in plain[key]]
