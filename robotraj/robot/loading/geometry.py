@@ -26,6 +26,7 @@ from robotraj.robot.loading.mesh_units import doubted_sizes, scale_by, unit_of
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.meshes.placed import unread, with_meshes
 from robotraj.robot.meshes.reading import read_meshes
+from robotraj.robot.urdf.balls import without_balls
 from robotraj.robot.urdf.xml import read_xml
 
 Array = npt.NDArray[np.float64]
@@ -125,7 +126,7 @@ class UrdfGeometry(OneLine):
 
     def _read(self) -> tuple[Element, list[Path]]:
         folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
-        return read_xml(self.urdf, folders=folders, trust=self.trust_paths), folders
+        return without_balls(read_xml(self.urdf, folders=folders, trust=self.trust_paths)), folders
 
 
 def _meshes(root: Element, kind: pin.GeometryType) -> Iterator[tuple[Element, Element, Element]]:

@@ -10,7 +10,7 @@ import robotraj as rt
 
 BODY = (
     '<inertial><origin xyz="0.1 0 -0.2"/><mass value="2"/><inertia ixx=".1" iyy=".2" izz=".15" ixy=".01" ixz="0" '
-    'iyz="0"/></inertial>'
+    'iyz="0"/></inertial><collision><geometry><sphere radius="0.05"/></geometry></collision>'
 )
 ARM = (
     f'<robot name="arm"><link name="base"/><link name="upper">{BODY}</link><link name="fore">{BODY}</link>'
@@ -35,6 +35,7 @@ def test_a_chain_of_hinges_equals_a_ball_joint(kind, urdf):
     )
     for joint in (shoulder, elbow):
         ball.appendBodyToJoint(joint, body, pin.SE3.Identity())
+    assert [shape.name for shape in robot.collision_model.geometryObjects] == ["upper_0", "fore_0"]
     random = np.random.default_rng(0)
     data, own = ball.createData(), robot.model.createData()
     for _ in range(5):
