@@ -9,8 +9,8 @@ first state is a path around an overlap, or a motion that overlaps itself and is
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,8 @@ class FreeSearch:
         The state at whose rows it ends. A plan with rows along the best solution may leave it, one with these does not.
     is_over : bool
         Whether no further solve is expected to gain anything.
+    along : dict of (int, int) to NearPair
+        Rows along ``motions`` by phase and pair, which are fixed once for all solves along them.
     """
 
     problem: Problem
@@ -79,6 +81,7 @@ class FreeSearch:
     best: Solution | None = None
     behind: FreeSearch | None = None
     is_over: bool = False
+    along: dict[tuple[int, int], NearPair] = field(default_factory=dict, repr=False)
 
     @classmethod
     def begin(
@@ -97,17 +100,21 @@ class FreeSearch:
     @property
     def surfaces(self) -> list[NearSurfaces | None]:
         """Rows of the next solve."""
-        from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
+        from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair, NearSurfaces
 
         found: list[NearSurfaces | None] = []
-        for phase, body, motion, held, more in zip(
-            self.problem.phases, self.bodies, self.motions, self.pairs, self.further, strict=True
+        for number, (phase, body, motion, held, more) in enumerate(
+            zip(self.problem.phases, self.bodies, self.motions, self.pairs, self.further, strict=True)
         ):
             if phase.robot is None or body is None or phase.path is not None or not (held or more):
                 found.append(None)
                 continue
             reach = np.inf if self.are_free else REACH
-            own = [NearPair(pair, motion, MARGIN, least_at_ends(phase, body, pair), reach) for pair in sorted(held)]
+            new = [pair for pair in sorted(held) if (number, pair) not in self.along]
+            q = motion(FRACTIONS) if new else np.zeros((0, phase.robot.nq))
+            for pair in new:
+                self.along[number, pair] = NearPair(pair, q, MARGIN, least_at_ends(phase, body, pair), reach)
+            own = [self.along[number, pair] for pair in sorted(held)]
             found.append(NearSurfaces(phase.robot, body, (*own, *more)))
         return found
 
@@ -127,7 +134,7 @@ class FreeSearch:
         if not gained:
             return replace(self, is_over=True)
         nothing = tuple(() for _ in motions)
-        fixed = replace(self, motions=tuple(motions), are_free=True, further=nothing, start=solution)
+        fixed = replace(self, motions=tuple(motions), are_free=True, further=nothing, start=solution, along={})
         return replace(fixed, best=solution, behind=self)
 
     def overlapped(self, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]]) -> FreeSearch:
@@ -135,7 +142,7 @@ class FreeSearch:
 
         A pair that overlaps although it has such rows comes that much nearer than they let it.
         """
-        from robotraj.transcription.clearance.surface_rows import NearPair
+        from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair
 
         further = []
         for phase, body, motion, free, pairs, held, known in zip(
@@ -145,10 +152,10 @@ class FreeSearch:
             # Where the motion is free, pairs without rows get some along that first.
             parted = set(pairs) & held if self.are_free else pairs
             for pair in sorted(parted) if body is not None and phase.path is None else ():
-                along = _Freed(phase, body, pair, motion, free if self.are_free else None)
+                q = _freed_at(phase, body, pair, motion, free if self.are_free else None, FRACTIONS)
                 last = max((row.margin + pairs[pair] for row in more if row.pair == pair), default=MARGIN)
                 margin = last + MARGIN
-                more.append(NearPair(pair, along.configurations, margin, least_at_ends(phase, body, pair), REACH))
+                more.append(NearPair(pair, q, margin, least_at_ends(phase, body, pair), REACH))
             further.append(tuple(more))
         every = tuple(held | frozenset(pairs) for held, pairs in zip(self.pairs, hit, strict=True))
         return replace(self, pairs=every, further=tuple(further))
@@ -165,17 +172,9 @@ def least_at_ends(phase: Phase, body: OwnBody, pair: int) -> tuple[float, float]
     return least[0], least[1]
 
 
-class _Freed(NamedTuple):
-    """A motion whose overlapping configurations are moved towards those of a free one until a pair is free."""
-
-    phase: Phase
-    body: OwnBody
-    pair: int
-    known: Motion
-    free: Motion | None
-
-    def configurations(self, fractions: Array) -> Array:
-        q = self.known(fractions)
-        if self.free is None or self.phase.robot is None:
-            return q
-        return freed(self.phase.robot, self.body, self.pair, q, self.free(fractions), CLEAR)
+def _freed_at(phase: Phase, body: OwnBody, pair: int, known: Motion, free: Motion | None, fractions: Array) -> Array:
+    """Return a motion's configurations, moved towards those of a free one until a pair is free."""
+    q = known(fractions)
+    if free is None or phase.robot is None:
+        return q
+    return freed(phase.robot, body, pair, q, free(fractions), CLEAR)

@@ -29,7 +29,7 @@ PIECES = 32
 """Largest number of pieces with a bound on the speeds of their own."""
 CLOSE = 5e-3
 """Margin up to which coal compares shapes [m]."""
-MOST_PARTS = 8
+MOST_PARTS = 32
 """Largest number of parts into which a piece is divided."""
 HALVINGS = 10
 """Number of bisections between a configuration that overlaps and a free one."""
@@ -189,24 +189,21 @@ def _parts(robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array
     rotations, origins = placements(robot, motion(times))
     near = np.flatnonzero(_gaps(body, pair, which, rotations, origins) <= margins)
     parts = np.zeros(len(pair), dtype=int)
-    turns = rotations[:, body.joint] @ body.rotation
-    places = np.einsum("mnij,nj->mni", rotations[:, body.joint], body.position) + origins[:, body.joint]
-    known: dict[tuple[int, int], Placed] = {}
-
-    def placed(time: int, shape: int) -> Placed:
-        key = time, shape
-        if key not in known:
-            known[key] = Placed(body.solids[shape], turns[key], places[key])
-        return known[key]
-
-    pairs = body.pairs[pair[near]].tolist()
-    for k, time, (a, b), margin in zip(near.tolist(), which[near].tolist(), pairs, margins[near].tolist(), strict=True):
-        first, second = placed(time, a), placed(time, b)
-        apart = hull_distance(first, second)
+    # Most of the time is that of Python, so each shape is placed once at a time.
+    shapes = len(body.solids)
+    used, numbers = np.unique(which[near, None] * shapes + body.pairs[pair[near]], return_inverse=True)
+    places: list[list[int]] = numbers.reshape(-1, 2).tolist()
+    when, shape = used // shapes, used % shapes
+    joint = body.joint[shape]
+    turns = rotations[when, joint] @ body.rotation[shape]
+    positions = np.einsum("nij,nj->ni", rotations[when, joint], body.position[shape]) + origins[when, joint]
+    placed = [Placed(body.solids[k], *place) for k, *place in zip(shape.tolist(), turns, positions, strict=True)]
+    for k, (a, b), margin in zip(near.tolist(), places, margins[near].tolist(), strict=True):
+        apart = hull_distance(placed[a], placed[b])
         if apart > margin:
             continue
         # Meshes within a large margin of each other take coal long.
-        if margin <= CLOSE and apart <= 0.0 and not touch(first, second, margin):
+        if margin <= CLOSE and apart <= 0.0 and not touch(placed[a], placed[b], margin):
             continue
         parts[k] = 1 if margin == 0.0 else min(max(int(np.ceil(margin / max(apart, CLOSE))), 2), MOST_PARTS)
     return parts

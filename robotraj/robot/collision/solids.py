@@ -123,7 +123,9 @@ class Solid(OneLine):
 
         a, b, c = self._pieces.transpose(1, 0, 2)
         normals = np.cross(b - a, c - a)
-        return KDTree((a + b + c) / 3.0), normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+        # Few points are looked up, so a tree that is built sooner is the cheaper one.
+        tree = KDTree((a + b + c) / 3.0, compact_nodes=False, balanced_tree=False)
+        return tree, normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
 
     def heights(self, points: Array, bound: float = np.inf) -> Array:
         """Return heights (n,) of points (n, 3) in its axes above the surface, negative inside [m].

@@ -78,8 +78,9 @@ def points_between(
         apart, *nearest = surface_points(a, b)
         if apart > TOUCHING:
             of_first.append(_between(at, apart, *nearest))
-        of_first += _lowest(at, a, b)
-        of_second += _lowest(at, b, a)
+        if apart < NEAR:
+            of_first += _lowest(at, a, b)
+            of_second += _lowest(at, b, a)
     return _in_joints(body, first, second, of_first, *joints), _in_joints(body, second, first, of_second, *joints)
 
 

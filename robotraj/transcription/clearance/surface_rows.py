@@ -7,13 +7,12 @@ are fixed along the known motion, so the rows are as smooth as the robot's kinem
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.robot import Robot
@@ -28,8 +27,6 @@ from robotraj.transcription.scalar_table import Entry, ScalarTable
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
-Path = Callable[[Array], Array]
-"""From fractions of a phase (m,) to configurations (m, nq)."""
 
 ENDS = 0.1
 """Fraction of a phase in which the margin grows from its value at a fixed end."""
@@ -45,8 +42,8 @@ class NearPair:
     ----------
     pair : int
         In ``OwnBody.pairs``.
-    motion : callable
-        The motion along which the rows are fixed.
+    configurations : ndarray (60, nq)
+        The motion along which the rows are fixed, at ``FRACTIONS``.
     margin : float
         Least height [m].
     ends : (float, float)
@@ -56,17 +53,12 @@ class NearPair:
     """
 
     pair: int
-    motion: Path
+    configurations: Array
     margin: float
     ends: tuple[float, float]
     reach: float
     known: list[tuple[SurfacePoints, SurfacePoints]] = field(default_factory=list, repr=False)
     """Points of both surfaces at all places, once they are computed."""
-
-    @cached_property
-    def configurations(self) -> Array:
-        """The motion at the places of the rows, (60, nq)."""
-        return self.motion(FRACTIONS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +109,10 @@ def _blocks(
 
 def _block(nlp: Nlp, function: DistanceFunction, places: list[StateBetween], constants: Array, rank: Indices) -> Block:
     gather, scatter, count = Triplets(), Triplets(), len(function.positions)
-    for k, place in enumerate(places):
-        for columns, weight in zip(place.columns, place.weights.tolist(), strict=True):
-            gather.add(k * count + np.arange(count), columns[function.positions], weight)
+    columns = np.concatenate([place.columns for place in places])[:, function.positions]
+    weights = np.concatenate([place.weights for place in places])
+    at = np.repeat(np.arange(len(places)), [len(place.weights) for place in places])
+    gather.spread(at[:, None] * count + np.arange(count), columns, weights[:, None])
     scatter.add(rank, np.arange(len(rank)), 1.0)
     return Block(
         function.stage,

@@ -10,7 +10,7 @@ import pytest
 import robotraj as rt
 from robotraj.planning.proving.free_solution import MARGIN, REACH, SHALLOW, FreeSearch
 from robotraj.problem.clearance.own_shapes import own_shapes
-from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair, NearSurfaces
 
 DEEP = 2.0 * SHALLOW
 FIRST, LAST = np.array([0, -1.5, 0.5, 0.6, 0, 0]), np.array([0, -1.5, 0.5, 2.4, 0, 0])
@@ -47,25 +47,39 @@ def rows_of(state: FreeSearch) -> NearSurfaces:
     return surfaces
 
 
+def is_along(each: NearPair, motion: Any) -> bool:
+    return np.array_equal(each.configurations, motion(FRACTIONS))
+
+
 def after(state: FreeSearch, objective: float, motion: Any, hit: dict[int, float]) -> FreeSearch:
     solution: Any = Solved(objective)
     return state.respond(solution, [motion], [hit])
 
 
 def test_rows_are_fixed_along_the_free_motion_everywhere(begin: FreeSearch) -> None:
-    assert [(each.pair, each.motion, each.reach) for each in rows_of(begin).pairs] == [(9, aside, np.inf)]
+    (each,) = rows_of(begin).pairs
+    assert (each.pair, each.reach) == (9, np.inf) and is_along(each, aside)
+
+
+def test_rows_along_a_motion_are_fixed_once_for_all_solves_along_it(begin: FreeSearch) -> None:
+    (known,) = rows_of(begin).pairs
+    again = rows_of(after(begin, 3.0, straight, {9: DEEP})).pairs
+    assert again[0] is known and len(again) == 2
+    (other,) = rows_of(after(begin, 2.0, aside, {})).pairs
+    assert other is not known
 
 
 def test_a_pair_without_rows_gets_some_along_the_free_motion_first(begin: FreeSearch) -> None:
     found = after(begin, 3.0, straight, {5: DEEP})
-    assert [(each.pair, each.motion) for each in rows_of(found).pairs] == [(5, aside), (9, aside)]
+    assert [each.pair for each in rows_of(found).pairs] == [5, 9]
+    assert all(is_along(each, aside) for each in rows_of(found).pairs)
     assert found.best is None and not found.is_over and begin.pairs == (frozenset({9}),)
 
 
 def test_a_pair_with_rows_gets_more_where_the_motions_part_with_margins_beyond_its_depth(begin: FreeSearch) -> None:
     twice = after(after(begin, 3.0, straight, {9: DEEP}), 3.0, straight, {9: DEEP})
     along, *more = rows_of(twice).pairs
-    assert along.motion is aside and along.margin == MARGIN
+    assert is_along(along, aside) and along.margin == MARGIN
     assert [(each.pair, each.reach) for each in more] == [(9, REACH), (9, REACH)]
     assert [each.margin for each in more] == pytest.approx([2 * MARGIN, 3 * MARGIN + DEEP])
 

@@ -55,7 +55,9 @@ def test_the_least_row_of_a_place_is_the_distance(label: str) -> None:
     found = []
     for count in (7, 10):
         nlp, w = along_swing(count)
-        longer = with_surface_rows(nlp, [NearSurfaces(robot, body, (NearPair(pair, swing, 1e-3, (0, 0), np.inf),))])
+        longer = with_surface_rows(
+            nlp, [NearSurfaces(robot, body, (NearPair(pair, swing(FRACTIONS), 1e-3, (0, 0), np.inf),))]
+        )
         new = slice(len(nlp.rows), None)
         least = np.full(len(FRACTIONS), np.inf)
         np.minimum.at(least, np.searchsorted(FRACTIONS, longer.rows.fraction[new] - 1e-9), longer.values(w)[new])
@@ -69,7 +71,7 @@ def test_rows_reach_no_further_than_they_should() -> None:
     body = own_body(robot)
     pair = next(k for k in range(len(body.pairs)) if body.label(k) == "wrist_3_link and upper_arm_link")
     every, none = (
-        with_surface_rows(nlp, [NearSurfaces(robot, body, (NearPair(pair, swing, 1e-3, (0, 0), reach),))])
+        with_surface_rows(nlp, [NearSurfaces(robot, body, (NearPair(pair, swing(FRACTIONS), 1e-3, (0, 0), reach),))])
         for reach in (np.inf, 0.0)
     )
     assert len(every.rows) == len(nlp.rows) + len(FRACTIONS) and none is nlp
