@@ -1,7 +1,8 @@
 """Problems whose answer is known from elsewhere: how often is a plan wrong whose proof holds?
 
 Judges are closed forms in drawn units, a Riccati equation, IPOPT on three times the intervals, the inverse dynamics of
-MuJoCo, and coal on dense samples. Each kind draws a problem, which is planned by default, and a judge of its solution.
+MuJoCo, coal on dense samples, sums of closed forms of phases, and the same problem in SI units. Each kind draws a
+problem, which is planned by default, and a judge of its solution.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass, field
 import coal
 import numpy as np
 import pinocchio as pin
+from drawn_robots import Judge, other_units, rails
 from random_problems import random_case
 from scipy.integrate import solve_ivp
 
@@ -32,9 +34,6 @@ DEPTH = 1e-4
 """Depth of an overlap that is wrong [m]."""
 PLAIN = ("block", "pendulum", "cartpole", "two_link_arm", "double_integrator", "oscillator", "van_der_pol", "rod")
 """Subjects of random problems that are planned in a second or so."""
-
-Judge = Callable[[rt.Solution], str]
-"""Returns what is wrong with a solution, empty where nothing is."""
 
 
 def mass() -> rt.System:
@@ -166,6 +165,12 @@ def free_way(rng: np.random.Generator) -> tuple[rt.Phase, Judge]:
     return phase, judge
 
 
+def phases(rng: np.random.Generator) -> tuple[rt.Problem, Judge]:
+    """One joint in several phases, at rest between them: its least time is the sum of theirs."""
+    problem, known = rails(rng)
+    return problem, optimum(known)
+
+
 def optimum(known: float) -> Judge:
     """Return the judge of a problem whose optimal objective is known."""
 
@@ -176,7 +181,7 @@ def optimum(known: float) -> Judge:
     return judge
 
 
-KINDS: dict[str, tuple[Callable[[np.random.Generator], tuple[rt.Phase, Judge]], float]] = {
+KINDS: dict[str, tuple[Callable[[np.random.Generator], tuple[rt.Phase | rt.Problem, Judge]], float]] = {
     "least effort": (least_effort, 4),
     "least time": (least_time, 4),
     "corridor": (corridor, 3),
@@ -184,6 +189,8 @@ KINDS: dict[str, tuple[Callable[[np.random.Generator], tuple[rt.Phase, Judge]], 
     "other solver": (other_solver, 3),
     "inverse dynamics": (inverse_dynamics, 2),
     "free way": (free_way, 1),
+    "phases": (phases, 2),
+    "other units": (other_units, 2),
 }
 """Kinds of problems with the weight that each is drawn by."""
 
