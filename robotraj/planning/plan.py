@@ -317,11 +317,13 @@ def _method(settings: Settings) -> Callable[..., Solution]:
         from robotraj.planning.proving.prove import prove
 
         return prove
+    from robotraj.planning.proving.softer_guess import from_softer
+
     if settings.tolerance is not None:
         from robotraj.planning.refining.adapt import adapt
 
-        return adapt
-    return solve
+        return from_softer(adapt)
+    return from_softer(solve)
 
 
 def _careful(settings: Settings) -> Settings:

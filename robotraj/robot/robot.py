@@ -61,9 +61,9 @@ class Robot(PickledModel):
         A configuration inside the position limits [rad, m]; the root is at the origin unless the
         SRDF's reference places it.
     friction_speed : float
-        Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s]. ``rt.load`` takes a 64th of the
-        URDF's highest speed limit of joints with friction, at least 0.05 and at most 0.5. Another one is set by
-        ``dataclasses.replace(robot, friction_speed=...)``.
+        Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s]. ``rt.load`` takes a 640th of the
+        URDF's highest speed limit of joints with friction, from 0.005 to 0.5, and a 64th for a free root. Another one
+        is set by ``dataclasses.replace(robot, friction_speed=...)``.
     geometry : Geometry
         Source of the shapes.
     origin : str
@@ -85,7 +85,7 @@ class Robot(PickledModel):
     damping: Array
     friction: Array
     neutral: Array
-    friction_speed: float = 0.05
+    friction_speed: float = 0.005
     geometry: Geometry = field(default_factory=NoGeometry)
     origin: str = ""
     end_effector: str | None = None

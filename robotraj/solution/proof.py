@@ -68,7 +68,8 @@ class Proof(OneLine):
     roughness : float
         Height of the largest teeth of a torque or another control, relative to its limit (``smoothness.roughness``).
     friction : float
-        Share of Coulomb's friction that the smooth law leaves out (``planning.proving.sharp_friction``).
+        Share of the objective that the smooth law of dry friction leaves out of Coulomb's
+        (``planning.proving.friction_left_out``).
     """
 
     error: float

@@ -130,10 +130,15 @@ def test_damping_and_friction_of_the_urdf_dissipate(arm):
     np.testing.assert_allclose(rough.dissipation([1.0, 0]), [0.2, 0], rtol=1e-12)
 
 
-@pytest.mark.parametrize(("name", "speed"), [("ur5", 0.05), ("z1", 0.05), ("talos", 5.4 / 64), ("go1", 30.1 / 64)])
+@pytest.mark.parametrize(("name", "speed"), [("ur5", 0.005), ("z1", 3.1415 / 640), ("go1", 30.1 / 640)])
 def test_friction_is_as_wide_as_joints_are_fast(name, speed):
     assert rt.load(name).friction_speed == pytest.approx(speed)
     assert rt.load(name, limits={"velocity": 1.0}).friction_speed == pytest.approx(speed)
+
+
+@pytest.mark.parametrize(("name", "speed"), [("talos", 5.4 / 64), ("go1", 30.1 / 64)])
+def test_friction_of_a_free_root_is_wider(name, speed):
+    assert rt.load(name, root="floating").friction_speed == pytest.approx(speed)
 
 
 def test_damping_follows_locked_and_continuous_joints(tmp_path):

@@ -18,7 +18,7 @@ from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, r
 from robotraj.planning.loop.smoothing_weight import smoothing_weight
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.plan_limits import PlanLimits
-from robotraj.planning.proving.soft_friction import averaging_times, softened
+from robotraj.planning.proving.soft_friction import CHANGE_STICKING, averaging_times, softened
 from robotraj.planning.solve import solve
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
@@ -41,15 +41,13 @@ PATIENCE_STICKING = 300
 CHANGE_FLAT = 1e-4
 """Relative change of the objective within eight iterations below which a solve ends where objectives are flat.
 
-Reversals with dry friction, and times at which powers change their sign, move from point to point. They gain 1e-4 in a
-hundred iterations, and the next mesh moves them again.
+Times at which powers change their sign move from point to point. They gain 1e-4 in a hundred iterations, and the next
+mesh moves them again.
 """
 CHANGE_OF_POWERS = 3e-3
 """The same where joints stick and slide and the objective has kinks: hundreds of iterations gain a percent.
 
 Most of that gain is power between the points, which the sum that is minimised does not see."""
-CHANGE_SOFTER = 1e-3
-"""The same with softer friction: the next solve, on other intervals, moves reversals again."""
 BARRIER_OF_POWERS = 1e-4
 """First barrier parameter there on a later mesh. A larger one raises the objective by a fifth, and takes a hundred
 iterations to lower it again."""
@@ -192,7 +190,7 @@ def _softer(state: PlanState, progress: Progress | None, surfaces: Surfaces) -> 
     own, factor = state.settings, state.softening[0]
     assert own.goals is not None
     limits = replace(own.interval_limits, rounds=0)
-    solver = own.solver.at_most(PATIENCE).until_settled(CHANGE_SOFTER)
+    solver = own.solver.at_most(PATIENCE).until_settled(CHANGE_STICKING)
     settings = replace(own, mesh=state.meshes, restarts=Restarts(0), interval_limits=limits, solver=solver)
     last = state.guess if isinstance(state.guess, Solution) else None
     soft = softened(state.problem, factor, averaging_times(state.problem, state.meshes, last))
@@ -217,13 +215,16 @@ def _cold(state: PlanState) -> Solver:
     traits = state.traits
     if not (traits.sticking or traits.kinked):
         return state.settings.solver
-    return state.settings.solver.until_settled(CHANGE_OF_POWERS if traits.sticking_powers else CHANGE_FLAT)
+    if traits.sticking_powers:
+        return state.settings.solver.until_settled(CHANGE_OF_POWERS)
+    return state.settings.solver.until_settled(CHANGE_STICKING if traits.sticking else CHANGE_FLAT)
 
 
 def _solver(state: PlanState) -> Solver:
     """Return the solver of the next solve."""
     cold, traits = _cold(state), state.traits
-    # The solution with soft friction is that of another problem.
+    if state.best is None and state.is_softened:
+        return cold.from_nearby(altered=True)
     if state.best is None and (state.neighbour is None or traits.sticking):
         return cold
     # Limits of rates are active nearly everywhere in least time. Lower and upper ones alternate with the mesh,

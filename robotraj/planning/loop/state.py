@@ -7,7 +7,7 @@ from enum import Enum
 
 from robotraj._util.values import dataclass
 from robotraj.planning.loop.measures import LEAST_GROWTH, Measured, proof_on
-from robotraj.planning.proving.soft_friction import SOFTENING
+from robotraj.planning.proving.soft_friction import softening_of
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.planning.sizes.soft_kinks import with_soft_kinks
 from robotraj.problem.initial_guess import InitialGuess
@@ -233,6 +233,11 @@ class PlanState:
         return self.task is Task.MESH and self.number == 0 and self.neighbour is None
 
     @property
+    def is_softened(self) -> bool:
+        """Whether the guess is the solution with softer friction."""
+        return self.traits.sticking and isinstance(self.guess, Solution) and self.guess.proof is None
+
+    @property
     def begin(self) -> InitialGuess | Solution | None:
         """Where the next solve starts."""
         return self.start or (self.guess if self.best is None else self.best.solution)
@@ -267,7 +272,9 @@ def begin(
     assert settings.goals is not None
     soft = with_soft_kinks(problem, settings.goals, settings.smoothing)
     state = PlanState(soft, problem, settings, traits, guess, (), second, is_brief=is_brief)
-    is_proved = isinstance(guess, Solution) and guess.proof is not None
-    if traits.sticking and not is_proved:
-        return replace(state, meshes=state.coarsest, task=Task.SOFTER, softening=SOFTENING)
-    return replace(state, meshes=state.coarsest, neighbour=proof_on(guess, state.coarsest))
+    neighbour = proof_on(guess, state.coarsest)
+    known = guess if isinstance(guess, Solution) and neighbour is not None else None
+    softening = softening_of(problem, known) if traits.sticking else ()
+    if softening:
+        state = replace(state, task=Task.SOFTER, softening=softening)
+    return replace(state, meshes=state.coarsest, neighbour=neighbour)

@@ -19,6 +19,7 @@ from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
 from robotraj.planning.proving.free_solution import SHALLOW, FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
+from robotraj.planning.proving.soft_friction import softest
 from robotraj.planning.solve import solve
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import pairs_within
@@ -156,7 +157,7 @@ class KeptApart:
         )
         for _ in range(SOLVES if are_free else PUSHES):
             near = replace(coarse, solver=coarse.solver.from_nearby()) if isinstance(search.start, Solution) else coarse
-            solution = solve(self._problem, search.start, near, self._progress, surfaces=search.surfaces)
+            solution = solve(softest(self._problem), search.start, near, self._progress, surfaces=search.surfaces)
             self._cuts.append(solution)
             if self._is_stopped:
                 return None

@@ -1,30 +1,24 @@
 """Continuation from smooth dry friction to Coulomb's law.
 
-The friction F tanh(v / v_s) is less than Coulomb's F sign(v) where a joint moves more slowly than v_s. What is missing
-over a phase, relative to what the joint's motion takes,
-
-    max_i integral F_i (1 - |tanh(v_i / v_s)|) [v_i moves] dt / max(integral |M a|_i dt, ``SHARE`` integral |tau_i| dt),
-
-falls in proportion to v_s. A proved plan is the guess of the next one, with a smaller v_s, until this share is small.
-From a distant guess such a plan takes thousands of iterations or ends in a poor optimum; from the softer one it takes
-tens (``soft_friction`` has the part of the continuation before the robot's own friction).
+Where a robot's own v_s leaves out more than a small share of the objective (``friction_left_out``), or a machine with
+Coulomb's friction does not follow the plan, the plan is the guess of the next one, with a smaller v_s. This is so for
+motions that are slow beside the joints' limits. From a distant guess such a plan takes thousands of iterations or ends
+in a poor optimum; from the softer one it takes tens (``soft_friction`` has the part of the continuation before the
+robot's own friction).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-import pinocchio as pin
-
-from robotraj._util.polynomials import gauss
 from robotraj.planning.loop.run import run
+from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.planning.proving.kept_apart import KeptApart
-from robotraj.planning.proving.soft_friction import has_friction
+from robotraj.planning.proving.soft_friction import has_friction, softest_factor
+from robotraj.planning.sizes.shares import shares_of
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import FRICTION
 from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
@@ -32,10 +26,8 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 
-SHARE = 0.1
-"""Least size of a joint's impulse relative to that of its motor: a slow joint has hardly any inertia."""
-STILL = 3e-3
-"""Speed below which a joint rests, relative to its largest: its friction takes any value up to F."""
+WIDER = 10.0
+"""Largest factor on v_s for the first plan where no softer friction comes before."""
 LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
 AIM = 0.7
@@ -44,8 +36,18 @@ GENTLEST = 0.8
 """Factor above which a further plan would hardly differ."""
 STEPS = 8
 """Largest number of plans with a smaller v_s."""
-PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
-"""Gauss's rule on an interval."""
+
+
+def widened(problem: Problem) -> Problem:
+    """Return the problem of a first plan: with wider friction, except where the plan has softer friction before.
+
+    Where objectives are those of the end points, a solver takes hundreds of iterations to the optimum of narrow
+    friction from a plain guess, and tens from that of wider friction.
+    """
+    rough = [phase for phase in problem.phases if has_friction(phase)]
+    if shares_of(problem).sticking or not rough:
+        return problem
+    return _scaled(problem, min(WIDER, max(1.0, *map(softest_factor, rough))))
 
 
 def sharpened(
@@ -55,17 +57,30 @@ def sharpened(
 
     Where a next plan is not proved, or links overlap along it, the plan before is kept. Its machine may follow it by
     Coulomb's law already; if not, v_s falls by less.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the robots' own v_s, which the plan reaches first.
+    found : Solution
+        A plan with this friction, or with wider friction (``widened``).
+    settings : Settings
+    progress : callable, optional
+    apart : KeptApart
     """
     factor = LEAST
     for step in range(STEPS + 1):
         if found.proof is None or not any(map(has_friction, problem.phases)):
             return found
-        missing = max(missing_friction(part) for part in found.phases)
-        proof = replace(found.proof, friction=missing)
+        missing = friction_left_out(found)
+        proof = replace(found.proof, friction=missing.objective)
         found = replace(found, proof=proof)
-        if missing <= FRICTION or not proof.holds or step == STEPS:
+        own = _to_own(problem, found.problem)
+        enough = missing.objective <= FRICTION and (missing.impulse <= FRICTION or is_followed(found))
+        if (own >= 1.0 and enough) or not proof.holds or step == STEPS:
             return found
-        sharper = _sharper(problem, max(factor, min(AIM * FRICTION / missing, MOST)))
+        wanted = own if own < 1.0 else min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
+        sharper = _scaled(found.problem, max(factor, wanted))
         near = replace(
             settings,
             mesh=tuple(part.mesh for part in found.phases),
@@ -76,7 +91,7 @@ def sharpened(
         if again.status is Status.INTERRUPTED:
             return replace(with_effort_of(again, found), status=again.status)
         if again.proof is not None and again.proof.holds and apart.is_free(again):
-            problem, found = sharper, with_effort_of(found, again)
+            found = with_effort_of(found, again)
             continue
         found, factor = with_effort_of(again, found), factor**0.5
         if factor > GENTLEST or is_followed(found):
@@ -84,43 +99,23 @@ def sharpened(
     return found
 
 
+def _to_own(problem: Problem, wider: Problem) -> float:
+    """Return the factor from the width of a plan's friction to the robots' own; at least 1 where it is reached."""
+    robots = [(a.robot, b.robot) for a, b in zip(problem.phases, wider.phases, strict=True) if has_friction(a)]
+    return min(own.friction_speed / now.friction_speed for own, now in robots if own is not None and now is not None)
+
+
 def is_followed(found: Solution) -> bool:
-    """Whether a machine with Coulomb's friction stays within half of what ``rt.validate`` allows."""
+    """Whether a machine with Coulomb's friction stays within what ``rt.validate`` allows."""
     from robotraj.witness.figures import Tolerances
     from robotraj.witness.simulation.coulomb import coulomb_drift
 
     allowed, drift = Tolerances().friction, coulomb_drift(found)
-    return drift is None or isinstance(drift, str) or (allowed is not None and drift.worst.relative <= 0.5 * allowed)
+    return drift is None or isinstance(drift, str) or (allowed is not None and drift.worst.relative <= allowed)
 
 
-def missing_friction(part: PhaseSolution) -> float:
-    """Return the share of Coulomb's friction that the smooth law of a phase leaves out."""
-    robot = part.phase.robot
-    if robot is None or not has_friction(part.phase):
-        return 0.0
-    joints = np.flatnonzero(robot.friction)
-    knots = np.asarray(part.knots, dtype=float)
-    lengths = np.diff(knots)
-    times = (knots[:-1, None] + lengths[:, None] * PLACES).ravel()
-    weights = (lengths[:, None] * WEIGHTS).ravel()
-    sample = part.at(times)
-    speeds = np.abs(sample.v[:, joints])
-    lacking = robot.friction[joints] * (1.0 - np.tanh(speeds / robot.friction_speed))
-    missing = weights @ np.where(speeds > STILL * speeds.max(axis=0), lacking, 0.0)
-    data, still = robot.model.createData(), np.zeros(robot.nv)
-    inertia = np.array(
-        [
-            pin.rnea(robot.model, data, q, still, a) - pin.rnea(robot.model, data, q, still, still)
-            for q, a in zip(sample.q, sample.a, strict=True)
-        ]
-    )
-    motors = np.abs(sample.tau) @ np.abs(np.asarray(robot.actuation, dtype=float)).T
-    size = np.maximum(weights @ np.abs(inertia[:, joints]), SHARE * (weights @ motors[:, joints]))
-    return float(np.max(np.divide(missing, size, out=np.zeros_like(missing), where=size > 0.0)))
-
-
-def _sharper(problem: Problem, factor: float) -> Problem:
-    """Return the problem of robots whose dry friction is less smooth."""
+def _scaled(problem: Problem, factor: float) -> Problem:
+    """Return the problem of robots whose dry friction is as many times as wide."""
     return Problem([_of_phase(phase, factor) for phase in problem.phases], problem.links)
 
 

@@ -23,18 +23,65 @@ import numpy as np
 
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
+from robotraj.guess.ends import ends_of, guessed_duration
+from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
 from robotraj.solution.solution import Solution
 from robotraj.transcription.schemes.mesh import Mesh
 
-SOFTENING = (10.0, 4.0, 2.0, 1.2)
-"""Factors c on v_s for the first solves, each on a finer mesh.
+SOFTEST = 1.0 / 8.0
+"""Speed c v_s of the first solve, relative to the largest mean speed of a joint with friction."""
+LAST, FALL = 0.5, 3.5
+"""The last factor c, and the largest ratio of one factor to the next.
 
-Fewer factors are faster, and fewer plans are proved (``benchmarks/barrier.md``).
+With the last one, soft friction leaves out as much as tanh(v / v_s) does: the integral of 1 - s / sqrt(s^2 + c^2) over
+s is c, and that of 1 - tanh(s) is log 2. Larger steps are faster, and fewer plans are proved
+(``benchmarks/friction.md``).
+"""
+CHANGE_STICKING = 1e-3
+"""Relative change of the objective within eight iterations below which a solve ends where joints stick and slide.
+
+Times at which joints reverse move from point to point, and the next mesh or less soft friction moves them again.
 """
 AVERAGED = 0.1
 """Half the time over which soft friction is averaged, relative to the mean interval of the mesh."""
+
+
+def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float, ...]:
+    """Return the factors c on v_s for the first solves, each on a finer mesh; none where friction is wide enough.
+
+    Parameters
+    ----------
+    problem : Problem
+    near : Solution, optional
+        A proved plan of the same motion with wider friction. Softer friction begins at its width.
+    """
+    rough = [k for k, phase in enumerate(problem.phases) if has_friction(phase)]
+    wider = [None if near is None else near.problem.phases[k].robot for k in rough]
+    first = max((softest_factor(problem.phases[k], robot) for k, robot in zip(rough, wider, strict=True)), default=0.0)
+    if first <= LAST:
+        return ()
+    steps = int(np.ceil(np.log(first / LAST) / np.log(FALL)))
+    return tuple((LAST * (first / LAST) ** (1.0 - np.arange(steps + 1) / steps)).tolist())
+
+
+def softest(problem: Problem) -> Problem:
+    """Return the problem of the first solve: with the softest friction where joints stick and slide."""
+    softening = softening_of(problem) if shares_of(problem).sticking else ()
+    return softened(problem, softening[0], (0.0,) * len(problem.phases)) if softening else problem
+
+
+def softest_factor(phase: Phase, wider: Robot | None = None) -> float:
+    """Return the factor c of the first solve of a phase."""
+    robot = phase.robot
+    assert robot is not None
+    if wider is not None:
+        return LAST * wider.friction_speed / robot.friction_speed
+    first, last = ends_of(phase)
+    way = np.abs(last - first)[: robot.nq][robot.friction > 0.0]
+    return SOFTEST * float(way.max()) / guessed_duration(phase, None) / robot.friction_speed
 
 
 def softened(problem: Problem, softening: float, averaging: Sequence[float]) -> Problem:

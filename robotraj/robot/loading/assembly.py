@@ -45,11 +45,14 @@ from robotraj.robot.urdf.limits import StatedLimits
 
 Array = npt.NDArray[np.float64]
 
-FRICTION_SHARE, FASTEST_FRICTION = 1 / 64, 0.5
-"""``friction_speed`` in shares of the highest speed limit of joints with friction, and its largest value [rad/s, m/s].
+FRICTION_SHARE, FRICTION_SHARE_OF_LEGS = 1 / 640, 1 / 64
+"""``friction_speed`` in shares of the highest speed limit of joints with friction.
 
-One width for all joints would make dry friction a jump for fast legs, and a damper for slow arms.
+Along an arm's motion, what the smooth friction leaves out of Coulomb's is then a thousandth of the objective. Robots on
+a free root have wider friction, which their plans meet without softer friction before.
 """
+SLOWEST_OF_LEGS, FASTEST_FRICTION = 0.05, 0.5
+"""Bounds of ``friction_speed``, the lower one for a free root [rad/s, m/s]."""
 
 
 def assemble(
@@ -140,7 +143,7 @@ def assemble(
         damping=np.array(model.damping),
         friction=friction,
         neutral=inside(kept, wanted),
-        friction_speed=_friction_speed(friction, own.largest("velocity")),
+        friction_speed=_friction_speed(friction, own.largest("velocity"), root),
         geometry=_geometry(about, whole, ids, at),
         origin=about.origin,
         end_effector=about.end_effector,
@@ -160,10 +163,13 @@ def _limits(model: pin.Model, root: str, stated: StatedLimits) -> Limits:
     return replace(own.override(given), missing=missing)
 
 
-def _friction_speed(friction: Array, speeds: Array) -> float:
+def _friction_speed(friction: Array, speeds: Array, root: str) -> float:
     """Return the width of dry friction, from the URDF's speed limits of the joints that have some."""
     limited = speeds[(friction > 0.0) & np.isfinite(speeds)]
-    return float(np.clip(FRICTION_SHARE * np.max(limited, initial=0.0), Robot.friction_speed, FASTEST_FRICTION))
+    fastest = float(np.max(limited, initial=0.0))
+    if root != "fixed":
+        return float(np.clip(FRICTION_SHARE_OF_LEGS * fastest, SLOWEST_OF_LEGS, FASTEST_FRICTION))
+    return float(np.clip(FRICTION_SHARE * fastest, Robot.friction_speed, FASTEST_FRICTION))
 
 
 def _locked(

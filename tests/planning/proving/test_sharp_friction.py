@@ -10,7 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.proving import sharp_friction
-from robotraj.planning.proving.sharp_friction import missing_friction
+from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.solution.proof import FRICTION
 from tests.lies import axis
 
@@ -35,9 +35,8 @@ def test_the_least_effort_rests_for_as_long_as_coulombs_law_has_it(
     solution = rt.plan(rt.Phase(mass(tmp_path, friction, smooth, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()))
     assert solution.proof is not None and solution.proof.holds and 0.0 < solution.proof.friction <= FRICTION
     assert solution.objective == pytest.approx(friction**2 * moving + 12.0 * m**2 * d**2 / moving**3, rel=3e-3)
-    (part,) = solution.phases
-    assert missing_friction(part) == pytest.approx(solution.proof.friction)
-    assert part.phase.robot is not None and part.phase.robot.friction_speed < smooth
+    assert friction_left_out(solution).objective == pytest.approx(solution.proof.friction)
+    assert rt.validate(solution).passed
 
 
 @pytest.mark.parametrize(
