@@ -41,10 +41,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ALTERNATING = 3.0
+ALTERNATING = 1.0
 """Weight of squares of alternating torques relative to that of squares of torques.
 
-Less leaves teeth, more delays the switches of torques on coarse meshes: see ``benchmarks/smoothness_weights.md``."""
+Less leaves teeth. More delays the switches of torques on coarse meshes, and with limits that are lowered between the
+points it delays them further on every round: see ``benchmarks/smoothness_weights.md``."""
 LEAST_NODES = 3
 """Nodes from which values can alternate inside an interval."""
 

@@ -81,7 +81,7 @@ def reach() -> rt.Problem:
 def test_solves_end_with_their_rows_met_where_the_objective_hardly_falls() -> None:
     solver, mesh, counts = rt.InteriorPoint(tolerance=1e-6, fallback=None), rt.Mesh(24, rt.schemes.RadauIIA(3)), []
     for duration in (1.2, 1.5, 2.0):
-        soft = softened(rt.Problem([reach().phases[0].with_(duration=duration)]), 4.0, [0.1 * duration / 24])
+        soft = softened(rt.Problem([reach().phases[0].with_(duration=duration)]), 40.0, [0.1 * duration / 24])
         settings = resolve(soft, {"mesh": mesh, "solver": solver})
         whole = one_solve.solve(soft, None, settings)
         early = one_solve.solve(soft, None, replace(settings, solver=solver.until_settled(CHANGE_STICKING)))

@@ -11,6 +11,8 @@ import pytest
 import robotraj as rt
 from robotraj.planning.loop import run as loop
 from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
+from robotraj.planning.settings import resolve
+from robotraj.planning.solve import solve
 from robotraj.solution.settings import Settings
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
@@ -127,7 +129,7 @@ def test_dry_friction_is_met_step_by_step() -> None:
     solution = rt.plan(phase)
     assert solution.success and solution.proof is not None and solution.proof.holds
     assert solution.problem.phases[0].robot.friction_speed <= robot.friction_speed
-    at_once = rt.plan(phase, graded(48))
+    at_once = solve(rt.Problem([phase]), None, resolve(rt.Problem([phase]), {"mesh": graded(48)}))
     assert solution.objective < at_once.objective
     assert rt.validate(solution).passed
 
