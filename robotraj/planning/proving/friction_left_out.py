@@ -9,9 +9,10 @@ By the envelope theorem the optimum changes to first order as the objective alon
 
     | sum integral (l(tau + d) - l(tau)) dt | / J.
 
-Terms of the end points, such as a duration, do not depend on torques. There the share of a joint's impulse counts,
+Terms of the end points, such as a duration, depend on torques at their limits alone. There the share of a motor's
+impulse at its limits counts,
 
-    max_i integral |d_i| dt / max(integral |M a|_i dt, ``SHARE`` integral |tau_i| dt),
+    max_i integral |d_i| [at the limit] dt / max(integral |M a|_i dt, ``SHARE`` integral |tau_i| dt),
 
 times the part of the objective that such terms are. Both fall in proportion to v_s.
 Source: Bryson and Ho, Applied Optimal Control (1975), 2.3, on the change of an optimum with a parameter.
@@ -27,6 +28,7 @@ from robotraj._util.polynomials import gauss
 from robotraj._util.values import dataclass
 from robotraj.planning.proving.soft_friction import has_friction
 from robotraj.planning.sizes.shares import shares_of
+from robotraj.problem.phase import Phase
 from robotraj.robot.robot import Robot
 from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.phase_solution import PhaseSolution
@@ -39,6 +41,8 @@ Array = NDArray[np.float64]
 
 SHARE = 0.1
 """Least size of a joint's impulse relative to that of its motor: a slow joint has hardly any inertia."""
+AT_LIMIT = 0.99
+"""Share of its limit from which a torque is at the limit."""
 STILL = 3e-3
 """Speed below which a joint rests, relative to its largest: its friction takes any value up to F."""
 PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
@@ -47,7 +51,7 @@ PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Shares of Coulomb's friction that the smooth law leaves out: of the objective, and of a joint's impulse."""
+    """Shares of Coulomb's friction that the smooth law leaves out: of the objective, and of a motor's impulse."""
 
     objective: float
     impulse: float
@@ -58,14 +62,14 @@ def friction_left_out(found: Solution) -> LeftOut:
     parts = [part for part in found.phases if has_friction(part.phase)]
     if not parts:
         return LeftOut(0.0, 0.0)
-    shares, added = zip(*map(_left_out, parts), strict=True)
-    integrals, impulse = abs(float(sum(added))), float(max(shares))
+    shares, limited, added = zip(*map(_left_out, parts), strict=True)
+    integrals = abs(float(sum(added)))
     size = size_for(integrals, FRICTION, found.phases, found.objective)
-    return LeftOut(integrals / size + shares_of(found.problem).ends * impulse, impulse)
+    return LeftOut(integrals / size + shares_of(found.problem).ends * float(max(limited)), float(max(shares)))
 
 
-def _left_out(part: PhaseSolution) -> tuple[float, float]:
-    """Return the largest share of a joint's impulse, and what Coulomb's law adds to the integrals of the objective."""
+def _left_out(part: PhaseSolution) -> tuple[float, float, float]:
+    """Return the largest shares of a motor's impulse, anywhere and at its limits, and what the integrals lack."""
     robot = part.phase.robot
     assert robot is not None
     knots = np.asarray(part.knots, dtype=float)
@@ -75,10 +79,31 @@ def _left_out(part: PhaseSolution) -> tuple[float, float]:
     sample = part.at(times)
     moves = np.abs(sample.v) > STILL * np.abs(sample.v).max(axis=0)
     lacking = moves * robot.friction * (np.sign(sample.v) - np.tanh(sample.v / robot.friction_speed))
-    return _of_impulse(robot, sample, weights, lacking), _of_integrals(part, times, sample, weights, lacking)
+    torques = lacking @ np.asarray(robot.actuation, dtype=float)
+    at_limit = np.maximum(np.abs(sample.tau), np.abs(sample.tau + torques)) >= AT_LIMIT * _largest(part.phase, robot)
+    size = _impulses(robot, sample, weights)
+    return (
+        _share(weights @ np.abs(torques), size),
+        _share(weights @ np.abs(torques * at_limit), size),
+        _of_integrals(part, times, sample, weights, torques),
+    )
 
 
-def _of_impulse(robot: Robot, sample: Sample[Array], weights: Array, lacking: Array) -> float:
+def _largest(phase: Phase, robot: Robot) -> Array:
+    """Return the largest torques (nu,) that the limits of a phase allow."""
+    known = {each.name: each for each in (*phase.dae.controls, *phase.dae.algebraic)}
+    torques = tuple(known[name] for joint in robot.actuated if (name := f"tau.{joint}") in known)
+    if len(torques) < len(robot.actuated):
+        return np.full(len(robot.actuated), np.inf)
+    return np.asarray(np.maximum(*map(np.abs, phase.rows.limits_of(torques))))
+
+
+def _share(missing: Array, size: Array) -> float:
+    return float(np.max(np.divide(missing, size, out=np.zeros_like(missing), where=size > 0.0)))
+
+
+def _impulses(robot: Robot, sample: Sample[Array], weights: Array) -> Array:
+    """Return the impulse (nu,) that the motion takes of each motor."""
     data, still = robot.model.createData(), np.zeros(robot.nv)
     inertia = np.array(
         [
@@ -86,17 +111,14 @@ def _of_impulse(robot: Robot, sample: Sample[Array], weights: Array, lacking: Ar
             for q, a in zip(sample.q, sample.a, strict=True)
         ]
     )
-    motors = np.abs(sample.tau) @ np.abs(np.asarray(robot.actuation, dtype=float)).T
-    size = np.maximum(weights @ np.abs(inertia), SHARE * (weights @ motors))
-    missing = weights @ np.abs(lacking)
-    return float(np.max(np.divide(missing, size, out=np.zeros_like(missing), where=size > 0.0)))
+    motors = np.abs(inertia) @ np.abs(np.asarray(robot.actuation, dtype=float))
+    return np.asarray(np.maximum(weights @ motors, SHARE * (weights @ np.abs(sample.tau))))
 
 
-def _of_integrals(part: PhaseSolution, times: Array, sample: Sample[Array], weights: Array, lacking: Array) -> float:
+def _of_integrals(part: PhaseSolution, times: Array, sample: Sample[Array], weights: Array, torques: Array) -> float:
     rate, dae, robot = rate_of(part.phase, of_motion=True), part.phase.dae, part.phase.robot
     if rate is None or robot is None:
         return 0.0
-    torques = lacking @ np.asarray(robot.actuation, dtype=float)
     more = {f"tau.{joint}": torques[:, i] for i, joint in enumerate(robot.actuated)}
     parameters = np.array([part.parameters[name] for name in part.phase.parameter_names], dtype=float)
     values = []

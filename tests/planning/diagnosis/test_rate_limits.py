@@ -22,7 +22,7 @@ def failure(phase: rt.Phase) -> rt.Solution:
 
 def test_the_jerk_that_would_do_is_that_of_the_fastest_joint() -> None:
     """From rest to rest over 1 rad in 1 s, without acceleration at the ends, the least largest jerk is 32 rad/s^3."""
-    jerk, duration = failure(reach(rt.constraints.JointJerk(rt.between(-6, 6)))).conflicts
+    duration, jerk = failure(reach(rt.constraints.JointJerk(rt.between(-6, 6)))).conflicts
     assert (jerk.name, jerk.unit, abs(jerk.bound)) == ("jerk limit, shoulder", "rad/s^3", 6.0)
     assert abs(jerk.needed) == pytest.approx(32.0, rel=0.1)
     # Jerks fall with the cube of the duration.
@@ -31,7 +31,7 @@ def test_the_jerk_that_would_do_is_that_of_the_fastest_joint() -> None:
 
 def test_the_named_values_do() -> None:
     limits = rt.constraints.JointTorqueRate(rt.between(-3, 3))
-    rate, duration = failure(reach(limits)).conflicts
+    duration, rate = failure(reach(limits)).conflicts
     assert rate.name.startswith("torque rate limit") and rate.unit == "N m/s"
     most = 1.01 * abs(rate.needed)
     assert rt.plan(reach(rt.constraints.JointTorqueRate(rt.between(-most, most)))).success

@@ -40,9 +40,9 @@ def sufficient(
 ) -> tuple[Conflict, ...]:
     """Return conflicts with values that suffice, of all rows together and of the duration alone.
 
-    Durations that do not suffice are left out. One that suffices alone stands before rows that do not. Conflicts that
-    are certain, those of limits of rates, whose values were found by solves, and those of motions with contacts are
-    returned as they are.
+    Durations that do not suffice are left out. One that suffices alone stands before rows that do not or were not
+    tried, such as limits of rates. Conflicts that are certain, and those of motions with contacts, are returned as they
+    are.
 
     Parameters
     ----------
@@ -57,14 +57,15 @@ def sufficient(
         return tuple(conflicts)
     durations = [each for each in conflicts if each.name == "duration"]
     of_rates = {row.label for phase in problem.phases for row in phase.rows.rates}
+    untried = any(each.name in of_rates for each in rows)
     try:
-        enough = rows if any(each.name in of_rates for each in rows) else _first(rows, problem, attempt, WIDER)
+        enough = rows if untried else _first(rows, problem, attempt, WIDER)
         longer = _first(durations, problem, attempt, LONGER)
     except LimitReached:
         return tuple(conflicts)
     if excluded:
         enough, longer = ([replace(each, certain=True) for each in some] for some in (enough, longer))
-    if len(enough) == 1:
+    if len(enough) == 1 and not untried:
         return (*enough, *longer)
     # Several rows suffice together, and a duration without any of them.
     return (*longer, *(enough or [replace(each, reason=SHORT_OF_ENOUGH) for each in rows]))
