@@ -118,19 +118,25 @@ SIGNS = np.array([-1.0, 1.0])
 
 
 def other_units(rng: np.random.Generator) -> tuple[rt.Phase, Judge]:
-    """A chain of joints in other units: the plan in SI units that starts from it has its objective and its verdict."""
+    """A chain of joints in other units: a plan in SI units that starts from it has its objective, or its own there."""
     chain = Chain.drawn(rng)
     metre, kilogram = UNITS[int(rng.integers(len(UNITS)))]
     phase, unit = chain.phase(metre, kilogram)
 
+    def planned_from(found: rt.Solution, scale: tuple[float, float], other: rt.Phase) -> rt.Solution:
+        times = np.linspace(0.0, found.duration, 101)
+        q = found.at(times).q * np.where(chain.turns, 1.0, scale[1] / scale[0])
+        return rt.plan(other, guess=rt.Guess(times, q=q), check=False, progress=False)
+
     def judge(solution: rt.Solution) -> str:
-        times = np.linspace(0.0, solution.duration, 101)
-        same = rt.Guess(times, q=solution.at(times).q / np.where(chain.turns, 1.0, metre))
-        known = rt.plan(chain.phase(1.0, 1.0)[0], guess=same, check=False, progress=False)
+        known = planned_from(solution, (metre, 1.0), chain.phase(1.0, 1.0)[0])
         if known.proof is None or not known.proof.holds:
             return "the same problem in SI units is not proved"
         if abs(solution.objective / unit - known.objective) > ALIKE * abs(known.objective):
-            return f"objective {solution.objective / unit:.8g} in SI units, where it is {known.objective:.8g}"
+            # A guess may lead to another optimum; the units must not matter there either.
+            back = planned_from(known, (1.0, metre), phase)
+            if abs(back.objective / unit - known.objective) > ALIKE * abs(known.objective):
+                return f"objective {back.objective / unit:.8g} in SI units, where it is {known.objective:.8g}"
         return ""
 
     return phase, judge
