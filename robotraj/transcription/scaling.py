@@ -26,10 +26,8 @@ from robotraj.transcription.scalar_table import Entry, Scalars
 Array = NDArray[np.float64]
 
 LEAST, GREATEST = 1e-3, 1e24
-"""Size of variables whose guess is a rounding error, relative to the largest, and of gradients that are measured again,
-relative to their median; and the largest size of a gradient: friction cones of 1e9 kg are squares of 1e10 N."""
-BESIDE = 0.1
-"""Distance from the guess at which gradients are measured again, in scales of the variables."""
+"""Range of the sizes of gradients, and size of variables whose guess is a rounding error; friction cones of 1e9 kg are
+squares of 1e10 N. The least is relative to the largest variable where all are small, as in motions of micrometres."""
 PLACEHOLDER = 1e3
 """Bounds above this multiple of the guess are placeholders that do not measure the motion."""
 ROUNDING = 1e-10
@@ -172,32 +170,17 @@ def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
 def row_scale(
     blocks: Sequence[Block], linear: csr_array, variables: Scalars, rows: Scalars, scale: Array, guess: Array
 ) -> Array:
-    """Return the scale of every row, (n_g,), for blocks and a linear part in physical units.
-
-    The gradient of a kind may vanish at the guess, which is no size. Kinds whose gradient is far below those of the
-    others are measured ``BESIDE`` the guess, too.
-    """
-
-    def largest_at(w: Array) -> Array:
-        """Return the largest gradient of every kind of row."""
-        magnitudes = row_magnitudes(blocks, linear, scale, w)
-        found = np.zeros(len(rows.entries))
-        np.maximum.at(found, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
-        return found
-
-    largest = largest_at(guess)
-    typical = float(np.median(largest[largest > 0.0])) if largest.any() else 0.0
-    small = (largest > 0.0) & (largest < LEAST * typical)
-    if small.any():
-        aside = np.where(np.arange(len(guess)) % 2, BESIDE, -BESIDE) * scale
-        largest = np.where(small, np.maximum(largest, largest_at(guess + aside)), largest)
-        largest[largest < np.finfo(float).eps * typical] = 0.0
+    """Return the scale of every row, (n_g,), for blocks and a linear part in physical units."""
+    magnitudes = row_magnitudes(blocks, linear, scale, guess)
+    largest = np.zeros(len(rows.entries))
+    np.maximum.at(largest, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
     # The linear part of a defect is a difference of states.
     states = np.zeros(len(rows.entries))
     np.maximum.at(states, rows.meaning, _largest(linear, np.abs(linear.data) * scale[linear.indices]))
     stiff = STIFF * np.where(states > 0, states, 1.0)
     greatest = np.where([entry.name == "defect" for entry in rows.entries], stiff, GREATEST)
-    return 1.0 / np.minimum(np.where(largest > 0, largest, 1.0), greatest)[rows.meaning]
+    least = LEAST * min(1.0, float(scale[~_durations(variables)[variables.meaning]].max(initial=0.0)))
+    return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), least, greatest)[rows.meaning]
 
 
 def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: Array) -> Array:

@@ -61,35 +61,3 @@ def test_defects_are_scaled_alike_in_every_unit_of_the_states() -> None:
     assert 0.5 < np.max(np.abs(plain)) < 10.0
     for unit in (1e-2, 1e7):
         np.testing.assert_allclose(gradients(unit), plain, rtol=1e-9, atol=1e-12)
-
-
-def row_sizes(kilogram: float) -> np.ndarray:
-    """Return the largest scaled gradient of every row of an arm in least time, in other units of mass."""
-    model = rt.load("two_link_arm").model.copy()
-    for body in model.inertias:
-        body.mass, body.inertia = kilogram * body.mass, kilogram * body.inertia
-    model.upperEffortLimit, model.damping = kilogram * np.array([40.0, 20.0]), kilogram * model.damping
-    model.lowerEffortLimit, model.friction = -model.upperEffortLimit, kilogram * model.friction
-    ends = rt.State(q=[-0.5, 0.3], v=0), rt.State(q=[0.8, 1.1], v=0)
-    nlp = nlp_of(rt.Problem([rt.Phase(rt.load(model), (0.1, 10.0), *ends, rt.Duration())]), rt.Mesh(6))
-    scaled = nlp.row_scale[:, None] * nlp.jacobian(nlp.guess).toarray() * nlp.scale
-    return np.asarray(np.abs(scaled).max(axis=1))
-
-
-@pytest.mark.parametrize("kilogram", [1e-3, 1e-6, 1e-12])
-def test_rows_are_scaled_alike_in_every_unit_of_mass(kilogram: float) -> None:
-    """With a least size of gradients, relative to 1, equations of motion of 1e-9 N m were solved to 1e-3 of that."""
-    np.testing.assert_allclose(row_sizes(kilogram), row_sizes(1.0), rtol=1e-9)
-
-
-def test_a_gradient_that_vanishes_at_the_guess_is_no_size() -> None:
-    """The row x^3 >= -1 has the gradient 0 at the guess x = 0, where a scale by that would be without bound."""
-    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
-    row = rt.PathConstraint(lambda point: point.x["x"] ** 3 + 1e-9 * point.x["x"], lower=-1.0, name="cubic")
-    phase = rt.Phase(
-        system, 1.0, rt.State([0.0]), rt.State([0.0]), rt.Lagrange(lambda p: p.u["u"] ** 2), constraints=[row]
-    )
-    nlp = nlp_of(rt.Problem([phase]), rt.Mesh(4))
-    cubic = [i for i, entry in enumerate(nlp.rows.entries) if "cubic" in (entry.name, entry.label)]
-    assert cubic
-    assert nlp.row_scale[np.isin(nlp.rows.meaning, cubic)].max() < 1e3
