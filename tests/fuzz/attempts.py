@@ -88,6 +88,14 @@ OWN_PROCESS = ("mesh",)
 """What a process of its own reads: it is started, and its arrays are kept in the cache."""
 
 
+def has_own_process(kind: str, path: str) -> bool:
+    """Whether a process of its own reads a file; one expands the macros of xacro."""
+    if kind in OWN_PROCESS:
+        return True
+    with open(path, "rb") as file:
+        return kind == "urdf" and b"xacro" in file.read()
+
+
 def main() -> None:
     """Make one attempt for each line of the standard input."""
     answers = os.fdopen(os.dup(1), "w")
@@ -117,8 +125,9 @@ def main() -> None:
 
             where = traceback.extract_tb(error.__traceback__)[-1]
             answer, text = "raw", f"{type(error).__name__}: {str(error)[:300]} ({where.filename}:{where.lineno})"
-        if seen and kind not in OWN_PROCESS:
-            answer, text = "wrote", "; ".join(seen[:5])
+        events = seen.copy()
+        if events and not has_own_process(kind, path):
+            answer, text = "wrote", "; ".join(events[:5])
         print(json.dumps([answer, text]), file=answers, flush=True)
 
 
