@@ -103,8 +103,11 @@ def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = ""
     return UnknownName(f"There is no {kind} named {name!r}.{guess} Valid names: {shown or 'none'}.{end}")
 
 
-def no_attribute(value: object, name: str, advice: str = "") -> NoSuchValue:
+def no_attribute(value: object, name: str, advice: str = "") -> AttributeError:
     """Build the error for an attribute that a value does not have, with names of like spelling or meaning.
+
+    Names that begin with an underscore are protocols of Python and its libraries, which look for them by trial; their
+    error is a plain one.
 
     Parameters
     ----------
@@ -115,10 +118,13 @@ def no_attribute(value: object, name: str, advice: str = "") -> NoSuchValue:
     """
     from robotraj._util.names.near_words import near_names
 
+    what = f"{type(value).__name__!r} object has no attribute {name!r}"
+    if name.startswith("_"):
+        return AttributeError(what)
     # A value has many attributes, of which some are faintly like any name.
     near = near_names(name, (each for each in dir(value) if not each.startswith("_")), 0.75)
     guess = f" Did you mean {' or '.join(map(repr, near))}?" if near else ""
-    return NoSuchValue(f"{type(value).__name__!r} object has no attribute {name!r}.{guess}{advice and ' '}{advice}")
+    return NoSuchValue(f"{what}.{guess}{advice and ' '}{advice}")
 
 
 def called(what: str, function: Callable[..., Result], *arguments: object) -> Result:

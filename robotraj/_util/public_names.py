@@ -34,7 +34,7 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
             try:
                 found: object = imported(name)
             except AttributeError:
-                # Python and its tools ask for names with underscores to learn what a module supports.
+                # Names with an underscore are protocols of Python and its libraries, as for ``no_attribute``.
                 if name.startswith("_"):
                     raise
                 raise NoSuchValue(str(unknown_name(f"name in {package}", name, names))) from None

@@ -80,10 +80,8 @@ class Sample(OneLine, Generic[Value]):
     else:
 
         def __getattr__(self, name: str) -> object:
-            # Python and its tools ask for names with underscores to learn what a value supports.
-            if name.startswith("_") or "x" not in vars(self):
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            if name not in JOINTS:
+            # A sample that is being unpickled has no fields yet.
+            if name not in JOINTS or "x" not in vars(self):
                 raise no_attribute(self, name)
             kinds = (("x", self.x), ("u", self.u))
             lists = (f"{kind}[{', '.join(map(repr, names))}]" for kind, names in kinds if names)

@@ -118,9 +118,6 @@ class Solution(OneLine):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> object:
-            # Python and its tools ask for names with underscores to learn what a value supports.
-            if name.startswith("_"):
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             advice = f"Read values at times: solution.at(t).{name}." if name in (*JOINTS, "x", "u") else ""
             raise no_attribute(self, name, advice)
 

@@ -18,12 +18,13 @@ from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, r
 from robotraj.planning.loop.smoothing_weight import smoothing_weight
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.plan_limits import PlanLimits
-from robotraj.planning.proving.soft_friction import CHANGE_STICKING, averaging_times, softened
+from robotraj.planning.proving.soft_friction import CHANGE_STICKING
+from robotraj.planning.proving.softer_guess import solved_softer
 from robotraj.planning.solve import solve
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import Lack, answered, started_from, with_effort_of
+from robotraj.solution.records import Lack, answered, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
@@ -187,16 +188,10 @@ def _found(solution: Solution, measures: Measured, limited: bool) -> Found:
 
 def _softer(state: PlanState, progress: Progress | None, surfaces: Surfaces) -> Found:
     """Solve with softer friction, as the guess of a solve with less soft friction."""
-    own, factor = state.settings, state.softening[0]
-    assert own.goals is not None
-    limits = replace(own.interval_limits, rounds=0)
-    solver = own.solver.at_most(PATIENCE).until_settled(CHANGE_STICKING)
-    settings = replace(own, mesh=state.meshes, restarts=Restarts(0), interval_limits=limits, solver=solver)
-    last = state.guess if isinstance(state.guess, Solution) else None
-    soft = softened(state.problem, factor, averaging_times(state.problem, state.meshes, last))
-    found = solve(soft, state.guess, settings, progress, surfaces=surfaces)
-    found = replace(found, rounds=started_from(found.rounds, f"softer friction, {factor:g}"))
-    measures = measured(found, None, own.goals, bending=True) if is_guess(found) else None
+    goals, settings = state.settings.goals, replace(state.settings, mesh=state.meshes)
+    assert goals is not None
+    found = solved_softer(state.problem, state.softening[0], state.guess, settings, progress, surfaces)
+    measures = measured(found, None, goals, bending=True) if is_guess(found) else None
     return Found(found, measures)
 
 

@@ -274,7 +274,7 @@ def begin(
     state = PlanState(soft, problem, settings, traits, guess, (), second, is_brief=is_brief)
     neighbour = proof_on(guess, state.coarsest)
     known = guess if isinstance(guess, Solution) and neighbour is not None else None
-    softening = softening_of(problem, known) if traits.sticking else ()
+    softening = softening_of(problem, known)
     if softening:
         state = replace(state, task=Task.SOFTER, softening=softening)
     return replace(state, meshes=state.coarsest, neighbour=neighbour)

@@ -9,8 +9,8 @@ By the envelope theorem the optimum changes to first order as the objective alon
 
     | sum integral (l(tau + d) - l(tau)) dt | / J.
 
-Terms of the end points, such as a duration, depend on torques at their limits alone. There the share of a motor's
-impulse at its limits counts,
+Terms of the end points, such as a duration, depend on torques at their limits alone. There the share of a joint's
+impulse at the limits of its motor counts, which are 0 without one,
 
     max_i integral |d_i| [at the limit] dt / max(integral |M a|_i dt, ``SHARE`` integral |tau_i| dt),
 
@@ -43,6 +43,8 @@ SHARE = 0.1
 """Least size of a joint's impulse relative to that of its motor: a slow joint has hardly any inertia."""
 AT_LIMIT = 0.99
 """Share of its limit from which a torque is at the limit."""
+UNLIMITED = 1e20
+"""Torque in place of an infinite limit [N m, N]."""
 STILL = 3e-3
 """Speed below which a joint rests, relative to its largest: its friction takes any value up to F."""
 PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
@@ -51,7 +53,7 @@ PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Shares of Coulomb's friction that the smooth law leaves out: of the objective, and of a motor's impulse."""
+    """Shares of Coulomb's friction that the smooth law leaves out: of the objective, and of a joint's impulse."""
 
     objective: float
     impulse: float
@@ -69,7 +71,7 @@ def friction_left_out(found: Solution) -> LeftOut:
 
 
 def _left_out(part: PhaseSolution) -> tuple[float, float, float]:
-    """Return the largest shares of a motor's impulse, anywhere and at its limits, and what the integrals lack."""
+    """Return the largest shares of a joint's impulse, anywhere and at its limits, and what the integrals lack."""
     robot = part.phase.robot
     assert robot is not None
     knots = np.asarray(part.knots, dtype=float)
@@ -79,40 +81,43 @@ def _left_out(part: PhaseSolution) -> tuple[float, float, float]:
     sample = part.at(times)
     moves = np.abs(sample.v) > STILL * np.abs(sample.v).max(axis=0)
     lacking = moves * robot.friction * (np.sign(sample.v) - np.tanh(sample.v / robot.friction_speed))
-    torques = lacking @ np.asarray(robot.actuation, dtype=float)
-    at_limit = np.maximum(np.abs(sample.tau), np.abs(sample.tau + torques)) >= AT_LIMIT * _largest(part.phase, robot)
-    size = _impulses(robot, sample, weights)
+    actuation = np.asarray(robot.actuation, dtype=float)
+    motors = sample.tau @ actuation.T
+    low, high = (side @ actuation.T for side in _limits(part.phase, robot))
+    room = (1.0 - AT_LIMIT) * np.maximum(np.abs(low), np.abs(high))
+    over = np.maximum(motors, motors + lacking) >= high - room
+    at_limit = over | (np.minimum(motors, motors + lacking) <= low + room)
+    size = np.maximum(weights @ np.abs(_inertial(robot, sample)), SHARE * (weights @ np.abs(motors)))
     return (
-        _share(weights @ np.abs(torques), size),
-        _share(weights @ np.abs(torques * at_limit), size),
-        _of_integrals(part, times, sample, weights, torques),
+        _share(weights @ np.abs(lacking), size),
+        _share(weights @ np.abs(lacking * at_limit), size),
+        _of_integrals(part, times, sample, weights, lacking @ actuation),
     )
 
 
-def _largest(phase: Phase, robot: Robot) -> Array:
-    """Return the largest torques (nu,) that the limits of a phase allow."""
+def _limits(phase: Phase, robot: Robot) -> tuple[Array, Array]:
+    """Return the least and the largest torques (nu,) that the limits of a phase allow; large ones without limits."""
     known = {each.name: each for each in (*phase.dae.controls, *phase.dae.algebraic)}
     torques = tuple(known[name] for joint in robot.actuated if (name := f"tau.{joint}") in known)
     if len(torques) < len(robot.actuated):
-        return np.full(len(robot.actuated), np.inf)
-    return np.asarray(np.maximum(*map(np.abs, phase.rows.limits_of(torques))))
+        return np.full(robot.nu, -UNLIMITED), np.full(robot.nu, UNLIMITED)
+    low, high = phase.rows.limits_of(torques)
+    return np.maximum(low, -UNLIMITED), np.minimum(high, UNLIMITED)
 
 
 def _share(missing: Array, size: Array) -> float:
     return float(np.max(np.divide(missing, size, out=np.zeros_like(missing), where=size > 0.0)))
 
 
-def _impulses(robot: Robot, sample: Sample[Array], weights: Array) -> Array:
-    """Return the impulse (nu,) that the motion takes of each motor."""
+def _inertial(robot: Robot, sample: Sample[Array]) -> Array:
+    """Return M a (m, nv)."""
     data, still = robot.model.createData(), np.zeros(robot.nv)
-    inertia = np.array(
+    return np.array(
         [
             pin.rnea(robot.model, data, q, still, a) - pin.rnea(robot.model, data, q, still, still)
             for q, a in zip(sample.q, sample.a, strict=True)
         ]
     )
-    motors = np.abs(inertia) @ np.abs(np.asarray(robot.actuation, dtype=float))
-    return np.asarray(np.maximum(weights @ motors, SHARE * (weights @ np.abs(sample.tau))))
 
 
 def _of_integrals(part: PhaseSolution, times: Array, sample: Sample[Array], weights: Array, torques: Array) -> float:

@@ -155,9 +155,10 @@ class KeptApart:
             solver=self._settings.solver.at_most(self._patience if are_free else self._patience // PUSHES),
             interval_limits=replace(self._settings.interval_limits, rounds=0),
         )
+        soft = softest(self._problem)
         for _ in range(SOLVES if are_free else PUSHES):
             near = replace(coarse, solver=coarse.solver.from_nearby()) if isinstance(search.start, Solution) else coarse
-            solution = solve(softest(self._problem), search.start, near, self._progress, surfaces=search.surfaces)
+            solution = solve(soft, search.start, near, self._progress, surfaces=search.surfaces)
             self._cuts.append(solution)
             if self._is_stopped:
                 return None

@@ -1,6 +1,7 @@
 """Continuation from smooth dry friction to Coulomb's law.
 
-Where a robot's own v_s leaves out more than a small share of the objective (``friction_left_out``), or a machine with
+A plan with wider friction than the robot's own (``widened``) is the guess of those on the way to it. Where the robot's
+own v_s leaves out more than a small share of the objective (``friction_left_out``), or a machine with
 Coulomb's friction does not follow the plan, the plan is the guess of the next one, with a smaller v_s. This is so for
 motions that are slow beside the joints' limits. From a distant guess such a plan takes thousands of iterations or ends
 in a poor optimum; from the softer one it takes tens (``soft_friction`` has the part of the continuation before the
@@ -75,12 +76,17 @@ def sharpened(
         missing = friction_left_out(found)
         proof = replace(found.proof, friction=missing.objective)
         found = replace(found, proof=proof)
-        own = _to_own(problem, found.problem)
-        enough = missing.objective <= FRICTION and (missing.impulse <= FRICTION or is_followed(found))
-        if (own >= 1.0 and enough) or not proof.holds or step == STEPS:
+        if not proof.holds or step == STEPS:
             return found
-        wanted = own if own < 1.0 else min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
-        sharper = _scaled(found.problem, max(factor, wanted))
+        own = _to_own(problem, found.problem)
+        if own < 1.0:
+            # The last plan on the way is that of the robots themselves.
+            sharper = problem if own >= factor else _scaled(found.problem, factor)
+        elif missing.objective <= FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
+            return found
+        else:
+            wanted = min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
+            sharper = _scaled(found.problem, max(factor, wanted))
         near = replace(
             settings,
             mesh=tuple(part.mesh for part in found.phases),

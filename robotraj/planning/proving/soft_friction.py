@@ -37,7 +37,7 @@ LAST, FALL = 0.5, 3.5
 """The last factor c, and the largest ratio of one factor to the next.
 
 With the last one, soft friction leaves out as much as tanh(v / v_s) does: the integral of 1 - s / sqrt(s^2 + c^2) over
-s is c, and that of 1 - tanh(s) is log 2. Larger steps are faster, and fewer plans are proved
+s is c, and that of 1 - tanh(s) is log 2. With larger steps fewer plans are proved, smaller ones take longer
 (``benchmarks/friction.md``).
 """
 CHANGE_STICKING = 1e-3
@@ -50,7 +50,9 @@ AVERAGED = 0.1
 
 
 def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float, ...]:
-    """Return the factors c on v_s for the first solves, each on a finer mesh; none where friction is wide enough.
+    """Return the factors c on v_s for the first solves, each on a finer mesh.
+
+    There are none where joints do not stick and slide, or friction is wide enough.
 
     Parameters
     ----------
@@ -59,8 +61,10 @@ def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float,
         A proved plan of the same motion with wider friction. Softer friction begins at its width.
     """
     rough = [k for k, phase in enumerate(problem.phases) if has_friction(phase)]
+    if not rough or not shares_of(problem).sticking:
+        return ()
     wider = [None if near is None else near.problem.phases[k].robot for k in rough]
-    first = max((softest_factor(problem.phases[k], robot) for k, robot in zip(rough, wider, strict=True)), default=0.0)
+    first = max(softest_factor(problem.phases[k], robot) for k, robot in zip(rough, wider, strict=True))
     if first <= LAST:
         return ()
     steps = int(np.ceil(np.log(first / LAST) / np.log(FALL)))
@@ -69,7 +73,7 @@ def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float,
 
 def softest(problem: Problem) -> Problem:
     """Return the problem of the first solve: with the softest friction where joints stick and slide."""
-    softening = softening_of(problem) if shares_of(problem).sticking else ()
+    softening = softening_of(problem)
     return softened(problem, softening[0], (0.0,) * len(problem.phases)) if softening else problem
 
 

@@ -77,6 +77,8 @@ def test_least_times_with_dry_friction_are_possible_by_coulombs_law(axis: Axis, 
     ]
     solution = rt.plan(rt.Problem(phases, [rt.Continuity(k, k + 1) for k in range(len(phases) - 1)]))
     assert solution.proof is not None and solution.proof.holds
+    widths = [part.phase.robot.friction_speed for part in solution.phases if part.phase.robot is not None]
+    assert max(widths) <= robot.friction_speed
     least = sum(axis.least_time(b - a) for a, b in pairwise(stops))
     report = rt.validate(solution, drift=None)
     assert report.passed, report.failures(report.tolerances)

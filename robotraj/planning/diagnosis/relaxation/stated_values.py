@@ -67,7 +67,7 @@ def sufficient(
         enough, longer = ([replace(each, certain=True) for each in some] for some in (enough, longer))
     if len(enough) == 1 and not untried:
         return (*enough, *longer)
-    # Several rows suffice together, and a duration without any of them.
+    # Several rows suffice together or were not tried, and a duration suffices without any of them.
     return (*longer, *(enough or [replace(each, reason=SHORT_OF_ENOUGH) for each in rows]))
 
 
