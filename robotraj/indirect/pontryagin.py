@@ -23,7 +23,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.point import Point
-from robotraj.dynamics.rigid_body_forms import ForwardDynamics
+from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System
 from robotraj.dynamics.variable import Named, Scalar
 from robotraj.indirect.arcs import Side
@@ -54,7 +54,10 @@ class Pontryagin(OneLine):
     @cached_property
     def phase(self) -> Phase:
         """The phase with a robot's equations solved for the accelerations."""
-        return replace(self.original, dynamics=ForwardDynamics()) if self.original.robot else self.original
+        dynamics = self.original.dynamics
+        if isinstance(dynamics, InverseDynamics):
+            return replace(self.original, dynamics=ForwardDynamics(dynamics.softening))
+        return self.original
 
     @cached_property
     def hamiltonian(self) -> Hamiltonian:

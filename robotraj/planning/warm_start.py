@@ -167,13 +167,19 @@ def separated_form(
     -------
     (Problem, tuple of Mesh) or None
         None without a phase in compressed form, or if the guess is a solution on the same meshes.
+
+    Raises
+    ------
+    InputError
+        The problem is none for the compressed form.
     """
     meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     if not any(isinstance(scheme, CompressedHermiteSimpson) for own in meshes for scheme in own.given):
         return None
     if isinstance(guess, Solution) and tuple(part.mesh for part in guess.phases) == meshes:
         return None
-    return explicit(problem, meshes), tuple(map(_separated, meshes))
+    explicit(problem, meshes)  # raises before the first solve
+    return problem, tuple(map(_separated, meshes))
 
 
 def _separated(mesh: Mesh) -> Mesh:
@@ -188,9 +194,8 @@ def from_separated_form(
 ) -> Solution:
     """Solve the separated form, then the compressed form from its solution.
 
-    Rows between the points are steep functions in compressed form if joints have dry friction. Where the solver does
-    not converge with those of the separated form, the problem is solved without them. They are then listed as
-    violated between the points.
+    With dry friction of light joints, the rows of the compressed form are so steep that a solver may not converge from
+    the solution itself. The solution of the separated form, which is the same motion, is then returned.
 
     Parameters
     ----------
@@ -204,24 +209,15 @@ def from_separated_form(
     Returns
     -------
     Solution
-        The failed solution of the separated form if that is not solved, since both forms have the same solutions.
+        That of the separated form, with its meshes, where either form is not solved.
     """
     first = solve_separated(settings)
     if not first.success:
         return first
-    solver = settings.solver.from_nearby().at_most(PATIENCE)
-    near = replace(settings, solver=solver, restarts=Restarts(0))
+    near = replace(settings, solver=settings.solver.from_nearby().at_most(PATIENCE), restarts=Restarts(0))
     try:
         found = with_effort_of(first, solve_compressed(first, near))
     except KeyboardInterrupt:
         # Ctrl-C or a limit between two solves: the solution of the separated form is kept.
         return replace(first, status=Status.INTERRUPTED)
-    if not found.success and found.status is not Status.INTERRUPTED and first.added_rows:
-        few = replace(settings.interval_limits, rounds=0)
-        patient = replace(near, interval_limits=few, solver=settings.solver.from_nearby())
-        try:
-            first = with_effort_of(found, solve_separated(replace(settings, interval_limits=few)))
-            found = with_effort_of(first, solve_compressed(first, patient)) if first.success else found
-        except KeyboardInterrupt:
-            return replace(found, status=Status.INTERRUPTED)
-    return found
+    return found if found.success or found.status is Status.INTERRUPTED else with_effort_of(found, first)

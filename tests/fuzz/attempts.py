@@ -93,7 +93,8 @@ def has_own_process(kind: str, path: str) -> bool:
     if kind in OWN_PROCESS:
         return True
     with open(path, "rb") as file:
-        return kind == "urdf" and b"xacro" in file.read()
+        text = file.read()
+    return kind == "urdf" and any(mark in text for mark in (b"xacro", b"${", b"$("))
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL
+from robotraj.planning.proving.soft_friction import nearer
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
 from robotraj.solution.solution import Solution
@@ -82,6 +83,9 @@ def own_friction(state: PlanState) -> PlanState:
 
 def _after_softer(state: PlanState, found: Found) -> PlanState:
     soft, refinement = found.solution, state.settings.refinement
+    between = None if soft.success else nearer(state.softening[0], state.guess)
+    if between is not None:
+        return replace(state, softening=(between, *state.softening), why="a smaller step to less soft friction")
     if found.measures is not None and refinement is not None:
         # Torques bend more sharply with less soft friction.
         meshes = found.measures.next_meshes(soft.phases, refinement, SOFTER)

@@ -25,6 +25,7 @@ from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.guess.ends import ends_of, guessed_duration
 from robotraj.planning.sizes.shares import shares_of
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
@@ -40,6 +41,8 @@ With the last one, soft friction leaves out as much as tanh(v / v_s) does: the i
 s is c, and that of 1 - tanh(s) is log 2. With larger steps fewer plans are proved, smaller ones take longer
 (``benchmarks/friction.md``).
 """
+SMALLEST_FALL = 1.2
+"""Ratio of two factors below which a failed solve is not tried from a nearer one."""
 CHANGE_STICKING = 1e-3
 """Relative change of the objective within eight iterations below which a solve ends where joints stick and slide.
 
@@ -69,6 +72,22 @@ def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float,
         return ()
     steps = int(np.ceil(np.log(first / LAST) / np.log(FALL)))
     return tuple((LAST * (first / LAST) ** (1.0 - np.arange(steps + 1) / steps)).tolist())
+
+
+def nearer(failed: float, solved: InitialGuess | Solution | None) -> float | None:
+    """Return the factor halfway, in its logarithm, from a solution with softer friction to one that failed from it.
+
+    Friction of light joints is steep: from a near solution a solver takes ten iterations, from a distant one it fails.
+
+    Returns
+    -------
+    float or None
+        None where the guess was no solution with soft friction, or the step was small.
+    """
+    if not isinstance(solved, Solution):
+        return None
+    factor = max(getattr(phase.dynamics, "softening", 0.0) for phase in solved.problem.phases)
+    return float(np.sqrt(factor * failed)) if factor > failed * SMALLEST_FALL**2 else None
 
 
 def softest(problem: Problem) -> Problem:

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robotraj.planning.proving.soft_friction import CHANGE_STICKING, averaging_times, softened, softening_of
+from robotraj.planning.proving.soft_friction import CHANGE_STICKING, averaging_times, nearer, softened, softening_of
 from robotraj.planning.solve import solve
-from robotraj.planning.warm_start import PATIENCE
+from robotraj.planning.warm_start import PATIENCE, separated_form
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import started_from, with_effort_of
@@ -56,14 +56,21 @@ def from_softer(find: Callable[..., Solution]) -> Callable[..., Solution]:
     def planned(
         problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
     ) -> Solution:
-        softening = () if isinstance(guess, Solution) else softening_of(problem)
+        softening = [] if isinstance(guess, Solution) else list(softening_of(problem))
         start, spent = guess, None
-        for factor in softening:
-            found = solved_softer(problem, factor, start, settings, progress)
+        form = separated_form(problem, settings.mesh, guess)
+        apart = settings if form is None else replace(settings, mesh=form[1])
+        while softening:
+            found = solved_softer(problem, softening[0], start, apart, progress)
             spent = found if spent is None else with_effort_of(spent, found)
-            if not found.success:
+            if found.success:
+                start = found
+                softening.pop(0)
+                continue
+            between = nearer(softening[0], start)
+            if between is None:
                 break
-            start = found
+            softening.insert(0, between)
         warm = settings.solver if start is guess else settings.solver.from_nearby(altered=True)
         solution = find(problem, start, replace(settings, solver=warm), progress)
         return solution if spent is None else with_effort_of(spent, solution)

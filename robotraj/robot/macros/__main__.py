@@ -78,7 +78,8 @@ def _expanded(question: bytes) -> bytes:
         cause = getattr(error, "exc", None)  # what xacro caught
         if cause is None:
             raise
-        raise cause if isinstance(cause, MemoryError) else ValueError(f"{cause}, {error}") from error
+        where = " ".join(str(getattr(error, "suffix", None) or "").split())
+        raise cause if isinstance(cause, MemoryError) else ValueError(f"{cause} {where}".rstrip()) from error
 
 
 if __name__ == "__main__":

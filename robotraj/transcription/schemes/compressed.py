@@ -28,8 +28,9 @@ class CompressedHermiteSimpson(OneStep):
     """Hermite-Simpson with one defect per interval, order 4; rows of the phase hold at knots and mid-points.
 
     The dynamics must be explicit: a robot is planned by its forward dynamics. Solutions are those of
-    ``HermiteSimpson()`` with ``rt.dynamics.ForwardDynamics()``, which is solved first. Solvers need the fewest
-    iterations by inverse dynamics, the default of ``HermiteSimpson()``.
+    ``HermiteSimpson()``, which is solved first, by inverse dynamics if they are the phase's. Where that is solved and
+    the compressed form is not, as with steep dry friction of light joints, its solution is returned. Solvers need the
+    fewest iterations by inverse dynamics, the default of ``HermiteSimpson()``.
 
     Parameters
     ----------

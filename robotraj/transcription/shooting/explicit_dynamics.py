@@ -55,7 +55,7 @@ def _explicit(phase: Phase, mesh: Mesh) -> Phase:
                 f"{name} plans phase {phase.name!r} by forward dynamics, where accelerations are no variables to "
                 "bound by algebraic=; use the constraint rt.constraints.JointAcceleration."
             )
-        phase = replace(phase, dynamics=ForwardDynamics())
+        phase = replace(phase, dynamics=ForwardDynamics(phase.dynamics.softening))
     if phase.dae.algebraic:
         names = ", ".join(repr(variable.name) for variable in phase.dae.algebraic)
         raise InputError(

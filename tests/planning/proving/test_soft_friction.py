@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.soft_friction import averaging_times, softened
+from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened
 from robotraj.planning.sizes.shares import shares_of
+from robotraj.transcription.shooting.explicit_dynamics import explicit
 
 
 def problem(name: str, objective: rt.objectives.Objective) -> rt.Problem:
@@ -45,6 +48,24 @@ def test_only_the_curve_of_friction_is_changed(
     assert soft.with_(dynamics=dynamics).duration_bounds == hard.duration_bounds
     assert soft.dynamics.softening == 10.0
     assert getattr(soft.dynamics, "averaging", 0.02) == 0.02
+
+
+def test_one_step_schemes_have_the_same_soft_friction() -> None:
+    """Their forward dynamics were those of the robot's own friction."""
+    soft = softened(problem("z1", rt.Effort()), 10.0, [0.02])
+    (phase,) = explicit(soft, [rt.Mesh(5, rt.schemes.MultipleShooting())]).phases
+    assert phase.dynamics == rt.dynamics.ForwardDynamics(10.0)
+
+
+def test_after_a_failed_step_a_nearer_factor_is_halfway_in_its_logarithm() -> None:
+    arm = rt.load("two_link_arm")
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[0.5, 0.2], v=0)
+    phase = rt.Phase(replace(arm, friction=[0.1, 0.1]), 4.0, *ends, rt.Effort())
+    solved = rt.plan(phase.with_(dynamics=rt.dynamics.InverseDynamics(8.0)), rt.Mesh(5))
+    assert nearer(2.0, solved) == pytest.approx(4.0)
+    assert nearer(6.0, solved) is None
+    assert nearer(2.0, rt.plan(phase, rt.Mesh(5))) is None
+    assert nearer(2.0, None) is None
 
 
 @pytest.mark.parametrize("speed", [-3.0, -0.05, 0.0, 0.02, 1.0])

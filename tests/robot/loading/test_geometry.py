@@ -125,7 +125,7 @@ def test_meshes_that_do_not_exist_are_counted_by_folder(tmp_path, urdf):
     shapes = "".join(MESH.format(f"package://arm/meshes/{name}.stl") for name in "abc") + MESH.format("gone/d.stl")
     with pytest.warns(UserWarning, match=r"4 of 4 .*: 3 in package://arm/meshes, 1 in gone. .* contains 'arm'"):
         rt.load(urdf.chain(SLIDER, shapes=shapes))
-    with pytest.warns(UserWarning, match=r"1 of 1 .*: 1 in the URDF's folder. Name their folder"):
+    with pytest.warns(UserWarning, match=r"1 of 1 .*: 1 in the URDF's folder, the first 'e.stl'. Name their folder"):
         rt.load(urdf.chain(SLIDER, shapes=MESH.format("e.stl")))
 
 

@@ -18,13 +18,13 @@ from robotraj.transcription.refinement.linear_controls import LINES
 from robotraj.transcription.refinement.simulation_errors import SHARE, speed_deviations, window_errors
 
 
-def light_link() -> rt.Phase:
+def light_link(width: float = 0.05) -> rt.Phase:
     """Return a turn of a light link, whose torque begins above the dry friction and changes as little as possible."""
     model, place = pin.Model(), pin.SE3.Identity()
     joint = model.addJoint(0, pin.JointModelRZ(), place, "joint")
     model.appendBodyToJoint(joint, pin.Inertia(0.1, np.zeros(3), 1e-4 * np.eye(3)), place)
     model.damping = np.array([0.1])
-    robot = replace(rt.load(model), friction=np.array([0.2]))
+    robot = replace(rt.load(model), friction=np.array([0.2]), friction_speed=width)
     ends = rt.State(q=0.0, v=0.0), rt.State(q=0.5, v=0.0)
     return rt.Phase(robot, 0.5, *ends, rt.objectives.TorqueRate())
 
@@ -57,8 +57,10 @@ def test_a_light_joint_deviates_inside_an_interval_as_a_simulation_that_follows_
     assert deviations[0] > 50.0 * deviations[1:].max()
 
 
-def test_the_default_plan_resolves_the_speed_of_a_light_joint() -> None:
-    solution = rt.plan(light_link())
+@pytest.mark.parametrize("width", [0.05, 0.005])
+def test_the_default_plan_resolves_the_speed_of_a_light_joint(width: float) -> None:
+    """With the narrower friction, a step to less soft friction fails, and is taken in two."""
+    solution = rt.plan(light_link(width))
     assert solution.success
     assert rt.validate(solution).passed
 
