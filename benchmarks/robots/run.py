@@ -158,7 +158,7 @@ def main() -> None:
     parser.add_argument("names", nargs="*", metavar="name", help="packages of the list, or robots; all by default")
     parser.add_argument("--files", type=int, help="files of each package at most")
     parser.add_argument("--catalogue", action="store_true", help="run the robots that are loaded by name")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     folder = options.folder
     folder.mkdir(parents=True, exist_ok=True)
     if options.catalogue:

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from copy import deepcopy
 from pathlib import Path
 from typing import Protocol
 from xml.etree.ElementTree import Element
@@ -20,6 +21,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError, warn
+from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.mesh_units import doubted_sizes, scale_by, unit_of
@@ -92,7 +94,7 @@ class UrdfGeometry(OneLine):
         """
         if _closed.get():
             raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
-        root, folders = self._read()
+        root, folders = deepcopy(without_balls(self.root)), self._folders()
         faults: dict[str, list[str]] = {}
         for link, shape, mesh in list(_meshes(root, kind)):
             address = mesh.get("filename", "")
@@ -121,12 +123,16 @@ class UrdfGeometry(OneLine):
         """Return the number of shapes of the kind for each link, meshes that cannot be read included."""
         if _closed.get():
             raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
-        links = self._read()[0].findall("link")
+        links = self.root.findall("link")
         return Counter({link.get("name", ""): len(link.findall(TAGS[kind])) for link in links})
 
-    def _read(self) -> tuple[Element, list[Path]]:
-        folders = search_folders(self.urdf, self.package_dirs, self.trust_paths)
-        return without_balls(read_xml(self.urdf, folders=folders, trust=self.trust_paths)), folders
+    @cached_property
+    def root(self) -> Element:
+        """The URDF, read and its macros expanded once in a process: shapes belong to the model that was loaded."""
+        return read_xml(self.urdf, folders=self._folders(), trust=self.trust_paths)
+
+    def _folders(self) -> list[Path]:
+        return search_folders(self.urdf, self.package_dirs, self.trust_paths)
 
 
 def _meshes(root: Element, kind: pin.GeometryType) -> Iterator[tuple[Element, Element, Element]]:

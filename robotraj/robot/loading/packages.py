@@ -7,8 +7,9 @@ is the folder with ``package.xml``, or the one above ``urdf/``, ``robots/`` or `
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from urllib.parse import unquote
 
 MANIFESTS = ("package.xml", "manifest.xml")
 """Files that mark the folder of a package."""
@@ -63,20 +64,44 @@ def find_mesh(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
     """Return the existing file of a mesh address, or None.
 
     ``package://name/rest`` is ``folder/name/rest``. It is ``folder/rest`` where the folder itself is the package.
-    ``file://rest`` without a leading slash is a relative path.
+    ``file://rest`` without a leading slash is a relative path. ``%20`` is a blank where no name has it as written, and
+    case differs where a single name fits: files that Windows and macOS find.
     """
-    paths = (folder / rest for folder, rest in _candidates(address, urdf, folders))
-    return next((path for path in paths if path.is_file()), None)
+    return next((path for _, _, path in _existing(address, urdf, folders)), None)
 
 
 def base_of(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
     """Return the folder that ``package_dirs=`` must name for a mesh address, if the file exists in ``folders``."""
-    for folder, rest in _candidates(address, urdf, folders):
-        path = folder / rest
-        if path.is_file():
-            plain = not os.path.isabs(rest) and ".." not in Path(rest).parts
-            return folder.resolve() if plain else path.resolve().parent
+    for folder, rest, path in _existing(address, urdf, folders):
+        plain = not os.path.isabs(rest) and ".." not in Path(rest).parts
+        return folder.resolve() if plain else path.resolve().parent
     return None
+
+
+def _existing(address: str, urdf: Path, folders: Sequence[Path]) -> Iterator[tuple[Path, str, Path]]:
+    """Yield the candidates of an address that exist, with their files; those that need no other spelling first."""
+    candidates = _candidates(address, urdf, folders)
+    yield from ((folder, rest, folder / rest) for folder, rest in candidates if (folder / rest).is_file())
+    for folder, rest in candidates:
+        path = _respelled(folder, unquote(rest))
+        if path is not None:
+            yield folder, rest, path
+
+
+def _respelled(folder: Path, rest: str) -> Path | None:
+    """Return the file of a relative path, whatever the case of its names, if one name fits each."""
+    path = folder
+    for part in Path(rest).parts:
+        if not (path / part).exists():
+            try:
+                alike = [name for name in os.listdir(path) if name.casefold() == part.casefold()]
+            except OSError:
+                return None
+            if len(alike) != 1:
+                return None
+            part = alike[0]
+        path /= part
+    return path if path.is_file() else None
 
 
 def _candidates(address: str, urdf: Path, folders: Sequence[Path]) -> list[tuple[Path, str]]:
@@ -86,7 +111,7 @@ def _candidates(address: str, urdf: Path, folders: Sequence[Path]) -> list[tuple
         scheme, rest = "", address.replace("\\", "/")
     own = urdf.resolve().parent
     if scheme in ("", "file") and os.path.isabs(rest):
-        return [(Path(rest).parent, Path(rest).name)]
+        return [(Path(rest).parent, rest)]
     found = [(folder, rest) for folder in folders]
     if scheme in ("package", "model"):
         inner = rest.partition("/")[2]

@@ -26,7 +26,7 @@ from robotraj.robot.urdf.limits import StatedLimits, stated_limits
 from robotraj.robot.urdf.numbers import check_numbers
 from robotraj.robot.urdf.springs import stated_springs
 from robotraj.robot.urdf.structure import check_structure
-from robotraj.robot.urdf.xml import read_model, read_xml
+from robotraj.robot.urdf.xml import read_model
 
 
 @dataclass(frozen=True)
@@ -150,8 +150,8 @@ def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
 
 
 def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) -> Description:
-    root = read_xml(entry.urdf, folders=search_folders(entry.urdf, folders, trust_paths), trust=trust_paths)
-    file = repr(str(entry.urdf))
+    geometry = UrdfGeometry(entry.urdf, folders, trust_paths)
+    root, file = geometry.root, repr(str(entry.urdf))
     check_structure(file, root)
     findings = check_numbers(file, root)
     root = without_balls(root)
@@ -160,7 +160,7 @@ def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) 
     return Description(
         entry.name or model.name or entry.urdf.stem,
         model,
-        UrdfGeometry(entry.urdf, folders, trust_paths),
+        geometry,
         entry.source,
         read_mimics(root, names_of(model)[1:]),
         entry.srdf,

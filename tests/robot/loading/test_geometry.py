@@ -18,7 +18,7 @@ import robotraj as rt
 from robotraj.cli.app import app
 from robotraj.robot.known_robots.catalogue import find
 from robotraj.robot.known_robots.example_robots import folder
-from robotraj.robot.loading.packages import package_of
+from robotraj.robot.loading.packages import find_mesh, package_of
 
 MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
@@ -106,6 +106,35 @@ def test_meshes_of_the_package_are_read(package, address):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert rt.load(package(address)).visual_model.ngeoms == 2
+
+
+SPELLED = ["../meshes/part%202.OBJ", "package://my_robot/Meshes/Part 2.obj", "file://{package}/MESHES/part%202.obj"]
+
+
+@pytest.mark.parametrize("address", SPELLED)
+def test_names_written_as_addresses_or_in_another_case_find_their_file(package, address):
+    path = package(address)
+    (path.parents[1] / "meshes" / "part 2.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert rt.load(path).visual_model.ngeoms == 2
+
+
+def test_the_name_as_written_comes_first_and_two_that_fit_are_none(tmp_path):
+    for name in ("a%20b.obj", "a b.obj", "C.obj", "c.obj"):
+        (tmp_path / name).touch()
+    urdf = tmp_path / "robot.urdf"
+    assert find_mesh("a%20b.obj", urdf, [tmp_path]) == tmp_path / "a%20b.obj"
+    assert find_mesh("A%20b.obj", urdf, [tmp_path]) == tmp_path / "a b.obj"
+    assert find_mesh("c.obj", urdf, [tmp_path]) == tmp_path / "c.obj"
+    assert find_mesh("c.OBJ", urdf, [tmp_path]) is None
+
+
+@pytest.mark.parametrize("address", ["../%2e%2e/other/part.obj", "../../OTHER/part.obj"])
+def test_no_spelling_leads_out_of_the_package(package, address):
+    path = package(address)
+    with pytest.warns(UserWarning, match="1 of 1 mesh files are not read"):
+        assert rt.load(path).visual_model.ngeoms == 0
 
 
 @pytest.mark.parametrize("address", AROUND)

@@ -91,3 +91,12 @@ def test_without_xacro_the_commands_are_named(package, monkeypatch):
     path = written(package, f'{HEAD}<xacro:include filename="rod.xacro"/>{USE}')
     with pytest.raises(rt.InputError, match=r"'pip install xacro'.*'xacro arm.urdf.xacro > arm_expanded.urdf'"):
         rt.load(path)
+
+
+def test_macros_are_expanded_once_and_shapes_belong_to_the_loaded_model(package, monkeypatch):
+    path = written(package, f'{HEAD}<xacro:include filename="rod.xacro"/>{USE}')
+    robot = rt.load(path)
+    path.write_text("edited meanwhile")
+    monkeypatch.setattr("robotraj.robot.urdf.xml.expanded", None)
+    assert robot.collision_model.ngeoms == 1
+    assert robot.geometry.stated(pin.GeometryType.COLLISION)["rod"] == 1
