@@ -26,6 +26,7 @@ from .planning.many.multistart import multistart
 from .planning.many.sweep import sweep
 from .planning.paths.on_path import override, stop_on_path
 from .planning.paths.retime import retime
+from .planning.paths.shared_cell import share_cell
 from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
 from .planning.problem_files.load import load_problem
@@ -132,6 +133,7 @@ __all__ = [
     "retime",
     "robot",
     "schemes",
+    "share_cell",
     "solution",
     "solvers",
     "stop_on_path",

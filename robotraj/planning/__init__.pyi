@@ -16,6 +16,7 @@ from .many.workers import Interrupted
 from .paths.joint_path import as_path
 from .paths.on_path import override, stop_on_path
 from .paths.retime import retime
+from .paths.shared_cell import SharedCell, share_cell
 from .plan import plan
 from .problem_files.problem_file import ProblemFile
 from .replanning.driven import driven
@@ -38,6 +39,7 @@ __all__ = [
     "Replan",
     "Restarts",
     "Settings",
+    "SharedCell",
     "as_path",
     "codesign",
     "driven",
@@ -48,6 +50,7 @@ __all__ = [
     "pareto",
     "precompile",
     "retime",
+    "share_cell",
     "stop_on_path",
     "sweep",
     "tightening",

@@ -63,8 +63,12 @@ def near_pairs(
     speeds: Array,
     clock: Callable[[], None] = lambda: None,
     every: bool = True,
+    apart: float = 0.0,
 ) -> list[Near]:
     """Return the pairs that overlap along a motion, and those that stay near.
+
+    With ``apart``, pairs count as overlapping where they are not proved to be that far apart at every time: their
+    distance may be larger than ``apart`` by what they approach each other in half of ``RESOLUTION``.
 
     Parameters
     ----------
@@ -79,6 +83,8 @@ def near_pairs(
         Called once a round; it raises an error where no time is left.
     every : bool
         Whether all times of an overlap are found, not only some.
+    apart : float
+        Distance [m].
     """
     if not len(body.pairs):
         return []
@@ -95,7 +101,7 @@ def near_pairs(
     while at.size:
         clock()
         finest = half <= 0.5 * RESOLUTION
-        margins = np.where(finest, 0.0, bounds[piece, pair] * half)
+        margins = apart + np.where(finest & (apart == 0.0), 0.0, bounds[piece, pair] * half)
         parts = _parts(robot, body, motion, pair, at, margins)
         open_ = parts > 0
         for k in np.flatnonzero(open_ | finest).tolist():

@@ -8,7 +8,8 @@ configuration in which a robot with a free root stands, shapes that overlap ther
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -159,6 +160,15 @@ def own_body(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> OwnBod
     """
     key = frozenset(frozenset(pair) for pair in disabled)
     return _KNOWN.get(robot, key, lambda: _made(robot, disabled))
+
+
+def body_between(robot: Robot, first: Callable[[str], bool]) -> OwnBody:
+    """Return the shapes of a robot, with the pairs of links of which ``first`` accepts one name and not the other."""
+    body = own_body(robot)
+    own = np.array([first(link) for link in body.links], dtype=bool)
+    pairs = [(i, j) for i in np.flatnonzero(own).tolist() for j in np.flatnonzero(~own).tolist()]
+    moving = _numbers([(i, j) for i, j in pairs if body.joint[i] or body.joint[j]])
+    return replace(body, pairs=moving, factors=_factors(robot, body, moving), left_out=())
 
 
 def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> OwnBody:
