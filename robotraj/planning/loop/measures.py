@@ -148,6 +148,11 @@ class Measured:
         return phase if there > goal and now > STAGNATION * before.max() else None
 
     @property
+    def settles(self) -> bool:
+        """Whether what the objective may still gain fell clearly on the last mesh."""
+        return self.before is not None and self.proof.unsettled < STAGNATION * self.before.proof.unsettled
+
+    @property
     def wanders(self) -> bool:
         """Whether the largest error exceeds its goal and hardly fell on two meshes in a row, wherever it is."""
         before = self.before

@@ -29,7 +29,8 @@ from robotraj.transcription.refinement.switches import switches, with_knots_at
 MOST_MESHES = 8
 """Largest number of meshes of a plan."""
 ENOUGH = 4
-"""Largest number of meshes for a proved motion whose objective has not settled, unless joints stick and slide."""
+"""Meshes after which a proved motion whose objective has not settled gets a finer one only where the last one settled
+it further, unless joints stick and slide."""
 ENOUGH_OF_POWERS = 3
 """The same where joints stick and slide and the objective has kinks. It does not settle on some motions, whatever the
 mesh, and limits between the points are imposed from the second mesh on."""
@@ -152,7 +153,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     if first and proof.shortfall > ROUGH_SHORTFALL:
         # A motion that jumps over a shape between the points of a coarse mesh passes it on no finer one.
         return _afresh(state, tuple(evenly_finer(mesh, DOUBLED) for mesh in state.coarsest))
-    if is_enough(state) and best.holds:
+    if is_enough(state) and best.holds and not measures.settles:
         return PlanEnd(state, "enough meshes")
     phase = measures.stagnant
     stagnant = 0 if phase is None else state.stagnant + 1

@@ -7,7 +7,7 @@ from dataclasses import replace
 from robotraj.planning.diagnosis.self_collision import overlapping_ends
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import KeptApart
-from robotraj.planning.proving.sharp_friction import sharpened, widened
+from robotraj.planning.proving.sharp_friction import sharpened
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -27,14 +27,13 @@ def prove(
     if conflicts := overlapping_ends(problem):
         once = replace(settings, solver=settings.solver.at_most(1), restarts=Restarts(0))
         return replace(solve(problem, guess, once, progress), status=Status.INFEASIBLE, conflicts=conflicts)
-    first = widened(problem)
-    found = run(first, guess, settings, progress)
-    apart = KeptApart(first, settings, progress)
+    found = run(problem, guess, settings, progress)
+    apart = KeptApart(problem, settings, progress)
     try:
         while (attempt := apart.next_attempt(found)) is not None:
-            again = run(first, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
+            again = run(problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
             found = apart.kept(found, again)
-        found = sharpened(problem, found, settings, progress, apart)
+        found = sharpened(found, settings, progress, apart)
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)
     return apart.judged(found)

@@ -1,10 +1,9 @@
 """Continuation from smooth dry friction to Coulomb's law.
 
-A plan with wider friction than the robot's own (``widened``) is the guess of those on the way to it. Where the robot's
-own v_s leaves out more than a small share of the objective (``friction_left_out``), or a machine with
-Coulomb's friction does not follow the plan, the plan is the guess of the next one, with a smaller v_s. This is so for
-motions that are slow beside the joints' limits. From a distant guess such a plan takes thousands of iterations or ends
-in a poor optimum; from the softer one it takes tens (``soft_friction`` has the part of the continuation before the
+Where the robot's own v_s leaves out more than a small share of the objective (``friction_left_out``), or a machine
+with Coulomb's friction does not follow the plan, the plan is the guess of the next one, with a smaller v_s. This is so
+for motions that are slow beside the joints' limits. From a distant guess such a plan takes thousands of iterations or
+ends in a poor optimum; from the softer one it takes tens (``soft_friction`` has the part of the continuation before the
 robot's own friction).
 """
 
@@ -15,8 +14,7 @@ from dataclasses import replace
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.planning.proving.kept_apart import KeptApart
-from robotraj.planning.proving.soft_friction import has_friction, softest_factor
-from robotraj.planning.sizes.shares import shares_of
+from robotraj.planning.proving.soft_friction import has_friction
 from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -27,8 +25,6 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 
-WIDER = 10.0
-"""Largest factor on v_s for the first plan where no softer friction comes before."""
 LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
 AIM = 0.7
@@ -39,21 +35,7 @@ STEPS = 8
 """Largest number of plans with a smaller v_s."""
 
 
-def widened(problem: Problem) -> Problem:
-    """Return the problem of a first plan: with wider friction, except where the plan has softer friction before.
-
-    Where objectives are those of the end points, a solver takes hundreds of iterations to the optimum of narrow
-    friction from a plain guess, and tens from that of wider friction.
-    """
-    rough = [phase for phase in problem.phases if has_friction(phase)]
-    if shares_of(problem).sticking or not rough:
-        return problem
-    return _scaled(problem, min(WIDER, max(1.0, *map(softest_factor, rough))))
-
-
-def sharpened(
-    problem: Problem, found: Solution, settings: Settings, progress: Progress | None, apart: KeptApart
-) -> Solution:
+def sharpened(found: Solution, settings: Settings, progress: Progress | None, apart: KeptApart) -> Solution:
     """Return a proved plan by nearly Coulomb's law, whose proof has the share of friction that is left out.
 
     Where a next plan is not proved, or links overlap along it, the plan before is kept. Its machine may follow it by
@@ -61,32 +43,25 @@ def sharpened(
 
     Parameters
     ----------
-    problem : Problem
-        With the robots' own v_s, which the plan reaches first.
     found : Solution
-        A plan with this friction, or with wider friction (``widened``).
+        A plan with the robots' own v_s.
     settings : Settings
     progress : callable, optional
     apart : KeptApart
     """
     factor = LEAST
     for step in range(STEPS + 1):
-        if found.proof is None or not any(map(has_friction, problem.phases)):
+        if found.proof is None or not any(map(has_friction, found.problem.phases)):
             return found
         missing = friction_left_out(found)
         proof = replace(found.proof, friction=missing.objective)
         found = replace(found, proof=proof)
         if not proof.holds or step == STEPS:
             return found
-        own = _to_own(problem, found.problem)
-        if own < 1.0:
-            # The last plan on the way is that of the robots themselves.
-            sharper = problem if own >= factor else _scaled(found.problem, factor)
-        elif missing.objective <= FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
+        if missing.objective <= FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
             return found
-        else:
-            wanted = min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
-            sharper = _scaled(found.problem, max(factor, wanted))
+        wanted = min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
+        sharper = _scaled(found.problem, max(factor, wanted))
         near = replace(
             settings,
             mesh=tuple(part.mesh for part in found.phases),
@@ -103,12 +78,6 @@ def sharpened(
         if factor > GENTLEST or is_followed(found):
             return found
     return found
-
-
-def _to_own(problem: Problem, wider: Problem) -> float:
-    """Return the factor from the width of a plan's friction to the robots' own; at least 1 where it is reached."""
-    robots = [(a.robot, b.robot) for a, b in zip(problem.phases, wider.phases, strict=True) if has_friction(a)]
-    return min(own.friction_speed / now.friction_speed for own, now in robots if own is not None and now is not None)
 
 
 def is_followed(found: Solution) -> bool:

@@ -63,7 +63,7 @@ def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float,
     near : Solution, optional
         A proved plan of the same motion with wider friction. Softer friction begins at its width.
     """
-    rough = [k for k, phase in enumerate(problem.phases) if has_friction(phase)]
+    rough = [k for k, phase in enumerate(problem.phases) if _has_reversals(phase)]
     if not rough or not shares_of(problem).sticking:
         return ()
     wider = [None if near is None else near.problem.phases[k].robot for k in rough]
@@ -127,11 +127,16 @@ def averaging_times(problem: Problem, meshes: Sequence[Mesh], found: Solution | 
 
 def _softer(phase: Phase, softening: float, averaging: float) -> Phase:
     dynamics = phase.dynamics
-    if not has_friction(phase) or isinstance(dynamics, Kinematics):
+    if not _has_reversals(phase) or isinstance(dynamics, Kinematics):
         return phase
     if isinstance(dynamics, InverseDynamics):
         return replace(phase, dynamics=replace(dynamics, softening=softening, averaging=averaging))
     return replace(phase, dynamics=replace(dynamics, softening=softening))
+
+
+def _has_reversals(phase: Phase) -> bool:
+    """Whether a plan chooses where joints with friction reverse; a given path does."""
+    return has_friction(phase) and phase.path is None
 
 
 def has_friction(phase: Phase) -> bool:

@@ -198,11 +198,14 @@ def _controls(phase: Phase, motion: PhaseGuess) -> Array:
 
 
 def _friction(phase: Phase) -> float:
-    """Return the size of dry friction relative to the torques; 0 without, infinite where there is no motion."""
+    """Return the size of dry friction relative to the torques; 0 without, infinite where there is no motion.
+
+    It is 0 on a given path, too, which determines where joints reverse.
+    """
     robot = phase.robot
     if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics) or not robot.friction.any():
         return 0.0
-    if not phase.integrals:
+    if not phase.integrals or phase.path is not None:
         return 0.0
     if not _has_plain_motion(phase):
         return np.inf

@@ -106,6 +106,13 @@ MESHES = [
     ("it is solved once more where the solver stopped early", state(ROUGH), EARLY, Task.AGAIN, 90),
     ("enough meshes end a motion", state(ROUGH, number=ENOUGH - 1), found(unsettled=1e-2), PlanEnd, "enough"),
     (
+        "while its objective settles, a motion has more",
+        state(ROUGH, number=ENOUGH - 1),
+        found(unsettled=2e-3, before=found(unsettled=1e-2).measures),
+        Task.MESH,
+        64,
+    ),
+    (
         "powers of joints that stick have fewer",
         state(ROUGH, number=ENOUGH_OF_POWERS - 1, traits=Traits(True, True)),
         found(unsettled=1e-2),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened
+from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened, softening_of
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.transcription.shooting.explicit_dynamics import explicit
 
@@ -66,6 +66,20 @@ def test_after_a_failed_step_a_nearer_factor_is_halfway_in_its_logarithm() -> No
     assert nearer(6.0, solved) is None
     assert nearer(2.0, rt.plan(phase, rt.Mesh(5))) is None
     assert nearer(2.0, None) is None
+
+
+@pytest.mark.parametrize("objective", [rt.Duration(), rt.Effort()])
+def test_a_given_path_needs_no_softer_friction(objective: rt.objectives.Objective) -> None:
+    """It determines where joints reverse. Plans on paths with dry friction ended with an IndexError."""
+    robot = rt.load("z1")
+    bend = np.array([0.0, 0.4, -0.3, 0.2, 0.1, 0.0, -0.2])
+    places = robot.neutral + np.array([[0.0], [1.0], [0.3]]) * bend
+    rows = [rt.constraints.FollowPath(rt.planning.as_path(places))]
+    limits = robot.limits.with_(position=np.inf)
+    phase = rt.Phase(robot, (0.1, 10.0), objective=objective, constraints=rows, limits=limits, self_collision=False)
+    assert softening_of(rt.Problem([phase])) == ()
+    solution = rt.plan(phase)
+    assert solution.proof is not None and solution.proof.holds
 
 
 @pytest.mark.parametrize("speed", [-3.0, -0.05, 0.0, 0.02, 1.0])
