@@ -2,7 +2,7 @@
 
 Where the limit on the speed of wheels determines the duration, many motions of the joints are equally short. The solver
 chooses among them by the gaps between the points, through which oscillating joints gain a little. Their proof takes
-many rounds, and some plans are not proved. Limits of a frame's motion need no warning (``loop.smoothing_weight``).
+many rounds, and some plans are not proved. Other limits that joints share need no warning (``shared_limits``).
 """
 
 from __future__ import annotations

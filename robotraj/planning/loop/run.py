@@ -15,7 +15,6 @@ from robotraj._util.time_left import LimitReached
 from robotraj.planning.loop.local_optimum import gain_from, is_converged
 from robotraj.planning.loop.measures import Measured, measured
 from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
-from robotraj.planning.loop.smoothing_weight import smoothing_weight
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.soft_friction import CHANGE_STICKING
@@ -132,8 +131,6 @@ def solved(state: PlanState, progress: Progress | None = None, surfaces: Surface
     if state.task is Task.AGAIN:
         return _again(state, progress)
     settings, best = replace(state.settings, mesh=state.meshes, solver=_solver(state)), state.best
-    if state.first is not None and not state.approximates:
-        settings = replace(settings, smoothing=smoothing_weight(settings.smoothing, state.first.solution.phases))
     if best is not None and best.measures.only_unsettled:
         patience = PATIENCE_STICKING if state.traits.patient else PATIENCE
         settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))

@@ -6,8 +6,9 @@ program of the solver a duration therefore counts as
     integral of (1 + epsilon m) dt,    m = mean of (y_i / size_i)^2,
 
 with every control and algebraic variable y_i that is bounded on both sides, and size_i its largest bound. Torques that
-do not affect the time are then least squares. With m <= 1 the duration T satisfies T* <= T <= (1 + epsilon) T*. The
-objective of a solution is that of the problem, without epsilon.
+do not affect the time are then least squares. A limit that joints share, as of the speed of a tool, adds the mean
+square of the joints' accelerations relative to those that it allows (``shared_limits``). With m <= 1 the duration T
+satisfies T* <= T <= (1 + epsilon) T*. The objective of a solution is that of the problem, without epsilon.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.problem.objectives.duration import Duration
+from robotraj.transcription.smoothness.shared_limits import acceleration_sizes
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -29,7 +31,7 @@ Array = NDArray[np.float64]
 def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
     """Return the weights of the squares of algebraic variables, (nz,), and of controls, (nu,).
 
-    They are 0 where no duration is minimised, on a path, whose timing alone is free, and for unbounded variables.
+    They are 0 where no duration is minimised, on a path, whose timing alone is free, and for variables without a size.
     """
     weight, dae, sizes = weight_of_duration(phase), phase.dae, []
     for variables in (dae.algebraic, dae.controls):
@@ -40,7 +42,9 @@ def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
     if weight <= 0.0 or smoothing <= 0.0 or phase.path is not None or not bounded:
         return np.zeros(len(dae.algebraic)), np.zeros(len(dae.controls))
     of_algebraic, of_controls = (weight * smoothing / bounded / size**2 for size in sizes)
-    return of_algebraic, of_controls
+    of_frames = acceleration_sizes(phase)
+    joints = max(int(np.isfinite(of_frames).sum()), 1)
+    return of_algebraic + weight * smoothing / joints / of_frames**2, of_controls
 
 
 def weight_of_duration(phase: Phase) -> float:
