@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning import solve as solving
+from robotraj.planning import limits_between
 from robotraj.planning.refining import adapt as adaptive
 
 RADAU = rt.Mesh(5, rt.schemes.RadauIIA(3))
@@ -79,7 +79,7 @@ def test_equations_between_the_points_do_not_take_a_solution_away(scheme: Any, c
 
 
 def test_a_failed_solve_with_further_rows_leaves_the_solution_without(monkeypatch: pytest.MonkeyPatch) -> None:
-    once = solving._solve
+    once = limits_between.solve_nlp
 
     def failing(nlp: Any, guess: Any, *arguments: Any) -> Any:
         solution, w = once(nlp, guess, *arguments)
@@ -87,7 +87,7 @@ def test_a_failed_solve_with_further_rows_leaves_the_solution_without(monkeypatc
             object.__setattr__(solution, "status", rt.solvers.Status.INFEASIBLE)
         return solution, w
 
-    monkeypatch.setattr(solving, "_solve", failing)
+    monkeypatch.setattr(limits_between, "solve_nlp", failing)
     solution = rt.plan(turning(below(0.1)), RADAU, check=False)
     assert solution.success and not solution.added_rows
     assert solution.interval_violations[0].amount > 5e-4
