@@ -25,6 +25,7 @@ import subprocess
 import sys
 import time
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -223,8 +224,12 @@ def problem_of(number: int, seed: int) -> tuple[str, rt.Phase]:
     kind, names = KINDS[number % len(KINDS)], tuple(TOOLS)
     turn = number // len(KINDS)
     name = names[(number + turn) % len(names)]
-    rng = np.random.default_rng([seed, number])
-    return kind, drawn(kind, Arm(name), rng, bool(turn % 2), f"{kind} {name} {number}")
+    arm, rng = Arm(name), np.random.default_rng([seed, number])
+    for _ in range(TRIES):
+        # Phases are refused whose ends are in collision, as of an arm whose elbow reaches into a plate.
+        with suppress(rt.InputError):
+            return kind, drawn(kind, arm, rng, bool(turn % 2), f"{kind} {name} {number}")
+    raise RuntimeError("no problem was drawn")
 
 
 def one(number: int, seed: int) -> dict[str, object]:

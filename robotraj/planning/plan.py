@@ -114,7 +114,7 @@ def plan(
         the mean square of torques and accelerations relative to their limits, and of what alternates in torques with
         the mesh. Of motions that take the same time it selects a smooth one. T exceeds the least by ``smoothing`` times
         the m of that motion at most, mostly far less, and is the objective.
-        Limits that joints share, as of a tool's speed, add accelerations relative to those that they allow to m.
+        Limits on expressions, as of a tool's speed or a motor's power, add accelerations relative to those they allow.
     goals : Goals, optional
         Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,
         until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved. If the guess

@@ -6,7 +6,7 @@ program of the solver a duration therefore counts as
     integral of (1 + epsilon m) dt,    m = mean of (y_i / size_i)^2,
 
 with every control and algebraic variable y_i that is bounded on both sides, and size_i its largest bound. Torques that
-do not affect the time are then least squares. A limit that joints share, as of the speed of a tool, adds the mean
+do not affect the time are then least squares. A limit on an expression, as on the speed of a tool, adds the mean
 square of the joints' accelerations relative to those that it allows (``shared_limits``). With m <= 1 the duration T
 satisfies T* <= T <= (1 + epsilon) T*. The objective of a solution is that of the problem, without epsilon.
 """
@@ -42,9 +42,9 @@ def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
     if weight <= 0.0 or smoothing <= 0.0 or phase.path is not None or not bounded:
         return np.zeros(len(dae.algebraic)), np.zeros(len(dae.controls))
     of_algebraic, of_controls = (weight * smoothing / bounded / size**2 for size in sizes)
-    of_frames = acceleration_sizes(phase)
-    joints = max(int(np.isfinite(of_frames).sum()), 1)
-    return of_algebraic + weight * smoothing / joints / of_frames**2, of_controls
+    of_limits = acceleration_sizes(phase)
+    joints = max(int(np.isfinite(of_limits).sum()), 1)
+    return of_algebraic + weight * smoothing / joints / of_limits**2, of_controls
 
 
 def weight_of_duration(phase: Phase) -> float:

@@ -52,12 +52,25 @@ def test_the_size_does_not_depend_on_how_a_limit_is_written():
     assert limited(1, 1.0) == pytest.approx(limited(1, 1e3))
 
 
-def test_limits_of_single_joints_of_positions_and_equations_have_none():
+def test_a_power_limits_the_speed_at_which_a_motor_lifts_the_arm():
+    held = np.abs(pin.rnea(UR5.model, UR5.model.createData(), HOME, np.zeros(6), np.zeros(6))).max()
+    assert size(rt.constraints.MotorPower(5.0)) == pytest.approx(12.0 * (5.0 / held) ** 2)
+
+
+@pytest.mark.slow
+def test_a_weak_power_is_met_within_few_iterations():
+    ends = rt.State(q=HOME, v=0), rt.State(q=HOME + [1.4, 0.5, -0.5, 0.3, 0.4, 0.5], v=0)
+    phase = rt.Phase(UR5, (0.1, 10), *ends, rt.Duration(), [rt.constraints.MotorPower(5.0)])
+    solution = rt.plan(phase)
+    assert solution.proof.holds
+    assert solution.iterations < 150
+
+
+def test_bounds_of_variables_positions_and_equations_have_none():
     limits = UR5.limits.with_(acceleration=5.0)
     here = rt.PathConstraint(lambda point: point.frame("tool0").position[2], -1.0, 2.0)
-    one = rt.PathConstraint(lambda point: point.v[2], -1.0, 1.0)
     still = rt.PathConstraint(lambda point: point.frame("tool0").velocity[2], 0.0, 0.0)
-    assert size(here, one, still, limits=limits) == np.inf
+    assert size(here, still, limits=limits) == np.inf
 
 
 @pytest.mark.slow
