@@ -8,8 +8,8 @@ gait. Lines of JSON go to FOLDER/results.jsonl, and a run that was stopped goes 
 
 ``--files N`` takes N files of each package at most, spread evenly over the sorted list.
 
-``--catalogue`` runs the robots that ``rt.load`` knows by name, with the root of their file. Lines go to
-FOLDER/catalogue.jsonl, and the table to ``CATALOGUE.md``.
+``--catalogue`` runs the robots that ``rt.load`` knows by name, with the root of their file; those of ``LEGGED`` also
+stand on their feet. Lines go to FOLDER/catalogue.jsonl, and the table to ``CATALOGUE.md``.
 """
 
 from __future__ import annotations
@@ -32,6 +32,15 @@ HERE = Path(__file__).parent
 Job = tuple[str, str, str, bool]
 """Package, key in the log, file or name of the robot, and whether it is legged."""
 HEAD = "| package | file | joints | agreement | plans | slowest [s] | remark |\n|---|---|---|---|---|---|---|"
+
+LEGGED = (
+    *("a1", "anymal", "anymal_c", "anymal_kinova", "b1", "b1_z1", "go1", "go2", "hyq", "laikago", "quadruped"),
+    *("solo12", "solo8", "bolt", "g1", "g1_hands", "human", "icub", "icub_reduced", "romeo", "romeo_small"),
+    *("simple_humanoid", "talos", "talos_box", "talos_full", "talos_legs"),
+)
+"""Robots of the catalogue that walk or trot."""
+FEET = " on its feet"
+"""End of the keys of gaits in the log of the catalogue."""
 
 
 def packages() -> Iterator[tuple[str, re.Pattern[str] | None]]:
@@ -132,6 +141,8 @@ def jobs_of_catalogue(names: Sequence[str]) -> Iterator[Job]:
     for entry in rt.robot.catalogue():
         if not names or entry.name in names:
             yield entry.source, entry.name, entry.name, False
+            if entry.name in LEGGED:
+                yield entry.source, entry.name + FEET, entry.name, True
 
 
 def run(jobs: Iterable[Job], log: Path) -> list[dict[str, Any]]:
@@ -142,7 +153,7 @@ def run(jobs: Iterable[Job], log: Path) -> list[dict[str, Any]]:
             if key in known:
                 continue
             found = outcome(source, legged)
-            known[key] = {"file": source, **found, "package": package, "key": key, "name": Path(source).name}
+            known[key] = {"file": source, **found, "package": package, "key": key, "name": Path(key).name}
             with log.open("a") as out:
                 out.write(json.dumps(known[key]) + "\n")
             print(row(known[key]), flush=True)
