@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 TABLE = Path(__file__).with_name("TOOLS.md")
 COUNT, SEED = 42, 1
 LIMIT = 12
-"""Time limit of a plan [s]."""
+"""Time limit of a plan [s]; a motion that takes longer is not proved."""
 KINDS = ("speed", "acceleration", "frames", "tilt", "slot", "region", "band")
 TOOLS = {
     "ur5": ("tool0", "wrist_1_link"),
