@@ -25,7 +25,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 
 SLACK = 1e-6
-"""Largest distance of a given end from a bound that counts as round-off [SI]."""
+"""Largest distance of a given end from a bound that counts as round-off, relative to the size of the row."""
 
 UPSIDE_DOWN = -0.7
 """Height of the unit z axis of a root below which it counts as upside down."""
@@ -203,7 +203,7 @@ def _warn_of_units(table: RowTable, constraints: Iterable[Constraint]) -> None:
 def _check_against_limits(table: RowTable, end: Where, bounds: Bounds, rows: Mapping[str, Sequence[PhaseRow]]) -> None:
     for variable, low, high in zip(table.dae.states, bounds.lower, bounds.upper, strict=True):
         for row in rows.get(variable.name, ()):
-            slack = SLACK * max(1.0, abs(row.lower) if np.isfinite(row.lower) else 1.0)
+            slack = SLACK * row.size
             if low > row.upper + slack or high < row.lower - slack:
                 value = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
                 doubt = doubt_of_unit(low, row.lower, row.upper, row.unit) if low == high else ""
@@ -251,7 +251,8 @@ def _check_expressions(table: RowTable, end: Where, bounds: Bounds) -> None:
         number = float(ca.Function("row", [x], [value])(lower))
         if np.isnan(number):
             raise InputError(f"Phase {table.phase!r}: {row.label} is NaN at the {end.value}; check its expression.")
-        if not row.lower - SLACK <= number <= row.upper + SLACK:
+        slack = SLACK * row.size
+        if not row.lower - slack <= number <= row.upper + slack:
             value = _with(f"{row.shown(number):.6g}", row.shown_unit)
             raise InputError(
                 f"Phase {table.phase!r}: at the {end.value}, {row.label} is {value}, outside {_range(row)}. "

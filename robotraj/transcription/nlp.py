@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 
 OBJECTIVE_SIZES = 1.0, 1e5
 """Least and greatest size of the objective of a solver, whose tolerance of 1e-8 is absolute."""
-NEGLIGIBLE = 1e-6
+NEGLIGIBLE = 1e-12
 """Objective at the guess that counts as zero, relative to that one unit of every scaled variable away."""
 
 

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 LEAST, GREATEST = 1e-3, 1e24
 """Range of the sizes of gradients, and size of variables whose guess is a rounding error; friction cones of 1e9 kg are
 squares of 1e10 N. The least is relative to the largest variable where all are small, as in motions of micrometres."""
+BESIDE = 0.1
+"""Distance from the guess at which small gradients of equations are measured again, in scales of the variables."""
 PLACEHOLDER = 1e3
 """Bounds above this multiple of the guess are placeholders that do not measure the motion."""
 ROUNDING = 1e-10
@@ -170,16 +172,38 @@ def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
 def row_scale(
     blocks: Sequence[Block], linear: csr_array, variables: Scalars, rows: Scalars, scale: Array, guess: Array
 ) -> Array:
-    """Return the scale of every row, (n_g,), for blocks and a linear part in physical units."""
-    magnitudes = row_magnitudes(blocks, linear, scale, guess)
-    largest = np.zeros(len(rows.entries))
-    np.maximum.at(largest, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
+    """Return the scale of every row, (n_g,), for blocks and a linear part in physical units.
+
+    A gradient may vanish at the guess, which is no size. Inequalities whose gradient is below ``LEAST`` are therefore
+    scaled by that, or by their bounds if these are smaller. An equation is solved to its own size, in any unit: a
+    gradient below ``LEAST`` is measured ``BESIDE`` the guess, too, and is a size unless it is the round-off of others.
+    """
+
+    def largest_at(w: Array) -> Array:
+        """Return the largest gradient of every kind of row."""
+        magnitudes = row_magnitudes(blocks, linear, scale, w)
+        found = np.zeros(len(rows.entries))
+        np.maximum.at(found, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
+        return found
+
+    largest = largest_at(guess)
+    of_motion = scale[~_durations(variables)[variables.meaning]].max(initial=0.0)
+    bounds = np.zeros(len(largest))
+    for bound in rows.lower, rows.upper:
+        np.maximum.at(bounds, rows.meaning, np.where(np.isfinite(bound), np.abs(bound), 0.0))
+    least = np.minimum(LEAST * min(1.0, float(of_motion)), np.where(bounds > 0.0, bounds, np.inf))
+    equations = np.ones(len(largest), dtype=bool)
+    np.logical_and.at(equations, rows.meaning, rows.lower == rows.upper)
+    small = equations & (largest > 0.0) & (largest < least)
+    if small.any():
+        aside = np.where(np.arange(len(guess)) % 2, BESIDE, -BESIDE) * scale
+        largest = np.where(small, np.maximum(largest, largest_at(guess + aside)), largest)
+        least[equations & (largest > np.finfo(float).eps * np.median(largest))] = 0.0
     # The linear part of a defect is a difference of states.
     states = np.zeros(len(rows.entries))
     np.maximum.at(states, rows.meaning, _largest(linear, np.abs(linear.data) * scale[linear.indices]))
     stiff = STIFF * np.where(states > 0, states, 1.0)
     greatest = np.where([entry.name == "defect" for entry in rows.entries], stiff, GREATEST)
-    least = LEAST * min(1.0, float(scale[~_durations(variables)[variables.meaning]].max(initial=0.0)))
     return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), least, greatest)[rows.meaning]
 
 

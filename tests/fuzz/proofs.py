@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import coal
 import numpy as np
 import pinocchio as pin
-from drawn_robots import Judge, rails
+from drawn_robots import Judge, other_units, rails
 from random_problems import random_case
 from scipy.integrate import solve_ivp
 
@@ -190,6 +190,7 @@ KINDS: dict[str, tuple[Callable[[np.random.Generator], tuple[rt.Phase | rt.Probl
     "inverse dynamics": (inverse_dynamics, 2),
     "free way": (free_way, 1),
     "phases": (phases, 2),
+    "other units": (other_units, 2),
 }
 """Kinds of problems with the weight that each is drawn by."""
 

@@ -18,7 +18,9 @@ def planned(kind: str, seed: int) -> tuple[rt.Solution, str]:
     return solution, judge(solution)
 
 
-@pytest.mark.parametrize("kind", ["least effort", "least time", "corridor", "quadratic", "other solver", "phases"])
+@pytest.mark.parametrize(
+    "kind", ["least effort", "least time", "corridor", "quadratic", "other solver", "phases", "other units"]
+)
 @pytest.mark.parametrize("seed", range(3))
 def test_a_proved_plan_has_the_known_optimum(kind: str, seed: int) -> None:
     assert not planned(kind, seed)[1]

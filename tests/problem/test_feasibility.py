@@ -123,3 +123,20 @@ def test_a_root_whose_quaternion_has_w_first_is_warned_of(yaw: float) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rt.Phase(robot, 1.0, rt.State(q=upright, v=0))
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(("end", "is_right"), [(1.0 + 1e-7, True), (1.5, False)])
+def test_an_end_outside_its_limits_is_refused_in_every_unit(unit: float, end: float, is_right: bool) -> None:
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    limits = {"x": rt.between(-unit, unit)}
+    cost = rt.Lagrange(lambda point: point.u["u"] ** 2)
+
+    def posed() -> rt.Phase:
+        return rt.Phase(system, 1.0, rt.State([0.0]), rt.State([end * unit]), cost, states=limits)
+
+    if is_right:
+        rt.Problem([posed()])
+    else:
+        with pytest.raises(InputError, match="outside"):
+            rt.Problem([posed()])

@@ -61,3 +61,52 @@ def test_defects_are_scaled_alike_in_every_unit_of_the_states() -> None:
     assert 0.5 < np.max(np.abs(plain)) < 10.0
     for unit in (1e-2, 1e7):
         np.testing.assert_allclose(gradients(unit), plain, rtol=1e-9, atol=1e-12)
+
+
+def row_sizes(kilogram: float) -> np.ndarray:
+    """Return the largest scaled gradient of every row of an arm in least time, in other units of mass."""
+    model = rt.load("two_link_arm").model.copy()
+    for body in model.inertias:
+        body.mass, body.inertia = kilogram * body.mass, kilogram * body.inertia
+    model.upperEffortLimit, model.damping = kilogram * np.array([40.0, 20.0]), kilogram * model.damping
+    model.lowerEffortLimit, model.friction = -model.upperEffortLimit, kilogram * model.friction
+    ends = rt.State(q=[-0.5, 0.3], v=0), rt.State(q=[0.8, 1.1], v=0)
+    nlp = nlp_of(rt.Problem([rt.Phase(rt.load(model), (0.1, 10.0), *ends, rt.Duration())]), rt.Mesh(6))
+    scaled = nlp.row_scale[:, None] * nlp.jacobian(nlp.guess).toarray() * nlp.scale
+    return np.asarray(np.abs(scaled).max(axis=1))
+
+
+@pytest.mark.filterwarnings("ignore:.*weighs")
+@pytest.mark.parametrize("kilogram", [1e-3, 1e-6, 1e-12])
+def test_rows_are_scaled_alike_in_every_unit_of_mass(kilogram: float) -> None:
+    """With a least size of gradients, relative to 1, equations of motion of 1e-9 N m were solved to 1e-3 of that."""
+    np.testing.assert_allclose(row_sizes(kilogram), row_sizes(1.0), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(0.0, 0.0), (-1.0, np.inf)])
+def test_a_gradient_that_vanishes_at_the_guess_is_no_size(lower: float, upper: float) -> None:
+    """The row of x^3 has nearly the gradient 0 at the guess x = 0, where a scale by that would be without bound."""
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    row = rt.PathConstraint(
+        lambda point: point.x["x"] ** 3 + 1e-9 * point.x["x"], lower=lower, upper=upper, name="cubic"
+    )
+    cost = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    nlp = nlp_of(
+        rt.Problem([rt.Phase(system, 1.0, rt.State([0.0]), rt.State([0.0]), cost, constraints=[row])]), rt.Mesh(4)
+    )
+    cubic = [i for i, entry in enumerate(nlp.rows.entries) if "cubic" in (entry.name, entry.label)]
+    assert cubic
+    assert nlp.row_scale[np.isin(nlp.rows.meaning, cubic)].max() < 1.01e3
+
+
+def test_an_inequality_in_small_units_is_scaled_by_its_bounds() -> None:
+    """A limit of 1e-12 whose row has a size of 1e-3 is held to 1e-11."""
+    system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    row = rt.PathConstraint(lambda point: 1e-12 * point.x["x"], lower=-1e-12, upper=1e-12, name="small")
+    cost = rt.Lagrange(lambda point: point.u["u"] ** 2)
+    nlp = nlp_of(
+        rt.Problem([rt.Phase(system, 1.0, rt.State([0.0]), rt.State([0.5]), cost, constraints=[row])]), rt.Mesh(4)
+    )
+    small = np.isin(nlp.rows.meaning, [i for i, e in enumerate(nlp.rows.entries) if "small" in (e.name, e.label)])
+    assert small.any()
+    assert 0.1 < nlp.rows.upper[small].max() * nlp.row_scale[small].max() < 10.0

@@ -214,4 +214,4 @@ def _friction(phase: Phase) -> float:
     columns = [names.index(f"tau.{joint}") for joint in robot.actuated if f"tau.{joint}" in names]
     torques = motion.controls(PLACES)[:, columns]
     size = float(np.sqrt(WEIGHTS @ (torques**2).sum(axis=1)))
-    return float(np.linalg.norm(robot.friction)) / max(size, 1e-9)
+    return float(np.linalg.norm(robot.friction)) / size if size > 0.0 else np.inf

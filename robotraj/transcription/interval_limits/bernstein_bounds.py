@@ -198,7 +198,7 @@ def _held(
 def _room(chosen: Sequence[PhaseRow], lower: Array, upper: Array) -> Array:
     """Return the relaxation of limits (n,) beside an end that is fixed at them, or beyond them by round-off."""
     nearest = [min(value - row.lower, row.upper - value) for row, value in zip(chosen, lower, strict=True)]
-    sizes = np.array([SLACK * max(1.0, row.greatest_bound) for row in chosen])
+    sizes = np.array([SLACK * row.size for row in chosen])
     return np.where((lower == upper) & (np.array(nearest) <= sizes), 2.0 * sizes, 0.0)
 
 

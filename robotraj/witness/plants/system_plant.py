@@ -8,6 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj._util.lazy_values import cached_property
+from robotraj.robot.size.state_sizes import state_sizes
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import system_of
 from robotraj.witness.plants.plant import Landing
@@ -18,7 +20,7 @@ ALGEBRAIC_TOLERANCE = 1e-9
 """Largest residual of a solved algebraic equation, in units of 1 + the largest planned |z|."""
 
 DIFFERENCE = 1e-7
-"""Finite difference of a state, relative to 1 + |x|."""
+"""Finite difference of a state, relative to its size in the motion, or to its value where that is larger."""
 
 
 class SystemPlant:
@@ -35,6 +37,10 @@ class SystemPlant:
         self._planned = planned
 
     settle: Settle | None = None
+
+    @cached_property
+    def _sizes(self) -> Array:
+        return state_sizes(self.gap_units, self.states(np.asarray(self._planned.knots)))
 
     def states(self, times: Array, interval: int | NDArray[np.int_] | None = None) -> Array:
         """Return the planned states (m, n)."""
@@ -80,7 +86,7 @@ class SystemPlant:
         """Differentiate the rates by forward differences."""
         here = self.rate(t, x, given)
         matrix = np.empty((len(here), len(x)))
-        for i, size in enumerate(DIFFERENCE * (1.0 + np.abs(x))):
+        for i, size in enumerate(DIFFERENCE * np.maximum(self._sizes, np.abs(x))):
             there = x.copy()
             there[i] += size
             matrix[:, i] = (self.rate(t, there, given) - here) / size

@@ -40,6 +40,37 @@ def test_a_least_time_is_that_in_closed_form(tmp_path: Path, limit: float, mass:
     assert rt.validate(solution).passed
 
 
+@pytest.mark.parametrize("strength", [10.0, 1e4, 1e5])
+@pytest.mark.parametrize("mass", [1e-9, 1e-3, 1.0])
+def test_the_effort_of_a_strong_motor_is_that_in_closed_form(tmp_path: Path, mass: float, strength: float) -> None:
+    """The square of the share that is used was below the tolerance of the solver: optima 6 times the right one."""
+    robot = axis(tmp_path, mass=mass, travel=3, speed=3, effort=strength * mass)
+    phase = rt.Phase(robot, 4.0, rt.State(q=[0], v=0), rt.State(q=[0.6], v=0), rt.Effort())
+    solution = rt.plan(phase, progress=False)
+    assert solution.objective == pytest.approx(12 * mass**2 * 0.6**2 / 4.0**3, rel=1e-4)
+    assert solution.proof is not None and solution.proof.holds
+
+
+@pytest.mark.filterwarnings("ignore:.*weighs")
+@pytest.mark.parametrize("kilogram", [1e-3, 1e-6, 1e-12])
+def test_the_least_time_of_an_arm_is_the_same_in_every_unit_of_mass(kilogram: float) -> None:
+    """Rows of limits of 1e-13 N m were solved to 1e-11 N m: other optima, teeth, and five times the iterations."""
+
+    def planned(kilogram: float) -> rt.Solution:
+        model = rt.load("two_link_arm").model.copy()
+        for body in model.inertias:
+            body.mass, body.inertia = kilogram * body.mass, kilogram * body.inertia
+        model.upperEffortLimit, model.damping = kilogram * np.array([40.0, 20.0]), kilogram * model.damping
+        model.lowerEffortLimit, model.friction = -model.upperEffortLimit, 0.0 * model.friction
+        ends = rt.State(q=[-0.5, 0.3], v=0), rt.State(q=[0.8, 1.1], v=0)
+        return rt.plan(rt.Phase(rt.load(model), (0.1, 10.0), *ends, rt.Duration()), progress=False)
+
+    solution, known = planned(kilogram), planned(1.0)
+    assert solution.objective == pytest.approx(known.objective, rel=1e-3)
+    assert solution.iterations < 2 * known.iterations
+    assert solution.proof is not None and solution.proof.holds
+
+
 @pytest.mark.parametrize("amplitude", [1e-6, 1e-2, 1.0])
 def test_an_oscillator_is_brought_to_rest_alike_at_every_amplitude(amplitude: float) -> None:
     """x'' = -w^2 x + u from x = A to rest: the optimum is x' W^-1 x by the Gramian W of the reversed motion."""

@@ -278,3 +278,20 @@ def test_rows_are_relaxed_beside_ends_that_are_fixed_at_a_limit_alone(ends: tupl
     at_limit = {0: ends[0] == 1.1, 1: False, 2: False, 3: ends[1] == 1.1}
     assert all(beyond[interval == k].all() if held else not beyond[interval == k].any() for k, held in at_limit.items())
     assert nlp.rows.upper[chosen].max() < 1.1 + 1e-5
+
+
+def test_the_room_beside_a_fixed_end_is_a_share_of_the_limits_in_every_unit() -> None:
+    """A room of 1e-6 in SI units let a motion of micrometres leave its limits by their whole range."""
+
+    def highest(unit: float) -> float:
+        system = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+        cost = rt.Lagrange(lambda point: point.u["u"] ** 2)
+        limits = {"x": rt.between(-unit, unit)}
+        phase = rt.Phase(system, 1.0, rt.State([0.9 * unit]), rt.State([0.0]), cost, states=limits)
+        rows = nlp_of(rt.Problem([phase]), rt.Mesh(4, rt.schemes.RadauIIA(3)), interval_limits=HULL).rows
+        chosen = np.array([rows.entries[k].name == "state bound" for k in rows.meaning])
+        return float(rows.upper[chosen].max()) / unit
+
+    assert highest(1.0) == 1.0
+    assert highest(1e-6) == pytest.approx(1.0, rel=1e-12)
+    assert highest(1e-9) == pytest.approx(1.0, rel=1e-12)
