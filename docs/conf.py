@@ -31,6 +31,7 @@ html_theme = "furo"
 html_title = "robotraj"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_search_scorer = "_static/search_order.js"
 html_math_renderer = "mathml"
 html_theme_options = {
     "source_repository": "https://github.com/robotraj/robotraj/",
