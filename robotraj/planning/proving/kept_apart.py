@@ -21,6 +21,7 @@ from robotraj.planning.proving.free_solution import SHALLOW, FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
 from robotraj.planning.proving.soft_friction import softest
 from robotraj.planning.solve import solve
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import pairs_within
 from robotraj.robot.limits import Limits
@@ -78,6 +79,28 @@ class KeptApart:
         self._deep = np.inf
         self._patience = 0
         self._failed = False
+
+    def from_guess(self, guess: InitialGuess | Solution | None) -> PlanAttempt | None:
+        """Return the plan with rows along a proved solution whose links nearly touch; None for any other guess.
+
+        Without these rows a plan would leave the solution, overlap, and look for a free motion again.
+        """
+        if not isinstance(guess, Solution) or guess.proof is None or not guess.proof.holds:
+            return None
+        phases = self._problem.phases
+        if len(guess.phases) != len(phases) or any(
+            part.phase.robot is None
+            or phase.robot is None
+            or part.phase.robot.position_names != phase.robot.position_names
+            for part, phase in zip(guess.phases, phases, strict=True)
+        ):
+            return None
+        motions = [motion_of(part) for part in guess.phases]
+        pairs = [self._overlaps.touching(number, motion) for number, motion in enumerate(motions)]
+        if not any(pairs):
+            return None
+        self._search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
+        return PlanAttempt(guess, replace(self._settings, restarts=Restarts(0)), self._search.surfaces, True)
 
     def next_attempt(self, found: Solution) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try."""

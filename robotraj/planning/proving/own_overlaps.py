@@ -22,6 +22,8 @@ SAMPLES = 121
 """Number of configurations at which a solution on the coarse mesh is compared."""
 RESERVE = 1.2
 """Factor on the joint speeds at the points of an interval, for those between them."""
+TOUCHING = 2e-3
+"""Distance up to which the links of a free solution count as kept apart by rows, whose margin is half of it [m]."""
 LEAST = 1e-6
 """Least depth of an overlap [m]; where edges cross, no point lies inside."""
 
@@ -62,6 +64,14 @@ class OwnOverlaps:
         near = pairs_within(robot, body, q)
         middles = {pair: np.flatnonzero(near[:, pair]) for pair in np.flatnonzero(near.any(axis=0)).tolist()}
         return {pair: body.depth(robot, q[at[len(at) // 2]], pair) for pair, at in middles.items()}
+
+    def touching(self, number: int, motion: Motion) -> dict[int, float]:
+        """Return the pairs that nearly touch at equal steps of a motion, as under rows that keep them apart, with 0."""
+        robot, body = self._problem.phases[number].robot, self.bodies[number]
+        if robot is None or body is None:
+            return {}
+        near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)), TOUCHING)
+        return dict.fromkeys(np.flatnonzero(near.any(axis=0)).tolist(), 0.0)
 
     def deepest(self, found: Solution) -> list[Overlap]:
         """Return the deepest overlap of each pair."""

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 from robotraj.planning.diagnosis.self_collision import overlapping_ends
 from robotraj.planning.loop.run import run
-from robotraj.planning.proving.kept_apart import KeptApart
+from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
 from robotraj.planning.proving.sharp_friction import sharpened
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
@@ -27,8 +28,7 @@ def prove(
     if conflicts := overlapping_ends(problem):
         once = replace(settings, solver=settings.solver.at_most(1), restarts=Restarts(0))
         return replace(solve(problem, guess, once, progress), status=Status.INFEASIBLE, conflicts=conflicts)
-    found = run(problem, guess, settings, progress)
-    apart = KeptApart(problem, settings, progress)
+    found, apart = _begun(problem, guess, settings, progress)
     try:
         while (attempt := apart.next_attempt(found)) is not None:
             again = run(problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
@@ -37,3 +37,18 @@ def prove(
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)
     return apart.judged(found)
+
+
+def _begun(
+    problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None
+) -> tuple[Solution, KeptApart]:
+    """Return the first plan and what is known of overlaps. It has rows where they kept the links of the guess apart."""
+    apart, spent = KeptApart(problem, settings, progress), None
+    near = apart.from_guess(guess)
+    if near is not None:
+        spent = run(problem, near.guess, near.settings, progress, near.surfaces, near.is_brief)
+        if spent.success or spent.status in STOPPED:
+            return spent, apart
+        apart = KeptApart(problem, settings, progress)
+    found = run(problem, guess, settings, progress)
+    return (found if spent is None else with_effort_of(spent, found)), apart

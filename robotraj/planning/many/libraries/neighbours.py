@@ -96,10 +96,16 @@ def _first_plan(options: GuessedChoices, problem: Problem) -> Solution:
 def _on_mesh_of(first: Solution, near: Solution) -> Solution:
     """Return the motion, multipliers and proof of a solution on the mesh and the program of the first one.
 
-    Where that program cannot serve others, the solution is returned as it is.
+    Where that program cannot serve others, or where rows on distances held the solution, it is returned as it is.
     """
     origin = origin_of(first.multipliers)
-    if origin is None or first.added_rows or origin.nlp.keeps_clear or len(near.phases) != len(first.phases):
+    if (
+        origin is None
+        or near.multipliers is None
+        or first.added_rows
+        or origin.nlp.keeps_clear
+        or len(near.phases) != len(first.phases)
+    ):
         return near
     moved = _moved(origin, near)
     trajectories = extract(moved.nlp, moved.w)
