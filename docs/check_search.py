@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import http.server
 import re
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 GLOSSARY = "glossary"
 ENTRY = re.compile(r"\]\(([\w/.-]+)\.md(?:#[\w-]+)?\)")
@@ -17,6 +20,9 @@ OTHER = {
     "gaits": "how-to/gaits",
     "problem files": "problem-files",
     "your own urdf": "how-to/own-robot",
+    "keep the elbow up": "how-to/elbow-and-stops",
+    "three points with a stop": "how-to/elbow-and-stops",
+    "rail under an arm": "how-to/rail",
 }
 """Queries beside the terms of the glossary, with the page that answers them."""
 
@@ -27,16 +33,17 @@ def terms(text: str) -> dict[str, str]:
     waiting: list[str] = []
     for line in text.partition(":::{glossary}\n")[2].partition(":::")[0].splitlines():
         if line.startswith("  "):
-            page = ENTRY.search(line)
-            found |= {term: page[1] for term in waiting} if page else {}
-            waiting = []
+            if page := ENTRY.search(line):
+                found |= {term: page[1] for term in waiting}
+                waiting = []
         elif line:
             waiting.append(line)
     return found
 
 
-def answers(site: Path, queries: list[str]) -> dict[str, str]:
-    """Return the page of the first hit of each query, with its anchor; empty where nothing was found."""
+@contextlib.contextmanager
+def opened(site: Path) -> Iterator[tuple[Any, str]]:
+    """Serve a site; yield a page of a browser without a window, and the address of the site."""
     from playwright.sync_api import sync_playwright
 
     handler = functools.partial(Quiet, directory=str(site))
@@ -45,18 +52,20 @@ def answers(site: Path, queries: list[str]) -> dict[str, str]:
     try:
         with sync_playwright() as tool:
             browser = tool.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
-            page = browser.new_page()
-            page.goto(f"http://127.0.0.1:{server.server_port}/search.html?q=robot")
-            page.wait_for_function("Search.hasIndex() && document.querySelector('#search-results li')", timeout=60_000)
-            # Results are sorted with the best one last.
-            first = (
-                "q => { const r = Search._performSearch(...Search._parseQuery(q)).pop(); return r ? r[0] + r[2] : '' }"
-            )
-            found = {query: str(page.evaluate(first, query)) for query in queries}
+            yield browser.new_page(), f"http://127.0.0.1:{server.server_port}"
             browser.close()
     finally:
         server.shutdown()
-    return found
+
+
+def answers(site: Path, queries: list[str]) -> dict[str, str]:
+    """Return the page of the first hit of each query, with its anchor; empty where nothing was found."""
+    with opened(site) as (page, address):
+        page.goto(f"{address}/search.html?q=robot")
+        page.wait_for_function("Search.hasIndex() && document.querySelector('#search-results li')", timeout=60_000)
+        # Results are sorted with the best one last.
+        first = "q => { const r = Search._performSearch(...Search._parseQuery(q)).pop(); return r ? r[0] + r[2] : '' }"
+        return {query: str(page.evaluate(first, query)) for query in queries}
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):

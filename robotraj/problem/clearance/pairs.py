@@ -24,6 +24,7 @@ from robotraj.problem.clearance.sphere_tree import sphere_tree
 from robotraj.robot.collision.lever_arms import levers, relative_levers
 from robotraj.robot.collision.link_pairs import always_touching
 from robotraj.robot.collision.robot_spheres import RobotSpheres, robot_spheres
+from robotraj.robot.collision.unguarded import no_shapes
 from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -214,7 +215,7 @@ def clearance_pairs(
     """
     spheres = robot_spheres(robot, disabled)
     if not len(spheres.radius):
-        raise InputError(f"{robot.name} has no collision shapes in its URDF; add <collision> to its links.")
+        raise InputError(no_shapes(robot))
     labels = labels_of(obstacles)
     carried = [(o, label) for o, label in zip(obstacles, labels, strict=True) if o.frame is not None]
     if carried:

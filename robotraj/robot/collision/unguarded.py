@@ -29,3 +29,15 @@ def unguarded_links(robot: Robot) -> tuple[tuple[str, str], ...]:
 def not_every_link(names: tuple[str, ...]) -> str:
     """Return the sentence on links without a shape, each named with the reason."""
     return f"Not every link has a shape that was read: {', '.join(names[:4])}{' ...' if len(names) > 4 else ''}."
+
+
+def no_shapes(robot: Robot) -> str:
+    """Return the sentence on a robot without a shape that was read, and what to do."""
+    unread = [link for link, count in robot.geometry.stated(pin.GeometryType.COLLISION).items() if count]
+    if not unread:
+        return f"{robot.name} has no collision shapes in its URDF; add <collision> to its links."
+    names = ", ".join(unread[:4]) + (" ..." if len(unread) > 4 else "")
+    return (
+        f"None of the <collision> shapes of {robot.name} was read, those of {names}. Name the folders of their meshes "
+        "with rt.load(..., package_dirs=...); print(robot) names the files."
+    )

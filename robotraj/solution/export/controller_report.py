@@ -128,7 +128,7 @@ class ControllerReport:
                 each.name,
                 _VERDICTS[each.holds],
                 f"{each.figure:.6g}",
-                f"{each.bound:.6g}",
+                "-" if np.isnan(each.bound) else f"{each.bound:.6g}",
                 each.unit,
                 each.where if each.holds else "; ".join(filter(None, (each.where, each.remedy))),
             )

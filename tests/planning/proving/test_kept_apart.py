@@ -128,3 +128,21 @@ def test_a_reach_whose_least_effort_folds_the_arm_into_itself_is_planned_unfolde
     phase = rt.Phase(rt.load("ur5"), 5.0, rt.State(q=first, v=0), rt.State(q=first + 0.5, v=0), rt.Effort())
     solution = rt.plan(phase)
     assert solution.proof.holds and not overlapping_times(solution)
+
+
+def test_a_plan_from_a_solution_that_rows_keep_apart_has_these_rows_at_once() -> None:
+    """Without them it would end at the overlap, and look for a free motion as a plan from nothing does."""
+    home = np.array([0.0, -1.3, 1.6, -1.9, -1.57, 0.0])
+
+    def reach(*goal: float) -> rt.Phase:
+        end = rt.State(q=home + [*goal, 0, 0, 0], v=0)
+        return rt.Phase(rt.load("ur5"), 1.0, rt.State(q=home, v=0), end, rt.Effort())
+
+    near, phase = rt.plan(reach(0.8, 0.1, 0.0)), reach(0.82, 0.12, 0.02)
+    assert overlapping_times(rt.plan(phase.with_(self_collision=False)))
+    cold = rt.plan(phase)
+    warm = rt.plan(phase, mesh=near.phases[0].mesh, goals=near.proof.goals, guess=near)
+    assert warm.proof.holds and not overlapping_times(warm)
+    assert warm.iterations <= 0.4 * cold.iterations
+    # Either optimum is one along rows that are fixed on a motion near it.
+    assert warm.objective == pytest.approx(cold.objective, rel=2e-3)
