@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from robotraj._util.lazy_values import LazySequence
-from robotraj.planning.nlp_violations import violations
+from robotraj.planning.proving.nlp_violations import violations
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.records import Round

@@ -12,9 +12,9 @@ from robotraj._util.time_left import used_time
 from robotraj.guess.default import as_guess, default_guess
 from robotraj.planning.diagnosis.exclusions.work_budgets import limits_work
 from robotraj.planning.diagnosis.relaxation.coarse_settings import coarse_settings
-from robotraj.planning.limits_between import Posed, limited_between, with_surfaces
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.clearing import Clearing
+from robotraj.planning.proving.limits_between import Posed, limited_between, with_surfaces
 from robotraj.planning.sizes.slack_powers import with_slack_powers
 from robotraj.planning.solve_nlp import solve_nlp
 from robotraj.planning.warm_start import (

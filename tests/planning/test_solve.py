@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning import limits_between
+from robotraj.planning.proving import limits_between
 from robotraj.planning.refining import adapt as adaptive
 
 RADAU = rt.Mesh(5, rt.schemes.RadauIIA(3))

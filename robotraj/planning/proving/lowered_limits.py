@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from robotraj._util.lazy_values import LazySequence
-from robotraj.planning.nlp_violations import between_points
+from robotraj.planning.proving.nlp_violations import between_points
 from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution, alike

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from robotraj._util.time_left import used_time
 from robotraj.guess.from_solution import FromSolution
-from robotraj.planning.nlp_violations import between_points
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL, ROUNDS, Clearing
 from robotraj.planning.proving.lowered_limits import LoweredLimits
+from robotraj.planning.proving.nlp_violations import between_points
 from robotraj.planning.solve_nlp import solve_nlp
 from robotraj.planning.warm_start import earlier_multipliers
 from robotraj.problem.problem import Problem
