@@ -4,10 +4,12 @@ Start with ``walks.py``. The room may import ``guess``, ``problem`` and what lie
 """
 
 from .bounds.own_sides import OwnSides
+from .bounds.turning import Turning
 from .bounds.upright import Upright
 from .crawls import crawl
 from .feet import feet_of, limb_ends
 from .flight import Flight
+from .flips import flip
 from .jumps import jump
 from .mirroring.mirror import mirror
 from .phase_sequence import sequence
@@ -25,9 +27,11 @@ __all__ = [
     "Support",
     "GaitTerms",
     "OwnSides",
+    "Turning",
     "Upright",
     "crawl",
     "feet_of",
+    "flip",
     "gap",
     "gait_objective",
     "jump",

@@ -5,42 +5,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pinocchio as pin
-from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import GroundFunction, as_ground
-from robotraj.gait.bounds.margins import MARGIN, checked_margin
+from robotraj.dynamics.terrain.function import GroundFunction
+from robotraj.gait.bounds.margins import MARGIN
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
-from robotraj.gait.capability.leg_samples import greatest_friction
 from robotraj.gait.capability.take_off import check_take_off
-from robotraj.gait.capability.weight import check_rest
-from robotraj.gait.checks import check_options, number
-from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.gait.phase_sequence import sequence
-from robotraj.gait.posture import posture_objective
-from robotraj.gait.repetition import on_ground
+from robotraj.gait.checks import check_options
+from robotraj.gait.feet import FootKind, feet_of
+from robotraj.gait.leaps import Leap
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import pendulum_time, standing
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
-from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach
 
 LEVEL = Flat()
 OWN_SIDES = OwnSides()
 LEAPING = Upright(least_height=0.4, greatest_height=np.inf)
-CROUCH = 2.5
-"""Default duration of either stance, in sqrt(h / g): a person crouches and rises in 0.7 s.
-
-In 0.3 s five_link, talos_legs and monopod ended at their limits of torque and speed, or without a motion."""
 RISE = 0.1
 """Default rise of the centre of mass, relative to the reach of the robot."""
 
@@ -90,37 +76,10 @@ def jump(
         The height is not positive, or the jump needs a take-off for half as much again as the torques and speeds of the
         legs allow. The legs cannot carry the robot, or it has no feet.
     """
-    names = feet_of(robot, feet)
     check_options(None, upright)
-    number(length, "rt.gait.jump(length)")
-    height = RISE * reach(robot.model) if height is None else number(height, "rt.gait.jump(height)")
-    if not height > 0.0:
-        raise InputError(f"rt.gait.jump: height= is {height!r}; give a positive height [m].")
-    gravity = float(np.linalg.norm(robot.model.gravity.linear))
-    kind = on_ground(contact, ground)
-    standing_robot = BalancedStance(robot, tuple(foot_contact(kind, name).bound_to(robot) for name in names))
-    q = standing(standing_robot)
-    friction = greatest_friction(standing_robot)
-    check_rest(robot, names, q, friction, checked_margin(margin))
-    check_take_off(robot, names, q, height, length, friction, checked_margin(margin))
-    landed = np.array(q)
-    landed[0] += length
-    data = robot.model.createData()
-    rise = _level(robot, data, names, landed, ground) - _level(robot, data, names, q, ground)
-    landed[1 if robot.root == "planar" else 2] += rise
-    air = float(np.sqrt(8.0 * height / gravity))
-    long = CROUCH * pendulum_time(standing_robot, q)
-    push, land = (long if given is None else given for given in (push, land))
-    phases = [Support(names, push, "push off"), Support((), air, "flight"), Support(names, land, "landing")]
-    cost = posture_objective(robot, q) if objective is None else objective
-    terms = GaitTerms(kind, clearance, cost, upright, ground, sides, margin)
-    return sequence(robot, phases, terms, None, State(q=q, v=0.0), State(q=landed, v=0.0))
-
-
-def _level(
-    robot: Robot, data: pin.Data, feet: Sequence[str], q: NDArray[np.float64], ground: Ground | GroundFunction
-) -> float:
-    """Return the mean height of the ground under the feet [m]."""
-    pin.framesForwardKinematics(robot.model, data, q)
-    places = [data.oMf[robot.frame(name)].translation for name in feet]
-    return float(np.mean([as_ground(ground).height(float(p[0]), float(p[1])) for p in places]))
+    height = RISE * reach(robot.model) if height is None else height
+    terms = GaitTerms(contact, clearance, objective, upright, ground, sides, margin)
+    leap = Leap(robot, feet_of(robot, feet), terms, "jump", height, length)
+    check_take_off(robot, leap.feet, leap.standing, leap.height, leap.length, leap.friction, leap.margin)
+    push, land = (leap.stance_time if given is None else given for given in (push, land))
+    return leap.problem([Support(leap.feet, push, "push off")], [Support(leap.feet, land, "landing")])

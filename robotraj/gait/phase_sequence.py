@@ -13,6 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.bounds.margins import checked_margin, contact_with, limits_with
 from robotraj.gait.bounds.swing_clearance import partners_of, swing_clearance
+from robotraj.gait.bounds.turning import Turning
 from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
@@ -100,7 +101,8 @@ def sequence(
             states["q.root_qw"] = between(0.0, None)
         states |= held_attitude(robot, support, posture)
         if terms.sides is not None:
-            rows += terms.sides.constraints(robot, bound, posture, support.feet)
+            level = bool(support.feet) or not isinstance(terms.upright, Turning)
+            rows += terms.sides.constraints(robot, bound, posture, support.feet, level=level)
         rows += limits_with(robot, margin)
         kind = Phase if support.feet else Flight
         phases.append(

@@ -50,6 +50,7 @@ class OwnSides(OneLine):
         standing: Array,
         held: Sequence[str],
         most: float = np.inf,
+        level: bool = True,
     ) -> list[Constraint]:
         """Return one row for each pair of feet of which not both are held, for ``rt.Phase(constraints=...)``.
 
@@ -64,6 +65,9 @@ class OwnSides(OneLine):
             Frames that the phase holds.
         most : float
             Greatest distance that the footholds of the phase allow [m].
+        level : bool
+            Whether the root stays upright. Of a root that turns over, all three parts of the axis count: halfway
+            through a side flip it is vertical.
         """
         rows: list[Constraint] = []
         root = root_link(robot)
@@ -76,14 +80,14 @@ class OwnSides(OneLine):
             width = min(soles + self.share * (pair.distance - soles), most)
             if width > 0.0:
                 x, y, z = (float(part) for part in turned @ pair.across)
-                distance = LateralDistance(pair.first, pair.second, root, (x, y, z))
+                distance = LateralDistance(pair.first, pair.second, root, (x, y, z), 2 if level else 3)
                 rows.append(PathConstraint(distance, lower=width, name="own sides", unit="m"))
         return rows
 
 
 @dataclass(frozen=True)
 class LateralDistance:
-    """Distance [m] of a foot from another one along a horizontal axis of the root, as an expression of a point.
+    """Distance [m] of a foot from another one along an axis of the root, as an expression of a point.
 
     Attributes
     ----------
@@ -93,19 +97,22 @@ class LateralDistance:
         Frame of the root link.
     across : tuple of 3 float
         The axis from the second foot to the first one, in the axes of the root link.
+    parts : int
+        2 if only its horizontal parts in the world count, else 3.
     """
 
     first: str
     second: str
     root: str
     across: tuple[float, float, float]
+    parts: int = 2
 
     def __call__(self, point: RobotPoint) -> Scalar:
-        """Evaluate (R e) . (p_first - p_second), horizontal parts only."""
+        """Evaluate (R e) . (p_first - p_second)."""
         turn = point.frame(self.root).rotation
         first, second = (point.frame(name).position for name in (self.first, self.second))
-        axis = [sum(turn[i, k] * part for k, part in enumerate(self.across) if part) for i in range(2)]
-        return sum(axis[i] * (first[i] - second[i]) for i in range(2))
+        axis = [sum(turn[i, k] * part for k, part in enumerate(self.across) if part) for i in range(self.parts)]
+        return sum(axis[i] * (first[i] - second[i]) for i in range(self.parts))
 
 
 def _half_width(contact: BoundContact) -> float:

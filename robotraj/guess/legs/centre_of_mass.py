@@ -102,7 +102,8 @@ def heights(
     """Return the height of the centre of mass [m]: parabolas in flight, cubics on the ground, ``levels`` between them.
 
     The slopes of the cubics are the velocities of takeoff and landing. The first and the last slope of a repeating
-    motion are equal.
+    motion are equal. Phases on the ground that follow one another before or after a flight are one cubic: a robot that
+    pushes off with fewer and fewer feet accelerates all the time.
     """
     t, z = np.asarray(times, dtype=float), np.asarray(levels, dtype=float)
     leave, arrive = np.zeros(len(t)), np.zeros(len(t))
@@ -114,4 +115,17 @@ def heights(
     slopes = leave + arrive
     if repeats:
         slopes[0] = slopes[-1] = slopes[0] + slopes[-1]
-    return hermite(t, z, slopes)
+    kept = _knots_of(flying)
+    return hermite(t[kept], z[kept], slopes[kept])
+
+
+def _knots_of(flying: Sequence[bool]) -> list[int]:
+    """Return the knots of ``heights``: not those inside a stance that begins or ends with a flight."""
+    flights = [i for i, flies in enumerate(flying) if flies]
+    last = max(flights, default=-1)
+    kept = []
+    for i in range(len(flying) + 1):
+        inside = 0 < i < len(flying) and not flying[i - 1] and not flying[i]
+        before, after = any(k < i for k in flights), i <= last
+        kept.append(not inside or not (before or after))
+    return [i for i, keep in enumerate(kept) if keep]

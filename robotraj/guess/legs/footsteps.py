@@ -14,6 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.centre_of_mass import Pendulum, heights
 from robotraj.guess.legs.schedule import Schedule, StanceTime
+from robotraj.guess.legs.somersault import Somersault, somersault_of
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_height, standing
 from robotraj.guess.legs.swing import Swing, swings
@@ -137,13 +138,18 @@ class Footsteps:
         return share * float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
     def posture(self, t: float) -> Array:
-        """Return the standing configuration (nq,) with the heading of a time [s]."""
+        """Return the standing configuration (nq,) with the heading and the somersault of a time [s]."""
         q, angle = np.array(self.home), self.heading(t / self.schedule.times[-1])
         if angle:
             turn = pin.Quaternion(pin.AngleAxis(angle, np.array([0.0, 0.0, 1.0])).toRotationMatrix())
             x, y, z, w = q[QUATERNION]
             q[QUATERNION] = (turn * pin.Quaternion(w, x, y, z)).coeffs()
-        return q
+        return q if self.somersault is None else self.somersault.turned(q, t)
+
+    @cached_property
+    def somersault(self) -> Somersault | None:
+        """Return the turn of the root in flight, if the motion has one."""
+        return somersault_of(self.problem, self.schedule, self.home)
 
     def _foothold(self, stand: StanceTime) -> dict[str, float]:
         """Return the anchors of a stance: those that a phase fixes, else those of constant speed, shifted."""

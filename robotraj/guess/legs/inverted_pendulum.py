@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -98,24 +99,48 @@ class _ScheduledMotion(InitialGuess):
     @cached_property
     def _keys(self) -> list[Array]:
         """Return the configurations of every phase, (KEYS, nq) each."""
-        q, found = self.steps.home, []
-        robot, given = self._stance.robot, GivenEnds(self.steps)
-        for i in range(len(self.steps.problem.phases)):
-            rows = []
-            for t in np.linspace(self.steps.schedule.times[i], self.steps.schedule.times[i + 1], KEYS):
-                places, lifts = self.steps.feet(float(t))
-                com = given.com(float(t))
-                if robot.root == "planar":
-                    com[1] = np.nan
-                near = np.array(q)
-                near[0] += com[0] - pin.centerOfMass(robot.model, self._stance.data, q)[0]
-                posture = given.posture(float(t))
-                if self.steps.heading(1.0):
-                    near[QUATERNION] = posture[QUATERNION]
-                q = self._stance.reach(near, places, com, lifts, posture)
-                rows.append(q)
+        q, found, turn = self.steps.home, [], self.steps.somersault
+        for start, end in pairwise(self.steps.schedule.times):
+            times = np.linspace(start, end, KEYS)
+            if turn is not None and turn.start == start:
+                last = self._reached(q, end)
+                rows = [self._reached(q, start), *(self._turning(q, last, t) for t in times[1:-1]), last]
+            else:
+                rows = list(accumulate(times, self._reached, initial=q))[1:]
+            q = rows[-1]
             found.append(np.array(rows))
         return found
+
+    @cached_property
+    def _given(self) -> GivenEnds:
+        return GivenEnds(self.steps)
+
+    def _reached(self, q: Array, t: float) -> Array:
+        """Return the configuration (nq,) at a time [s] by inverse kinematics, near that of an earlier time."""
+        (places, lifts), com = self.steps.feet(float(t)), self._given.com(float(t))
+        if self._stance.robot.root == "planar":
+            com[1] = np.nan
+        near, posture = np.array(q), self._given.posture(float(t))
+        near[0] += com[0] - pin.centerOfMass(self._stance.robot.model, self._stance.data, q)[0]
+        if self.steps.somersault is not None or self.steps.heading(1.0):
+            near[self._attitude] = posture[self._attitude]
+        return self._stance.reach(near, places, com, lifts, posture)
+
+    def _turning(self, first: Array, last: Array, t: float) -> Array:
+        """Return the configuration (nq,) at a time of a somersault [s]: feet that turn have no places in the world."""
+        turn = self.steps.somersault
+        assert turn is not None
+        share = (t - turn.start) / (turn.end - turn.start)
+        q, joints = self._given.posture(t), slice(self._attitude.stop, None)
+        q[joints] = first[joints] + share**2 * (3.0 - 2.0 * share) * (last - first)[joints]
+        away = self._given.com(t) - pin.centerOfMass(self._stance.robot.model, self._stance.data, q)
+        q[: self._attitude.start] += away[[0, 2]] if self._stance.robot.root == "planar" else away
+        return q
+
+    @property
+    def _attitude(self) -> slice:
+        """Return the entries of q that are the attitude of the root."""
+        return QUATERNION if self._stance.robot.root == "floating" else slice(2, 3)
 
     def of(self, phase: Phase, index: int) -> PhaseGuess:
         """Return splines through the configurations of a phase."""

@@ -42,6 +42,7 @@ from robotraj.dynamics.terrain.steps import Steps
 from robotraj.dynamics.variable import Variable
 from robotraj.gait.bounds.own_sides import LateralDistance, OwnSides
 from robotraj.gait.bounds.swing_clearance import SwingArc
+from robotraj.gait.bounds.turning import Turning
 from robotraj.gait.bounds.upright import RootHeight, Upright
 from robotraj.gait.posture import FixedPosture, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
@@ -145,7 +146,7 @@ OF_PROBLEMS: Mapping[str, type] = {
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
         DurationRatio, SwingArc, FootholdArc, TimedArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
-        OwnSides, LateralDistance,
+        Turning, OwnSides, LateralDistance,
         # settings
         Goals, Restarts, VirtualMachine, Compiled, Native, InteriorPoint, Ipopt, BernsteinBounds,
         ConstraintGeneration, Equidistribute, RaiseOrder, SplitOrRaise, SplitAndMerge, Mesh, MovingMesh,

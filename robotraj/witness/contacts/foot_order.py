@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -17,7 +18,10 @@ from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.sampling import interval_samples
 
 AHEAD = 0.3
-"""Length of the horizontal part of the root's lateral axis below which its feet have no lateral order."""
+"""Length of the horizontal part of the root's lateral axis below which the root is turned over in its phase.
+
+Of other roots only the horizontal parts of axis and distance count. A root that turns over has all three parts: halfway
+through a side flip the axis is vertical."""
 
 
 @dataclass(frozen=True)
@@ -58,22 +62,35 @@ def foot_orders_of(
             continue
         robot = realised(planned)
         pairs = foot_pairs(robot, frames, robot.neutral)
-        least = [(np.inf, 0.0)] * len(pairs)
+        along: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
         model, data = robot.model, robot.model.createData()
         for part in interval_samples(planned, samples) if pairs else ():
             clock()
             q = robot_sample(planned, part.times, part.interval).q
             for t, each in zip(part.times, q, strict=True):
                 pin.framesForwardKinematics(model, data, each)
-                for k, pair in enumerate(pairs):
-                    axis = (data.oMi[1].rotation @ np.array(pair.across))[:2]
-                    first, second = (data.oMf[robot.frame(foot)].translation[:2] for foot in pair[:2])
-                    size = float(np.linalg.norm(axis))
-                    if size > AHEAD:
-                        least[k] = min(least[k], (float(axis @ (first - second)) / size, float(t)))
+                places = [[data.oMf[robot.frame(foot)].translation for foot in pair[:2]] for pair in pairs]
+                axes = [data.oMi[1].rotation @ np.array(pair.across) for pair in pairs]
+                along.append((float(t), np.array(axes), np.array([first - second for first, second in places])))
+        least = [_least(along, k) for k in range(len(pairs))]
         found += [
             FootOrder(pair.first, pair.second, planned.phase.name, distance, pair.distance, time)
             for pair, (distance, time) in zip(pairs, least, strict=True)
             if np.isfinite(distance)
         ]
     return tuple(found)
+
+
+def _least(along: Sequence[tuple[float, NDArray[np.float64], NDArray[np.float64]]], pair: int) -> tuple[float, float]:
+    """Return the least distance of a pair of feet along the lateral axis [m] and its time [s].
+
+    ``along`` has times, and the axes and the distances of all pairs (pairs, 3) in the world.
+    """
+    if not along:
+        return np.inf, 0.0
+    axes, apart = np.array([(axis[pair], away[pair]) for _, axis, away in along]).swapaxes(0, 1)
+    parts = 2 if np.linalg.norm(axes[:, :2], axis=1).min() > AHEAD else 3
+    axes, apart = axes[:, :parts], apart[:, :parts]
+    distances = np.sum(axes * apart, axis=1) / np.linalg.norm(axes, axis=1)
+    k = int(np.argmin(distances))
+    return float(distances[k]), along[k][0]
