@@ -101,7 +101,7 @@ def sequence(
             states["q.root_qw"] = between(0.0, None)
         states |= held_attitude(robot, support, posture)
         if terms.sides is not None:
-            level = bool(support.feet) or not isinstance(terms.upright, Turning)
+            level = not isinstance(terms.upright, Turning)
             rows += terms.sides.constraints(robot, bound, posture, support.feet, level=level)
         rows += limits_with(robot, margin)
         kind = Phase if support.feet else Flight
