@@ -3,11 +3,18 @@
     B tau - K (q - rest) - d v - F tanh(v / v_s)
 
 with K the stiffness of springs, d the damping, F the dry friction and v_s the robot's ``friction_speed``. The last term
-is a smooth F sign(v). A softening c > 0 replaces tanh(s) by s / sqrt(s^2 + c^2), s = v / v_s. That is another friction,
-whose solutions are guesses only (``robotraj.planning.proving.soft_friction``). It may be averaged over the times from
-t - e to t + e, when the speed is taken to be v + a (t' - t):
+is a smooth F sign(v). A softening c > 0 replaces tanh(s), s = v / v_s, by
 
-    2 s / (sqrt((s + d)^2 + c^2) + sqrt((s - d)^2 + c^2)),  d = a e / v_s
+    s / sqrt(s^2 + c^2) = tanh(asinh(s / c))    from c = 1,
+    tanh(asinh(c s) / c)                        below, which is tanh(s) at c = 0,
+
+so that what is left beside a reversal falls as s^-2, then as s^(-2 / c), and at last exponentially. That is another
+friction, whose solutions are guesses only (``robotraj.planning.proving.soft_friction``). It may be averaged over the
+times from t - e to t + e, when the speed is taken to be v + a (t' - t):
+
+    2 s / (sqrt((s + d)^2 + c^2) + sqrt((s - d)^2 + c^2)),  d = a e / v_s,
+
+and below c = 1 with c s times sqrt((c s)^2 + 1) over the mean of that root at s + d and s - d.
 """
 
 from __future__ import annotations
@@ -76,7 +83,16 @@ def _saturation(speed: ca.SX, softening: float, change: ca.SX | None) -> ca.SX:
     """Return the share of the dry friction, from -1 to 1; speeds are relative to ``friction_speed``."""
     if not softening:
         return ca.tanh(speed)
+    if softening < 1.0:
+        slow = softening * speed
+        if change is not None:
+            slow *= ca.sqrt(slow**2 + 1.0) / _mean_size(slow, softening * change, 1.0)
+        return ca.tanh(ca.asinh(slow) / softening)
     if change is None:
         return speed / ca.sqrt(speed**2 + softening**2)
-    before, after = (ca.sqrt((speed + sign * change) ** 2 + softening**2) for sign in (-1, 1))
-    return 2.0 * speed / (before + after)
+    return speed / _mean_size(speed, change, softening)
+
+
+def _mean_size(speed: ca.SX, change: ca.SX, width: float) -> ca.SX:
+    """Return the mean of sqrt(s^2 + c^2) at s + d and s - d."""
+    return 0.5 * (ca.sqrt((speed + change) ** 2 + width**2) + ca.sqrt((speed - change) ** 2 + width**2))

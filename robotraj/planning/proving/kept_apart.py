@@ -46,6 +46,11 @@ PUSHES = 2
 """The same along a motion that overlaps, which share the iterations of the plan without rows."""
 LEAST_ITERATIONS = 100
 """Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
+NONE_YET = (np.inf, np.inf)
+"""Depths of overlaps, in sum, of the last two plans with rows; a further one is made while one of them is deeper.
+
+Rows that push one pair out may push another one in, which the next rows then push out.
+"""
 STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
 
@@ -76,7 +81,7 @@ class KeptApart:
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = 0
         self._cuts: list[Solution] = []
-        self._deep = np.inf
+        self._deep = NONE_YET
         self._patience = 0
         self._failed = False
 
@@ -194,7 +199,7 @@ class KeptApart:
                 break
         if search.best is None:
             return None
-        self._search, self._deep = search.along_best, np.inf
+        self._search, self._deep = search.along_best, NONE_YET
         settings = replace(self._settings, restarts=Restarts(0))
         if not are_free:
             settings = replace(settings, solver=coarse.solver)
@@ -204,16 +209,16 @@ class KeptApart:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
         depths = self._overlaps.depths_at(found, self._open)
         deep = sum(depth for each in depths for depth in each.values())
-        if deep >= self._deep:
+        if deep >= max(self._deep):
             return None
-        self._deep = deep
+        self._deep = (self._deep[1], deep)
         self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
         settings = replace(self._near, mesh=tuple(part.mesh for part in found.phases))
         return PlanAttempt(found, settings, self._search.surfaces, True)
 
     def _behind(self, best: Solution, search: FreeSearch) -> PlanAttempt:
         """Return the plan with the rows at which the best free solution ended, which keep a finer one near it."""
-        self._deep, self._search = np.inf, replace(search, best=None, behind=None)
+        self._deep, self._search = NONE_YET, replace(search, best=None, behind=None)
         return PlanAttempt(best, self._near, self._search.surfaces, True)
 
     @property

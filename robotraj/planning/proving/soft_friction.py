@@ -5,9 +5,10 @@ optimum, or takes hundreds of iterations. The problem is first solved with
 
     F v / sqrt(v^2 + (c v_s)^2)
 
-at falling c, each solution the guess of the next, and then with the robot's own friction. The slope of this curve falls
-as v^-3 beside the reversal, that of tanh exponentially. A Newton step can therefore shift the time of a reversal by a
-share of its distance from the optimum. With tanh it shifts by the width of the reversal alone.
+at falling c, each solution the guess of the next, and then with the robot's own friction. Below c = 1 the curve becomes
+tanh (``robotraj.dynamics.motors_and_friction``). The slope of this one falls as v^-3 beside the reversal, that of tanh
+exponentially. A Newton step can therefore shift the time of a reversal by a share of its distance from the optimum.
+With tanh it shifts by the width of the reversal alone.
 
 On a mesh, friction is seen at the collocation points alone. The effort falls by steps where a reversal passes a point,
 so that reversals get stuck between points. They move on with every finer mesh, and the objective does not settle. Soft
@@ -37,9 +38,7 @@ SOFTEST = 1.0 / 8.0
 LAST, FALL = 0.5, 3.5
 """The last factor c, and the largest ratio of one factor to the next.
 
-With the last one, soft friction leaves out as much as tanh(v / v_s) does: the integral of 1 - s / sqrt(s^2 + c^2) over
-s is c, and that of 1 - tanh(s) is log 2. With larger steps fewer plans are proved, smaller ones take longer
-(``benchmarks/friction.md``).
+With larger steps fewer plans are proved, smaller ones take longer (``benchmarks/friction.md``).
 """
 SMALLEST_FALL = 1.2
 """Ratio of two factors below which a failed solve is not tried from a nearer one."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.motors_and_friction import dry_friction
 from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened, softening_of
 from robotraj.planning.sizes.shares import shares_of
 from robotraj.transcription.shooting.explicit_dynamics import explicit
@@ -82,8 +83,10 @@ def test_a_given_path_needs_no_softer_friction(objective: rt.objectives.Objectiv
     assert solution.proof is not None and solution.proof.holds
 
 
+@pytest.mark.parametrize("softening", [4.0, 1.0, 0.999, 0.4, 1e-3])
 @pytest.mark.parametrize("speed", [-3.0, -0.05, 0.0, 0.02, 1.0])
-def test_soft_friction_is_the_algebraic_curve_of_the_docstring(speed: float) -> None:
+def test_soft_friction_is_the_curve_of_the_docstring(speed: float, softening: float) -> None:
+    """It is algebraic from 1 on, and becomes the hyperbolic tangent below."""
     robot = rt.load("z1")
     zero = np.zeros(robot.nv)
     motion = [np.array(robot.neutral), np.full(robot.nv, speed), zero]
@@ -96,9 +99,25 @@ def test_soft_friction_is_the_algebraic_curve_of_the_docstring(speed: float) -> 
         return np.array(residual(np.append(motion[0], motion[1]), motion[2], zero)).ravel()
 
     frictionless = balance(0.0) - robot.friction * np.tanh(speed / robot.friction_speed)
-    width = 4.0 * robot.friction_speed
-    expected = frictionless + robot.friction * speed / np.hypot(speed, width)
-    np.testing.assert_allclose(balance(4.0), expected, atol=1e-12)
+    relative = speed / robot.friction_speed
+    share = np.tanh(np.arcsinh(softening * relative) / softening)
+    if softening >= 1.0:
+        share = relative / np.hypot(relative, softening)
+    if softening == 1e-3:
+        assert share == pytest.approx(np.tanh(relative), abs=1e-4)
+    np.testing.assert_allclose(balance(softening), frictionless + robot.friction * share, atol=1e-12)
+
+
+@pytest.mark.parametrize("softening", [0.9, 0.5])
+def test_averaged_friction_below_one_is_wider_and_the_same_where_speeds_are_steady(softening: float) -> None:
+    speed, change = ca.SX.sym("speed", 7), ca.SX.sym("change", 7)
+    robot = rt.load("z1")
+    friction = ca.Function("friction", [speed, change], [dry_friction(robot, speed, softening, change)])
+    still = ca.Function("still", [speed], [dry_friction(robot, speed, softening)])
+    speeds = 0.02 * np.linspace(-1.0, 1.0, 7)
+    np.testing.assert_allclose(np.array(friction(speeds, np.zeros(7))), np.array(still(speeds)), atol=1e-12)
+    averaged, own = np.abs(np.array(friction(speeds, np.full(7, 0.05)))), np.abs(np.array(still(speeds)))
+    assert np.all(averaged <= own) and np.all((averaged < own)[own > 0.0])
 
 
 @pytest.mark.parametrize(("speed", "acceleration"), [(0.0, 2.0), (0.3, 0.0), (0.3, -5.0), (-0.1, 20.0)])
