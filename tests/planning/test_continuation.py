@@ -56,7 +56,8 @@ def test_effort_before_absolute_power(arm: rt.Robot) -> None:
     staged = rt.plan(phase, mesh=rt.Mesh(30), continuation=[rt.planning.ContinuationStep(objective=rt.Effort())])
     effort = rt.plan(reach(arm, constraints=[]), mesh=rt.Mesh(30))
     assert staged.continuation[0].objective == pytest.approx(effort.objective, rel=1e-9)
-    assert staged.objective == pytest.approx(rt.plan(phase, mesh=rt.Mesh(30)).objective, rel=1e-4)
+    # From the least effort a better optimum may be found than from a straight line.
+    assert 0.95 < staged.objective / rt.plan(phase, mesh=rt.Mesh(30)).objective < 1.0 + 1e-4
 
 
 def test_limits_and_objective_can_be_dropped_for_a_step(arm: rt.Robot) -> None:

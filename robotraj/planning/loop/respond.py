@@ -153,7 +153,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     if first and proof.shortfall > ROUGH_SHORTFALL:
         # A motion that jumps over a shape between the points of a coarse mesh passes it on no finer one.
         return _afresh(state, tuple(evenly_finer(mesh, DOUBLED) for mesh in state.coarsest))
-    if is_enough(state) and best.holds and not measures.settles:
+    if is_enough(state) and best.holds and (state.traits.sticking_powers or not measures.settles):
         return PlanEnd(state, "enough meshes")
     phase = measures.stagnant
     stagnant = 0 if phase is None else state.stagnant + 1

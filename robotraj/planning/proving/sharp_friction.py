@@ -28,7 +28,7 @@ from robotraj.solvers.status import Status
 LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
 AIM = 0.7
-"""Part of the allowed share that the next plan aims at."""
+"""Part of the allowed share that plans aim at: the share is of first order in v_s, and plans leave out more."""
 GENTLEST = 0.8
 """Factor above which a further plan would hardly differ."""
 STEPS = 8
@@ -58,7 +58,7 @@ def sharpened(found: Solution, settings: Settings, progress: Progress | None, ap
         found = replace(found, proof=proof)
         if not proof.holds or step == STEPS:
             return found
-        if missing.objective <= FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
+        if missing.objective <= AIM * FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
             return found
         wanted = min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
         sharper = _scaled(found.problem, max(factor, wanted))

@@ -14,6 +14,7 @@ from robotraj.planning import solve as one_solve
 from robotraj.planning.loop import run as loop
 from robotraj.planning.loop.respond import ENOUGH_OF_POWERS, NEARLY, is_guess
 from robotraj.planning.loop.state import Task, begin
+from robotraj.planning.proving import limits_between
 from robotraj.planning.proving.soft_friction import CHANGE_STICKING, softened
 from robotraj.planning.settings import resolve
 from robotraj.solution.proof import Goals, Proof
@@ -33,7 +34,7 @@ def _damped() -> rt.Phase:
 def test_solves_with_lower_limits_on_the_same_mesh_start_from_a_small_barrier(monkeypatch):
     """Limits of rates alternate from mesh to mesh, but not where limits are lowered on the same mesh."""
     barriers: list[tuple[tuple[object, ...], float]] = []
-    plain = one_solve._solve
+    plain = one_solve.solve_nlp
 
     def recorded(nlp, guess, multipliers, solver, *rest):
         # Sharper friction is another problem.
@@ -41,7 +42,8 @@ def test_solves_with_lower_limits_on_the_same_mesh_start_from_a_small_barrier(mo
         barriers.append(((*speeds, *(layout.mesh for layout in nlp.layouts)), solver.initial_barrier))
         return plain(nlp, guess, multipliers, solver, *rest)
 
-    monkeypatch.setattr(one_solve, "_solve", recorded)
+    for module in (one_solve, limits_between):
+        monkeypatch.setattr(module, "solve_nlp", recorded)
     assert rt.plan(_damped()).proof.motion_holds
     again = [
         barrier for (before, _), (mesh, barrier) in zip(barriers[:-1], barriers[1:], strict=True) if mesh == before
