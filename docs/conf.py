@@ -31,7 +31,7 @@ html_theme = "furo"
 html_title = "robotraj"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
-html_search_scorer = "_static/search_order.js"
+html_search_scorer = str(DOCS / "_static" / "search_order.js")  # Sphinx opens it from anywhere
 html_math_renderer = "mathml"
 html_theme_options = {
     "source_repository": "https://github.com/robotraj/robotraj/",
