@@ -56,8 +56,9 @@ def test_effort_before_absolute_power(arm: rt.Robot) -> None:
     staged = rt.plan(phase, mesh=rt.Mesh(30), continuation=[rt.planning.ContinuationStep(objective=rt.Effort())])
     effort = rt.plan(reach(arm, constraints=[]), mesh=rt.Mesh(30))
     assert staged.continuation[0].objective == pytest.approx(effort.objective, rel=1e-9)
-    # From the least effort a better optimum may be found than from a straight line.
-    assert 0.95 < staged.objective / rt.plan(phase, mesh=rt.Mesh(30)).objective < 1.0 + 1e-4
+    # From the least effort a better optimum may be found than from a straight line; it is one of the same problem.
+    assert staged.objective <= rt.plan(phase, mesh=rt.Mesh(30)).objective * (1.0 + 1e-4)
+    assert rt.plan(phase, mesh=rt.Mesh(30), guess=staged).objective == pytest.approx(staged.objective, rel=1e-6)
 
 
 def test_limits_and_objective_can_be_dropped_for_a_step(arm: rt.Robot) -> None:

@@ -120,12 +120,6 @@ def heights(
 
 
 def _knots_of(flying: Sequence[bool]) -> list[int]:
-    """Return the knots of ``heights``: not those inside a stance that begins or ends with a flight."""
-    flights = [i for i, flies in enumerate(flying) if flies]
-    last = max(flights, default=-1)
-    kept = []
-    for i in range(len(flying) + 1):
-        inside = 0 < i < len(flying) and not flying[i - 1] and not flying[i]
-        before, after = any(k < i for k in flights), i <= last
-        kept.append(not inside or not (before or after))
-    return [i for i, keep in enumerate(kept) if keep]
+    """Return the knots of ``heights``: both sides of flights and the ends; all of them without a flight."""
+    ends = (0, len(flying))
+    return [i for i in range(len(flying) + 1) if i in ends or not any(flying) or flying[i - 1] or flying[i]]

@@ -36,10 +36,10 @@ from robotraj.transcription.reuse import continued_at
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.transcribe import transcribe
 
-Array = NDArray[np.float64]
-
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
+
+Array = NDArray[np.float64]
 
 
 class Posed(NamedTuple):

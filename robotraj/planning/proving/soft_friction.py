@@ -41,7 +41,7 @@ LAST, FALL = 0.5, 3.5
 With larger steps fewer plans are proved, smaller ones take longer (``benchmarks/friction.md``).
 """
 SMALLEST_FALL = 1.2
-"""Ratio of two factors below which a failed solve is not tried from a nearer one."""
+"""Least ratio of one factor to the next one after a failed solve; below it, no nearer factor is tried."""
 CHANGE_STICKING = 1e-3
 """Relative change of the objective within eight iterations below which a solve ends where joints stick and slide.
 
@@ -66,7 +66,7 @@ def softening_of(problem: Problem, near: Solution | None = None) -> tuple[float,
     if not rough or not shares_of(problem).sticking:
         return ()
     wider = [None if near is None else near.problem.phases[k].robot for k in rough]
-    first = max(softest_factor(problem.phases[k], robot) for k, robot in zip(rough, wider, strict=True))
+    first = max(_softest_factor(problem.phases[k], robot) for k, robot in zip(rough, wider, strict=True))
     if first <= LAST:
         return ()
     steps = int(np.ceil(np.log(first / LAST) / np.log(FALL)))
@@ -95,7 +95,7 @@ def softest(problem: Problem) -> Problem:
     return softened(problem, softening[0], (0.0,) * len(problem.phases)) if softening else problem
 
 
-def softest_factor(phase: Phase, wider: Robot | None = None) -> float:
+def _softest_factor(phase: Phase, wider: Robot | None = None) -> float:
     """Return the factor c of the first solve of a phase."""
     robot = phase.robot
     assert robot is not None

@@ -1,7 +1,7 @@
 """Sizes of the joints' accelerations under limits on expressions, as on the speed of a tool or the power of a motor.
 
 Torques of a slow motion hold the robot against gravity, whatever its joints do meanwhile. Many motions of the joints
-are then equally short, and equally smooth by their torques. Their accelerations tell them apart. Let f(w) be a row with
+are then equally short, and equally smooth by their torques. They differ in their accelerations. Let f(w) be a row with
 the bound b in the neutral configuration, where joint j alone has the speed w, or else the acceleration w. Torques are
 those that hold the robot at its start. With
 

@@ -46,21 +46,8 @@ def test_public_classes_of_a_problem_may_be_named(namespace: object) -> None:
 
 
 def test_every_function_that_writes_a_gait_may_be_named() -> None:
-    simple = {
-        "walk",
-        "run",
-        "trot",
-        "crawl",
-        "jump",
-        "flip",
-        "turn",
-        "sidestep",
-        "stairs",
-        "gap",
-        "start_stop",
-        "steps",
-    }
-    assert simple == set(GAITS)
+    moving = {"walk", "run", "trot", "crawl", "turn", "sidestep", "stairs", "gap", "start_stop", "steps"}
+    assert moving | {"jump", "flip"} == set(GAITS)
 
 
 def test_an_entry_lists_keys_kinds_and_defaults() -> None:
