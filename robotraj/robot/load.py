@@ -24,7 +24,7 @@ def load(
     package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
     trust_paths: bool = False,
     actuated: Iterable[str] | None = None,
-    locked: Mapping[str, float] | None = None,
+    locked: Mapping[str, float | Sequence[float]] | None = None,
     root: str = "fixed",
     limits: Limits | Mapping[str, PositionLimits | RateLimits] | None = None,
     gravity: ArrayLike | None = None,
@@ -49,7 +49,8 @@ def load(
     actuated : iterable of str, optional
         Joints with a motor. Default: those of the catalogue (acrobot: the elbow; cartpole: the slider), else all.
     locked : mapping, optional
-        Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them.
+        Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them. A joint of several
+        degrees of freedom has one number for each, ``{"drive": (x, y, yaw)}``, or 0 for all.
     root : str
         ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the vertical plane y = 0 and turns
         about y. ``"floating"``: it moves freely, with a quaternion. A moving root has no motors, limits or damping; see

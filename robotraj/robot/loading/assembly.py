@@ -18,6 +18,7 @@ from robotraj.robot.coupling.tightened_limits import tightened
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
 from robotraj.robot.known_robots.makers import makers_note
 from robotraj.robot.limits import BOUNDS, Limits
+from robotraj.robot.loading.chain_names import Chains, chains_note, spread_names, spread_positions
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.loading.notes import (
@@ -58,7 +59,7 @@ SLOWEST_OF_LEGS, FASTEST_FRICTION = 0.05, 0.5
 def assemble(
     about: Description,
     actuated: Iterable[str] | None,
-    locked: Mapping[str, float] | None,
+    locked: Mapping[str, float | Sequence[float]] | None,
     limits: Limits | Mapping[str, PositionLimits | RateLimits] | None,
     root: str = "fixed",
 ) -> Robot:
@@ -71,10 +72,9 @@ def assemble(
         cannot have the root.
     """
     stand = root_of(root)
-    axes_note = ""
     if not isinstance(about.geometry, tuple):  # shapes that were given are attached to the joints as they are
-        chains, axes_note = single_axes(about.model)
-        about = replace(about, model=chains)
+        single, chains = single_axes(about.model)
+        about = replace(about, model=single, chains={**about.chains, **chains})
     check_joints(about.model)
     standing = with_root(about.model, root)
     if standing.njoints == 1:
@@ -108,7 +108,7 @@ def assemble(
     wanted = own if limits is None else own.override(limits)
     places = dict(zip(names, q[start:], strict=True))
     kept = np.append(q[:start], [places[joint] for joint in own.joints[own.free :]])
-    motors = _actuated(actuated, about.actuated, own.joints[own.free :], mimics)
+    motors = _actuated(actuated, about.actuated, own.joints[own.free :], mimics, about.chains)
     units = units_of(model, root)
     found = (
         weightless_note(weightless_joints(model)),
@@ -127,7 +127,7 @@ def assemble(
         mimic_note(mimics),
         rest_note(about.mimics, held, locked or {}) if about.known else "",
         renamed_frames_note(renamed),
-        axes_note,
+        chains_note(about.chains),
         armature_note,
         dissipation_note(model),
         friction_note(friction, wanted, units, motors),
@@ -173,12 +173,15 @@ def _friction_speed(friction: Array, speeds: Array, root: str) -> float:
 
 
 def _locked(
-    about: Description, names: Sequence[str], resting: Mapping[str, float], locked: Mapping[str, float] | None
+    about: Description,
+    names: Sequence[str],
+    resting: Mapping[str, float],
+    locked: Mapping[str, float | Sequence[float]] | None,
 ) -> dict[str, float]:
     """Return the locked joints with their positions: the caller's, the catalogue's, and those coupled by <mimic>."""
     if locked is not None and not isinstance(locked, Mapping):
         raise InputError(f"locked= is a mapping such as {{'wrist': 0.0}}; got {locked!r}.")
-    asked = dict(locked or {})
+    asked = spread_positions(locked or {}, about.chains)
     for joint, value in asked.items():
         if joint not in names:  # pin.buildReducedModel would ignore it
             raise unknown_name("joint", joint, names, "Correct the name in locked=.")
@@ -225,13 +228,14 @@ def _actuated(
     default: tuple[str, ...] | None,
     joints: tuple[str, ...],
     mimics: Sequence[Mimic],
+    chains: Chains,
 ) -> tuple[str, ...]:
     """Return the joints with a motor, in the order of v."""
     if asked is None:
         return joints if default is None else tuple(joint for joint in joints if joint in default)
     if isinstance(asked, str):
         raise InputError(f"actuated= is a list of joint names, such as [{asked!r}]; got {asked!r}.")
-    wanted = names("actuated=", asked)
+    wanted = spread_names(names("actuated=", asked), chains)
     leaders = {mimic.follower: mimic.leader for mimic in mimics}
     for joint in wanted:
         if joint in leaders:

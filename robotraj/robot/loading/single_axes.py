@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.loading.planning_model import PER_VELOCITY, has_free_flyer
 
 Array = npt.NDArray[np.float64]
@@ -28,8 +29,8 @@ HELICAL = {"JointModelHX": (1.0, 0.0, 0.0), "JointModelHY": (0.0, 1.0, 0.0)}
 """Screws whose symbolic functions are not finite in Pinocchio 4.1; the one about any axis has the same motion."""
 
 
-def single_axes(model: pin.Model) -> tuple[pin.Model, str]:
-    """Return a model whose joints have one velocity each, except a free-flyer at its root, and a note on new joints.
+def single_axes(model: pin.Model) -> tuple[pin.Model, Chains]:
+    """Return a model whose joints have one velocity each, except a free-flyer at its root, and the names of new joints.
 
     A planar joint ``base`` becomes ``base_x``, ``base_y`` and ``base_yaw``. A ball joint becomes ``_yaw``, ``_pitch``
     and ``_roll``, whose rates are not defined where the pitch is a quarter turn. A universal joint and a composite one
@@ -40,11 +41,11 @@ def single_axes(model: pin.Model) -> tuple[pin.Model, str]:
     kinds = {i: model.joints[i] for i in range(first, model.njoints)}
     parts = {i: _parts(joint) for i, joint in kinds.items() if joint.nv > 1 or joint.shortname() in HELICAL}
     if not parts or not all(parts.values()):
-        return model, ""
-    copy, moved, notes = pin.Model(), {0: 0}, []
+        return model, {}
+    copy, moved = pin.Model(), {0: 0}
     copy.name, copy.gravity = model.name, model.gravity.copy()
     own: list[int] = []
-    chains: dict[int, list[str]] = {}
+    chains: dict[int, tuple[str, ...]] = {}
     for i in range(1, model.njoints):
         joint, name, parent = model.joints[i], model.names[i], moved[model.parents[i]]
         v, q = range(joint.idx_v, joint.idx_v + joint.nv), slice(joint.idx_q, joint.idx_q + joint.nq)
@@ -65,18 +66,17 @@ def single_axes(model: pin.Model) -> tuple[pin.Model, str]:
             at_v, at_q, names = at_v + kind.nv, at_q + kind.nq, [*names, full]
         moved[i] = parent
         own += list(v)
-        chains[i] = names
-        if len(chain) > 1:
-            notes.append(f"{name!r} moves by {', '.join(names)}")
+        chains[i] = tuple(names)
     for i, inertia in enumerate(model.inertias):
         copy.appendBodyToJoint(moved[i], inertia, pin.SE3.Identity())
-    _add_frames(model, copy, moved, {model.names[i]: chains[i] for i in parts})
+    replaced = {model.names[i]: chains[i] for i in parts}
+    _add_frames(model, copy, moved, replaced)
     for field in (*PER_VELOCITY, "lowerEffortLimit", "lowerVelocityLimit"):
         getattr(copy, field)[:] = getattr(model, field)[own]
-    return copy, f"Joints of several degrees of freedom are chains of single ones: {'; '.join(notes)}." if notes else ""
+    return copy, {joint: names for joint, names in replaced.items() if len(names) > 1}
 
 
-def _add_frames(model: pin.Model, copy: pin.Model, moved: dict[int, int], chains: dict[str, list[str]]) -> None:
+def _add_frames(model: pin.Model, copy: pin.Model, moved: dict[int, int], chains: Chains) -> None:
     """Add the frames of a model to its copy in order; that of a replaced joint becomes one for each new joint."""
     numbers = {0: 0}
     for number, frame in enumerate(list(model.frames)[1:], start=1):

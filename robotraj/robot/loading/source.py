@@ -15,13 +15,14 @@ from robotraj.robot.coupling.coupled_model import uncoupled
 from robotraj.robot.coupling.mimics import Mimic, mimics_of, read_mimics
 from robotraj.robot.known_robots.catalogue import find
 from robotraj.robot.known_robots.entry import KnownRobot
+from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.loading.geometry import NoGeometry, UrdfGeometry
 from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.missing_meshes import missing_meshes
 from robotraj.robot.loading.packages import search_folders
 from robotraj.robot.loading.planning_model import names_of
 from robotraj.robot.mjcf.model import is_mjcf, read_mjcf
-from robotraj.robot.urdf.balls import without_balls
+from robotraj.robot.urdf.balls import chains_of_balls, without_balls
 from robotraj.robot.urdf.limits import StatedLimits, stated_limits
 from robotraj.robot.urdf.numbers import check_numbers
 from robotraj.robot.urdf.springs import stated_springs
@@ -61,6 +62,8 @@ class Description:
         Whether the catalogue lists it. Its findings are notes without a warning.
     springs : mapping of str to (float, float)
         Stiffness and position without torque by joint [N m/rad, rad; N/m, m].
+    chains : mapping of str to tuple of str
+        Single joints in place of those of several degrees of freedom, by name.
     """
 
     name: str
@@ -76,6 +79,7 @@ class Description:
     stated: StatedLimits = StatedLimits({})
     known: bool = False
     springs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    chains: Chains = field(default_factory=dict)
 
 
 def describe(
@@ -146,6 +150,7 @@ def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
         findings=found.findings,
         stated=StatedLimits({"effort": found.efforts}),
         springs=found.springs,
+        chains=found.chains,
     )
 
 
@@ -154,6 +159,7 @@ def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) 
     root, file = geometry.root, repr(str(entry.urdf))
     check_structure(file, root)
     findings = check_numbers(file, root)
+    chains = chains_of_balls(root)
     root = without_balls(root)
     model = read_model(root, entry.urdf)
     check_bodies(file, model)
@@ -171,4 +177,5 @@ def _from_urdf(entry: KnownRobot, folders: tuple[Path, ...], trust_paths: bool) 
         stated_limits(root),
         bool(entry.name),
         stated_springs(root),
+        chains,
     )

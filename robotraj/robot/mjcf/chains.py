@@ -7,20 +7,23 @@ from xml.etree.ElementTree import Element
 
 import pinocchio as pin
 
+from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.loading.single_axes import single_axes
 
 COMPOSITE = "Composite_"
 """Pinocchio's name of the joints of a body is this and the name of the first one."""
 
 
-def with_single_axes(root: Element, model: pin.Model, shapes: tuple[pin.GeometryModel, pin.GeometryModel]) -> pin.Model:
-    """Return the model with joints of one degree of freedom each, and move the shapes to them.
+def with_single_axes(
+    root: Element, model: pin.Model, shapes: tuple[pin.GeometryModel, pin.GeometryModel]
+) -> tuple[pin.Model, Chains]:
+    """Return the model with joints of one degree of freedom, and the names of balls' parts; move the shapes along.
 
     The joints of a body keep the names that the file gives them.
     """
-    chained, _ = single_axes(model)
+    chained, chains = single_axes(model)
     if chained is model:
-        return model
+        return model, chains
     for group in shapes:
         for shape in group.geometryObjects:
             frame = model.frames[shape.parentFrame]
@@ -31,7 +34,7 @@ def with_single_axes(root: Element, model: pin.Model, shapes: tuple[pin.Geometry
             frame = chained.frames[chained.getFrameId(old, pin.FrameType.JOINT)]
             frame.name = new
             chained.names[chained.getJointId(old)] = new
-    return chained
+    return chained, {joint: parts for joint, parts in chains.items() if not joint.startswith(COMPOSITE)}
 
 
 def _names(root: Element) -> Iterator[tuple[str, str]]:

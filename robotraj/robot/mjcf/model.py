@@ -14,6 +14,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
+from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_numbers
 from robotraj.robot.mjcf.defaults import Attributes, Defaults
@@ -46,6 +47,8 @@ class MjcfModel:
     springs : mapping by joint
         Stiffness and position without torque [N m/rad, rad; N/m, m].
     findings : tuple of str
+    chains : mapping of str to tuple of str
+        Single joints in place of ball joints, by name.
     """
 
     model: pin.Model
@@ -54,6 +57,7 @@ class MjcfModel:
     efforts: dict[str, tuple[float, float]]
     springs: dict[str, tuple[float, float]]
     findings: tuple[str, ...]
+    chains: Chains
 
 
 def is_mjcf(path: Path) -> bool:
@@ -92,7 +96,7 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             "Give them the frame's pose in its place; a file that MuJoCo's mj_saveLastXML writes has no frames."
         )
     model, shapes = _built(root, path, folders)
-    model = with_single_axes(root, model, shapes)
+    model, chains = with_single_axes(root, model, shapes)
     gravity = numbers(" ".join(each.get("gravity", "") for each in root.findall("option")).strip(), 3)
     if gravity is not None:
         model.gravity.linear = np.array(gravity)
@@ -125,7 +129,7 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             "limits={'effort': {joint: largest}}."
         )
     driven = tuple(joint for joint in joints if joint in {own.get("joint") for _, own in actuators})
-    return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings))
+    return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains)
 
 
 def _built(

@@ -11,6 +11,12 @@ CHAIN = (("yaw", "0 0 1"), ("pitch", "0 1 0"), ("roll", "1 0 0"))
 """Endings of the names of its hinges and their axes, each after the ones before."""
 
 
+def chains_of_balls(root: Element) -> dict[str, tuple[str, ...]]:
+    """Return the names of the hinges of every ball joint."""
+    balls = [joint.get("name", "") for joint in root.findall("joint") if joint.get("type") in BALLS]
+    return {name: tuple(f"{name}_{ending}" for ending, _ in CHAIN) for name in balls}
+
+
 def without_balls(root: Element) -> Element:
     """Return a URDF whose ball joints are chains of hinges about z, y and x, with massless links between them.
 

@@ -52,8 +52,8 @@ def tree(kind, seed=0):
 def test_kinetic_energy_gravity_and_frames_are_those_of_the_chain(kind, seed):
     """Both have the same masses, and equal frame placements and mass matrices where their rates are the same."""
     model = tree(KINDS.get(kind) or composite(), seed)
-    chain, note = single_axes(model)
-    assert "'wide' moves by wide_" in note
+    chain, names = single_axes(model)
+    assert list(names) == ["wide"] and all(part.startswith("wide_") for part in names["wide"])
     assert chain.nv == model.nv == chain.nq
     q = np.random.default_rng(seed).uniform(-1.0, 1.0, chain.nq)
     wide = q[1 : 1 + model.joints[2].nv]
@@ -109,6 +109,28 @@ def test_a_base_on_a_planar_joint_plans_and_agrees_with_the_second_opinion(urdf)
     assert rt.load_solution(solution.save(urdf.folder / "s.npz")).problem.phases[0].robot.model == robot.model
     locked = rt.load(urdf.text(PLANAR.format(BODY, "drive", "planar", "")), locked={"drive_x": 0.0, "drive_y": 0.0})
     assert locked.joint_names == ("drive_yaw", "j")
+
+
+def test_the_name_in_the_file_stands_for_the_joints_in_its_place(urdf):
+    """A planar base is held still, or has motors, by its own name; a ball likewise, from a URDF or a model."""
+    text = PLANAR.format(BODY, "drive", "planar", '<axis xyz="0 0 1"/>')
+    held = rt.load(urdf.text(text), locked={"drive": 0.0})
+    assert held.joint_names == ("j",)
+    place = (1.0, -0.5, 0.3)
+    held = rt.load(urdf.text(text), locked={"drive": place})
+    data = held.model.createData()
+    pin.framesForwardKinematics(held.model, data, np.zeros(1))
+    base = data.oMf[held.frame("base")]
+    np.testing.assert_allclose([*base.translation[:2], pin.log3(base.rotation)[2]], place, atol=1e-12)
+    assert rt.load(urdf.text(text), actuated=["drive"]).actuated == ("drive_x", "drive_y", "drive_yaw")
+    for given in (0.4, (1.0, 2.0), "here"):
+        with pytest.raises(rt.InputError, match=r"'drive' moves by drive_x, drive_y, drive_yaw; got .* Give 3 numbers"):
+            rt.load(urdf.text(text), locked={"drive": given})
+    with pytest.raises(rt.InputError, match="'drive_y' at nan; give one finite number"):
+        rt.load(urdf.text(text), locked={"drive": (0.0, np.nan, 0.0)})
+    ball = rt.load(urdf.text(PLANAR.format(BODY, "neck", "spherical", "")), locked={"neck": (0.1, 0.2, 0.3)})
+    other = rt.load(tree(pin.JointModelSpherical()), locked={"wide": 0.0})
+    assert ball.joint_names == ("j",) and other.joint_names == ("first", "last", "side")
 
 
 def test_a_plane_that_pinocchio_does_not_read_is_refused(urdf):
