@@ -25,7 +25,7 @@ SEEDS, STARTS, AFTER = 10, 20, (1, 5, 10, 15, 20)
 SOLVER = rt.InteriorPoint(threads=1, fallback=None)
 
 
-def search(key: str, seed: int) -> tuple[list[str], rt.planning.Multistart]:
+def search(key: str, seed: int) -> tuple[list[str], rt.applications.Multistart]:
     """Search with one seed: cells of the table, and what was found."""
     task = task_of(key)
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:

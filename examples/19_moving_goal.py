@@ -35,4 +35,4 @@ for t in np.arange(150) * 0.02:
     reached = replans[-1].at(t + 0.02)  # the robot follows its plan; a real one is measured here
     q, v = reached.q, reached.v
 print(f"distance from the goal: {np.abs(q - goal(3.0)).max():.3f} rad")
-print("wrote", rt.replay(rt.planning.driven(replans, until=3.0), "19_moving_goal.html", traces=["tool0"]))
+print("wrote", rt.replay(rt.applications.driven(replans, until=3.0), "19_moving_goal.html", traces=["tool0"]))

@@ -14,7 +14,7 @@ def make(case: dict[str, float]) -> rt.Phase:
 
 
 grid = [{"shoulder": shoulder, "elbow": elbow} for shoulder in (0.8, 1.1, 1.4) for elbow in (0.3, 0.6)]
-library = rt.planning.library(make, grid)
+library = rt.applications.library(make, grid)
 case = {"shoulder": 1.2, "elbow": 0.5}
 
 cold = rt.plan(make(case))

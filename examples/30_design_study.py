@@ -21,7 +21,7 @@ def reach(case: dict[str, float], goal: float, duration: float = 6.0) -> rt.Phas
 solution = rt.plan(reach({"n": 40.0, "load": 0.1}, 1.2))
 print("slopes:", {name: solution.sensitivity(name) for name in ("n", "load", "duration")})
 
-best = rt.planning.codesign(
+best = rt.applications.codesign(
     lambda case: [reach({**case, "load": load}, goal) for goal, load in ((0.8, 0.0), (1.2, 0.1))],
     {"n": (20.0, 200.0)},
     accuracy=1e-3,
@@ -35,4 +35,4 @@ def weighted(price: float) -> rt.Phase:
     return rt.Phase(arm, (4.5, 12.0), *ends, rt.Effort() + price * rt.Duration())
 
 
-print(rt.planning.pareto(weighted, (0.05, 2.0), points=5))
+print(rt.applications.pareto(weighted, (0.05, 2.0), points=5))

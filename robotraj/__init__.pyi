@@ -1,6 +1,7 @@
 """robotraj: plan robot motions by direct collocation and prove them by simulation."""
 
 from . import (
+    applications,
     dynamics,
     gait,
     guess,
@@ -14,6 +15,17 @@ from . import (
     witness,
 )
 from ._util.errors import InputError, RobotrajError, UnknownName, ValidationFailed
+from .applications.many.multistart import multistart
+from .applications.many.sweep import sweep
+from .applications.paths.on_path import override, stop_on_path
+from .applications.paths.retime import retime
+from .applications.paths.shared_cell import share_cell
+from .applications.paths.waypoints import Waypoints
+from .applications.problem_files.load import load_problem
+from .applications.programs.moves import MoveC, MoveJ, MoveL
+from .applications.programs.program import Program
+from .applications.replanning.replanner import Replanner
+from .applications.studies.study import Study
 from .dynamics import contacts, design, obstacles, terrain
 from .dynamics.applied_forces.external_force import ExternalForce
 from .dynamics.applied_forces.thruster import Thruster
@@ -22,18 +34,7 @@ from .dynamics.contacts.point_contact import PointContact
 from .dynamics.system import System
 from .guess.guess import Guess
 from .native import engines
-from .planning.many.multistart import multistart
-from .planning.many.sweep import sweep
-from .planning.paths.on_path import override, stop_on_path
-from .planning.paths.retime import retime
-from .planning.paths.shared_cell import share_cell
-from .planning.paths.waypoints import Waypoints
 from .planning.plan import plan
-from .planning.problem_files.load import load_problem
-from .planning.programs.moves import MoveC, MoveJ, MoveL
-from .planning.programs.program import Program
-from .planning.replanning.replanner import Replanner
-from .planning.studies.study import Study
 from .problem import constraints, links, objectives
 from .problem.constraints.base import AtEnd, AtStart
 from .problem.constraints.bounds import between, turns
@@ -108,6 +109,7 @@ __all__ = [
     "UnknownName",
     "ValidationFailed",
     "Waypoints",
+    "applications",
     "between",
     "constraints",
     "contacts",

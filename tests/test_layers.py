@@ -25,6 +25,7 @@ ROOMS = (
     ("solution",),
     ("indirect", "replay_page", "witness"),
     ("planning",),
+    ("applications",),
     ("cli",),
 )
 """Floors in ascending order. Rooms on one floor do not import each other, such as the three readers of a solution."""
@@ -97,18 +98,18 @@ def test_imports_point_down(module: str) -> None:
     assert not above
 
 
-def test_the_longest_chain_of_imports_passes_ten_rooms() -> None:
+def test_the_longest_chain_of_imports_passes_eleven_rooms() -> None:
     """Counted from the imports themselves, not from the order of floors above."""
     rooms = {
         room: {room_of(name) for module in INSIDE if room_of(module) == room for name in GRAPH[module]} - {room}
         for room in FLOOR
     }
-    assert len(rooms) == 16
+    assert len(rooms) == 17
 
     def height(room: str) -> int:
         return 1 + max(map(height, rooms[room]), default=0)
 
-    assert max(map(height, rooms)) == len(ROOMS) == 10
+    assert max(map(height, rooms)) == len(ROOMS) == 11
 
 
 def test_no_module_imports_in_a_circle() -> None:

@@ -21,7 +21,7 @@ STARTERS = {
     "_util/system/own_python.py",
     "native/engines/background.py",
     "native/engines/compiler.py",
-    "planning/many/processes.py",
+    "applications/many/processes.py",
 }
 """Files that start processes; each is started by a test below."""
 PROBLEM = """

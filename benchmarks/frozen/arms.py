@@ -157,7 +157,7 @@ def path(draw: np.random.Generator, number: int) -> Drawn:
     """Take the least time along a spline through drawn configurations, every third one under limits of jerk."""
     robot = arm(SMOOTH[number % 6])
     count = int(draw.integers(4, 9))
-    curve = rt.planning.as_path(np.array(configurations(robot, draw, count, step=0.3)))
+    curve = rt.applications.as_path(np.array(configurations(robot, draw, count, step=0.3)))
     rows: list[rt.constraints.Constraint] = [rt.constraints.FollowPath(curve)]
     if number % 3 == 2:
         limit = float(10.0 ** draw.uniform(2, 3))

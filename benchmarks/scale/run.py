@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import robotraj as rt
-from robotraj.planning.many.processes import kept
+from robotraj.applications.many.processes import kept
 
 ROUNDS, COUNT = 2, 20
 PLANS, PROCESSORS = 1_000_000, 1000

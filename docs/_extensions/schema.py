@@ -6,7 +6,7 @@ from mirror import GENERATED, write
 from sphinx.application import Sphinx
 from sphinx.config import Config
 
-from robotraj.planning.problem_files.schema import reference
+from robotraj.applications.problem_files.schema import reference
 
 HEAD = "# Tables and types of problem files\n\nWritten by `robotraj schema --markdown` from the classes themselves.\n\n"
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj.applications.problem_files.obstacles import load_obstacles
 from robotraj.cli.minimise import Minimise
-from robotraj.planning.problem_files.obstacles import load_obstacles
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.objectives.base import Objective

@@ -12,7 +12,7 @@ from robotraj.cli.options import PLOTS
 from robotraj.cli.terminal import say_rows
 
 if TYPE_CHECKING:
-    from robotraj.planning.many.options import PlanOptions
+    from robotraj.applications.many.options import PlanOptions
 
 SUFFIXES: Mapping[str, Sequence[str]] = {"html": (".html", ".htm"), "save": (".npz",), "plot": PLOTS}
 
@@ -45,8 +45,8 @@ def plan_problem_file(
     rows : bool
         Whether every row is listed.
     """
+    from robotraj.applications.problem_files.load import load_problem
     from robotraj.cli.conclude import Files, conclude, planned
-    from robotraj.planning.problem_files.load import load_problem
 
     written = load_problem(path)
     outputs = {name: output_path(each, SUFFIXES[name], f"{name} of [output]") for name, each in written.output.items()}

@@ -1,6 +1,6 @@
-"""From a problem to a checked solution: solve, refine, restart; continuation, many starts, sweeps.
+"""From a problem to a checked solution: solve, measure, respond, restart and explain; continuation.
 
-Start with ``plan.py``. The room may import every room but ``cli``.
+Start with ``plan.py``. The room may import every room but ``applications`` and ``cli``.
 """
 
 from robotraj._util.public_names import attach_stub

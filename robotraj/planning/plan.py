@@ -16,10 +16,10 @@ from robotraj._util.system.interrupts import noted
 from robotraj._util.time_left import LimitReached, limited
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
+from robotraj.planning.candidates import has_candidates, with_candidates
 from robotraj.planning.diagnosis.memory import shortage_named
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.live.terminal_line import watching
-from robotraj.planning.many.candidates import has_candidates, with_candidates
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.planning.solve import has_motion, solve, solve_relaxed

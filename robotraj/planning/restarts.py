@@ -33,7 +33,7 @@ from robotraj.planning.diagnosis.elastic import motion_near, relaxed_motion
 from robotraj.planning.diagnosis.explain import completed, excluded
 from robotraj.planning.diagnosis.undefined import undefined_expression
 from robotraj.planning.diagnosis.unheld_ends import unheld_ends
-from robotraj.planning.other_solver import conflicts_are_certain
+from robotraj.planning.solve_nlp import conflicts_are_certain
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict, are_certain

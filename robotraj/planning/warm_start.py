@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 
 from robotraj.native.engines.base import Engine
-from robotraj.planning.many.starts import Start
+from robotraj.planning.starts import Start
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

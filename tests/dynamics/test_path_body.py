@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import robotraj as rt
+from robotraj.applications import as_path
 from robotraj.dynamics.path_body import PathBody, values_on
-from robotraj.planning import as_path
 
 RNG = np.random.default_rng(4)
 PATH = as_path(CubicSpline(np.linspace(0.0, 2.0, 6), RNG.uniform(-1.0, 1.0, (6, 6))))

@@ -24,7 +24,7 @@ import numpy as np
 
 import robotraj as rt
 from robotraj._util.system import interrupts as presses
-from robotraj.planning.many import one_of_many
+from robotraj.applications.many import one_of_many
 from robotraj.solution.errors import PlanInterrupted
 from robotraj.solvers.status import Status
 
@@ -124,7 +124,7 @@ class Interrupts:
             and not np.isfinite(error.solution.at(error.solution.duration / 2).q).all()
         ):
             return "the solution of the error is not finite"
-        if isinstance(error, rt.planning.Interrupted):
+        if isinstance(error, rt.applications.Interrupted):
             numbers = sorted([*error.found, *error.running, *error.left])
             if numbers != list(range(error.count)):
                 return f"found, running and left hold {numbers}"

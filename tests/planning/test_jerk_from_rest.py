@@ -120,6 +120,6 @@ def test_accelerations_belong_to_robots_off_paths(tmp_path: Path) -> None:
     with pytest.raises(rt.InputError, match="q=, v= and a= are for robots"):
         rt.Phase(block, 1.0, rt.State(a=1.0))
     robot = axes(tmp_path, 1, 1.0, 5.0, 20.0)
-    follow = rt.constraints.FollowPath(rt.planning.as_path(np.array([[0.0], [1.0]])))
+    follow = rt.constraints.FollowPath(rt.applications.as_path(np.array([[0.0], [1.0]])))
     with pytest.raises(rt.InputError, match="leave start= out"):
         rt.Phase(robot, (0.0, 9.0), rt.State(a=1.0), constraints=[follow])

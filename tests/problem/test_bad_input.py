@@ -764,7 +764,7 @@ TABLE: dict[str, tuple[Callable[[], Any], type[Exception], list[str]]] = {
         )
     },
     "proof of many starts": (
-        lambda: rt.validate(rt.planning.Multistart((), {}, 3, 0, 1e-5, 1e-2)),
+        lambda: rt.validate(rt.applications.Multistart((), {}, 3, 0, 1e-5, 1e-2)),
         rt.InputError,
         ["rt.validate", "got Multistart", ".best"],
     ),

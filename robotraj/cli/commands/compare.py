@@ -48,7 +48,7 @@ def compare_files(
 
 
 def _compare_studies(first: Path, second: Path, as_json: bool) -> None:
-    from robotraj.planning.studies.study import Study
+    from robotraj.applications.studies.study import Study
 
     found = Study(second).regressions(Study(first))
     if as_json:

@@ -30,7 +30,7 @@ def write_problem(
 
     Example: robotraj init ur5 && robotraj plan problem.toml
     """
-    from robotraj.planning.problem_files.starter import starter
+    from robotraj.applications.problem_files.starter import starter
     from robotraj.robot.load import load
 
     target = output_path(out, (".toml",), "the problem file")

@@ -11,7 +11,7 @@ from robotraj.cli.terminal import say, say_json
 
 
 def _complete(incomplete: str) -> list[tuple[str, str]]:
-    from robotraj.planning.problem_files.schema import entries
+    from robotraj.applications.problem_files.schema import entries
 
     known = [entry for group in entries().values() for entry in group]
     return [(entry.name, entry.summary) for entry in known if entry.name.startswith(incomplete)]
@@ -30,7 +30,7 @@ def print_schema(
     Example: robotraj schema GroundClearance
     """
     from robotraj._util.printing import table, wrapped
-    from robotraj.planning.problem_files.schema import SchemaEntry, entries, entry_named, reference
+    from robotraj.applications.problem_files.schema import SchemaEntry, entries, entry_named, reference
 
     if as_markdown:
         say(reference())

@@ -28,7 +28,7 @@ def sweep_study(
     have a dict options of rt.plan, such as {"time_limit": 20}. Each job of an array takes its part, then what is left
     of others: robotraj sweep study.py --store reaches --part $SLURM_ARRAY_TASK_ID/200
     """
-    from robotraj.planning.many.sweep import sweep
+    from robotraj.applications.many.sweep import sweep
 
     if not file.is_file():
         raise InputError(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from robotraj.applications.paths.joint_path import as_path
 from robotraj.cli.demos.demo import Demo
 from robotraj.dynamics.obstacles.shapes import Box
-from robotraj.planning.paths.joint_path import as_path
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.constraints.follow_path import FollowPath

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
-from robotraj.planning.many.multistart import multistart
+from robotraj.applications.many.multistart import multistart
 from robotraj.planning.plan import plan
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.planning.duality_gap import SolverAccuracy
+from robotraj.planning.refining.duality_gap import SolverAccuracy
 from robotraj.planning.refining.finer_meshes import GROWTH, finer_meshes, split_where_broken
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess

@@ -34,8 +34,8 @@ class FollowPath(Constraint):
     Parameters
     ----------
     path : PiecewisePolynomial
-        Joint positions (nq,) [rad, m] over s, with a continuous second derivative. ``rt.planning.as_path`` makes one of
-        an array, a spline or a solution.
+        Joint positions (nq,) [rad, m] over s, with a continuous second derivative. ``rt.applications.as_path`` makes
+        one of an array, a spline or a solution.
     start_speed, end_speed : float, optional
         s' at both ends; 0 is at rest, None leaves it free.
     deviation : float

@@ -75,7 +75,7 @@ def test_a_given_path_needs_no_softer_friction(objective: rt.objectives.Objectiv
     robot = rt.load("z1")
     bend = np.array([0.0, 0.4, -0.3, 0.2, 0.1, 0.0, -0.2])
     places = robot.neutral + np.array([[0.0], [1.0], [0.3]]) * bend
-    rows = [rt.constraints.FollowPath(rt.planning.as_path(places))]
+    rows = [rt.constraints.FollowPath(rt.applications.as_path(places))]
     limits = robot.limits.with_(position=np.inf)
     phase = rt.Phase(robot, (0.1, 10.0), objective=objective, constraints=rows, limits=limits, self_collision=False)
     assert softening_of(rt.Problem([phase])) == ()

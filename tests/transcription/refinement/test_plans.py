@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj.planning import duality_gap
 from robotraj.planning.refining import adapt as adaptive
+from robotraj.planning.refining import duality_gap
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.error import interval_errors
 
