@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.planning.studies.problems import OPTIONS, cases, make
 
 import robotraj as rt
+from tests.applications.studies.problems import OPTIONS, cases, make
 
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")

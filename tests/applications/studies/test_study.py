@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.planning.studies.problems import OPTIONS, cases, make
 
 import robotraj as rt
 from robotraj.applications.many.failure import Failure
@@ -23,6 +22,7 @@ from robotraj.applications.studies.cases import as_cases
 from robotraj.applications.studies.rows import row_of
 from robotraj.applications.studies.store import Store
 from robotraj.solvers.status import Status
+from tests.applications.studies.problems import OPTIONS, cases, make
 
 pytest.importorskip("pyarrow")
 
@@ -213,7 +213,7 @@ import sys
 sys.path.insert(0, sys.argv[2])
 import robotraj as rt
 from robotraj.applications.studies import dispatch
-from tests.planning.studies.problems import OPTIONS, cases, make
+from tests.applications.studies.problems import OPTIONS, cases, make
 dispatch.CHUNK = 0.2
 rt.sweep(make, cases(60), store=sys.argv[1], **OPTIONS)
 """

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.planning.studies.problems import OPTIONS, make
 
 import robotraj as rt
+from tests.applications.studies.problems import OPTIONS, make
 
 pytest.importorskip("pyarrow")
 
