@@ -17,7 +17,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +35,8 @@ AGAIN = 10.0
 COUNT = 12
 """Problems of a sweep, and starts."""
 HEEDED = ("plan", "plan by IPOPT", "validate", "replay")
-LATEST = {"sweep": 1.5, "multistart": 1.5}
+SOLVERS: dict[str, rt.InteriorPoint | rt.Ipopt | None] = {"": None, " by IPOPT": rt.Ipopt()}
+LATEST = {f"{many}{by}": 1.5 for many in ("sweep", "multistart") for by in SOLVERS}
 """Latest instant of the press in wall-clock time [s]; 0.7 for the other actions."""
 
 
@@ -55,8 +56,8 @@ class Interrupts:
         self.actions: dict[str, Callable[[], object]] = {
             "plan": lambda: rt.plan(_reach("ur5", 0.5), progress=False),
             "plan by IPOPT": lambda: rt.plan(_reach("ur5", 0.5), rt.Mesh(40), solver=rt.Ipopt(), progress=False),
-            "sweep": self._sweep,
-            "multistart": self._multistart,
+            **{f"sweep{by}": partial(self._sweep, solver) for by, solver in SOLVERS.items()},
+            **{f"multistart{by}": partial(self._multistart, solver) for by, solver in SOLVERS.items()},
             "validate": lambda: rt.validate(self._saved),
             "replay": lambda: rt.replay(self._saved, folder / "page.html", report=self._report),
             "save": self._save,
@@ -149,11 +150,12 @@ class Interrupts:
                 return f"{path.name} is left"
         return ""
 
-    def _sweep(self) -> object:
-        return rt.sweep([_reach("two_link_arm", 0.3 + 0.02 * i) for i in range(COUNT)], mesh=rt.Mesh(15))
+    def _sweep(self, solver: rt.InteriorPoint | rt.Ipopt | None) -> object:
+        reaches = [_reach("two_link_arm", 0.3 + 0.02 * i) for i in range(COUNT)]
+        return rt.sweep(reaches, mesh=rt.Mesh(15), solver=solver)
 
-    def _multistart(self) -> object:
-        return rt.multistart(_reach("two_link_arm", 0.5), COUNT, mesh=rt.Mesh(15))
+    def _multistart(self, solver: rt.InteriorPoint | rt.Ipopt | None) -> object:
+        return rt.multistart(_reach("two_link_arm", 0.5), COUNT, mesh=rt.Mesh(15), solver=solver)
 
     def _save(self) -> None:
         self._saved.save(self._folder / "plan.npz")

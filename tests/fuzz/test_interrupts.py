@@ -10,4 +10,4 @@ from interrupts import faults
 
 @pytest.mark.slow
 def test_ctrl_c_at_random_instants_ends_every_call_and_loses_nothing(tmp_path: Path) -> None:
-    assert not faults(tmp_path, 14, 0)
+    assert not faults(tmp_path, 18, 0)

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import errno
-import io
 import os
-import resource
 import stat
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import robotraj as rt
+from tests.disk_faults import CALLS, fail_in_turn, full_disk
 
+CONTROLLERS = ".yaml", ".json", ".csv", ".servo", *([".mcap"] if find_spec("mcap") else [])
 WRITERS: dict[str, Callable[[rt.Solution, Path], Path]] = {
     "plan.npz": lambda solution, path: solution.save(path),
     "plan.csv": lambda solution, path: solution.to_csv(path),
     "plan.json": lambda solution, path: solution.to_json(path),
     "plan.html": lambda solution, path: rt.replay(solution, path),
+    **{f"motors{suffix}": lambda solution, path: solution.to_controller(path, 200.0) for suffix in CONTROLLERS},
 }
 
 
@@ -28,17 +28,6 @@ WRITERS: dict[str, Callable[[rt.Solution, Path], Path]] = {
 def solution() -> rt.Solution:
     phase = rt.Phase(rt.load("cartpole"), 2.0, rt.State(q=0, v=0), rt.State(q=[1, 3.14], v=0), rt.Effort())
     return rt.plan(phase, mesh=rt.Mesh(10))
-
-
-@contextmanager
-def full_disk() -> Iterator[None]:
-    """Let no file grow above 4 kB."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -57,63 +46,24 @@ def test_nothing_half_written_is_left_on_a_full_disk(
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-CALLS = (
-    (os, "mkdir"),
-    (os, "open"),
-    (io, "open"),
-    (os, "chmod"),
-    (os, "fsync"),
-    (os, "replace"),
-    (os, "rmdir"),
-    (os, "stat"),
-    (os, "unlink"),
-)
-
-
-def concerns(arguments: tuple[Any, ...], folder: Path) -> bool:
-    """Whether a call names a file of the folder, by its path or by an open file."""
-    first = arguments[0]
-    if isinstance(first, int):
-        with_name = Path(f"/proc/self/fd/{first}")
-        return with_name.exists() and folder in with_name.resolve().parents
-    return str(first).startswith(str(folder))
-
-
 @pytest.mark.parametrize("name", WRITERS)
 @pytest.mark.parametrize("call", CALLS, ids=lambda call: f"{call[0].__name__}.{call[1]}")
 def test_whatever_call_fails_the_old_file_or_the_new_one_is_there(
-    name: str, call: tuple[Any, str], solution: rt.Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, call: tuple[Any, str], solution: rt.Solution, tmp_path: Path
 ) -> None:
-    module, function = call
-    target, real = tmp_path / name, getattr(module, function)
-    for number in range(20):
-        target.write_text("older")
-        count = -1
+    target = tmp_path / name
 
-        def failing(*arguments: Any, number: int = number, **options: Any) -> Any:
-            nonlocal count
-            count += concerns(arguments, tmp_path)
-            if count == number and concerns(arguments, tmp_path):
-                raise OSError(errno.EIO, os.strerror(errno.EIO), str(arguments[0]))
-            return real(*arguments, **options)
-
-        with monkeypatch.context() as patch:
-            patch.setattr(module, function, failing)
-            try:
-                WRITERS[name](solution, target)
-                wrote = True
-            except rt.InputError as error:
-                assert name in str(error)
-                assert ("is whole" in str(error)) == (target.read_bytes() != b"older")
-                wrote = False
+    def judged(error: rt.InputError | None) -> None:
         data = target.read_bytes()
-        assert len(data) > 1000 or (data == b"older" and not wrote)
+        assert len(data) > 1000 or (data == b"older" and error is not None)
+        if error is not None:
+            assert name in str(error)
+            assert ("is whole" in str(error)) == (data != b"older")
         if len(data) > 1000 and name.endswith(".npz"):
             assert rt.load_solution(target).objective == solution.objective
-        assert function in ("rmdir", "unlink", "open") or [path.name for path in tmp_path.iterdir()] == [name]
-        if count < number:
-            break
-    assert count < number, "every call was made to fail"
+        assert call[1] in ("rmdir", "unlink", "open") or [path.name for path in tmp_path.iterdir()] == [name]
+
+    fail_in_turn(call, tmp_path, lambda: WRITERS[name](solution, target), lambda: target.write_text("older"), judged)
 
 
 def test_permissions_and_links_stay(solution: rt.Solution, tmp_path: Path) -> None:

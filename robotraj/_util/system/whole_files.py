@@ -1,4 +1,4 @@
-"""Files that are written whole: after any failure, the old file or the new one is there."""
+"""Files, and folders of files, that are written whole: after any failure, the old one or the new one is there."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import os
 import shutil
 import stat
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from robotraj._util.errors import InputError
@@ -27,10 +29,11 @@ _ADVICE = {
 class WholeFile:
     """A path to write to; the file takes its place at ``target`` once it is complete and on the disk.
 
-    An older file at ``target`` stays unchanged until then, and the new one has its permissions. A symbolic link stays
-    one; the file that it names is replaced. The path lies in a folder that only its owner can open, so nobody else can
-    have put a link there. If writing fails or is interrupted, nothing is left of it: a press of Ctrl-C stops the block,
-    and waits while the folder is made, moved or removed.
+    With ``folder`` it is a folder, which takes the place of an empty one or of none. An older file at
+    ``target`` stays unchanged until then, and the new one has its permissions. A symbolic link stays one; the file that
+    it names is replaced. The path lies in a folder that only its owner can open, so nobody else can have put a link
+    there. If writing fails or is interrupted, nothing is left of it: a press of Ctrl-C stops the block, and waits while
+    the folder is made, moved or removed.
 
     Raises
     ------
@@ -38,8 +41,9 @@ class WholeFile:
         The operating system refuses to write, as on a full disk, or ``target`` is a device or pipe.
     """
 
-    def __init__(self, target: Path) -> None:
+    def __init__(self, target: Path, folder: bool = False) -> None:
         self._target = target
+        self._of_kind = stat.S_ISDIR if folder else stat.S_ISREG
         self._place = target
         self._older: os.stat_result | None = None
         self._folder = ""
@@ -50,11 +54,11 @@ class WholeFile:
         try:
             self._place = self._target.resolve() if self._target.is_symlink() else self._target
             self._older = self._place.stat() if self._place.exists() else None
-            if self._older is not None and not stat.S_ISREG(self._older.st_mode):
+            if self._older is not None and not self._of_kind(self._older.st_mode):
                 raise InputError(f"{str(self._target)!r} is no regular file; choose another name.")
             self._folder = tempfile.mkdtemp(prefix=".robotraj-", dir=self._place.parent)
         except OSError as error:
-            raise self._refused(error) from error
+            raise refusal(self._target, error) from error
         finally:
             if not self._folder:
                 self._held.end()
@@ -63,11 +67,11 @@ class WholeFile:
     def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
         try:
             if isinstance(error, OSError):
-                raise self._refused(error) from error
+                raise refusal(self._target, error) from error
             if error is None:
                 self._finish(Path(self._folder) / "partial")
-        except OSError as refusal:
-            raise self._refused(refusal) from refusal
+        except OSError as refused:
+            raise refusal(self._target, refused) from refused
         finally:
             shutil.rmtree(self._folder, ignore_errors=True)
             self._held.end()
@@ -75,7 +79,8 @@ class WholeFile:
     def _finish(self, partial: Path) -> None:
         if self._older is not None:
             partial.chmod(stat.S_IMODE(self._older.st_mode))
-        _to_disk(partial)
+        for each in (*partial.rglob("*"), partial):
+            _to_disk(each)
         os.replace(partial, self._place)
         try:
             _to_disk(self._place.parent)
@@ -85,10 +90,21 @@ class WholeFile:
                 f"{error.strerror or error}. After a power failure the older file may be there."
             ) from error
 
-    def _refused(self, error: OSError) -> InputError:
-        advice = _ADVICE.get(error.errno or 0, "choose another place")
-        reason = error.strerror or error
-        return InputError(f"{str(self._target)!r} could not be written: {reason}. Nothing of it was kept; {advice}.")
+
+@contextmanager
+def refusals_named(target: Path) -> Iterator[None]:
+    """Turn what the operating system refuses in the block into an ``InputError`` that names the target."""
+    try:
+        yield
+    except OSError as error:
+        raise refusal(target, error) from error
+
+
+def refusal(target: Path, error: OSError) -> InputError:
+    """Return the error for a file or folder that the operating system refuses to write."""
+    advice = _ADVICE.get(error.errno or 0, "choose another place")
+    reason = error.strerror or error
+    return InputError(f"{str(target)!r} could not be written: {reason}. Nothing of it was kept; {advice}.")
 
 
 def _to_disk(path: Path) -> None:

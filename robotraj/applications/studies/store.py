@@ -14,7 +14,7 @@ from uuid import uuid4
 
 from robotraj._util.errors import InputError
 from robotraj._util.system.regular_files import contents
-from robotraj._util.system.whole_files import WholeFile
+from robotraj._util.system.whole_files import WholeFile, refusals_named
 from robotraj.applications.studies.parquet_files import KEY, read_parquet
 from robotraj.applications.studies.rows import CASE, Row, arrow, schema_of
 
@@ -45,10 +45,11 @@ class Store:
 
     def __init__(self, folder: str | Path, create: bool = False) -> None:
         self.folder = Path(folder).absolute()
-        if create:
-            for name in (ROWS, SOLUTIONS):
+        with refusals_named(self.folder):
+            for name in (ROWS, SOLUTIONS) if create else ():
                 (self.folder / name).mkdir(parents=True, exist_ok=True)
-        if not (self.folder / ROWS).is_dir():
+            known = (self.folder / ROWS).is_dir()
+        if not known:
             raise InputError(f"{str(folder)!r} is no study: rt.sweep(make, cases, store={str(folder)!r}) makes one.")
 
     def begin(self, cases: Cases, facts: Mapping[str, object]) -> None:
@@ -57,7 +58,9 @@ class Store:
         schema = pa.schema([field for field in schema_of(next(iter(cases.by_key.values()))) if _is_of_case(field.name)])
         rows = [{"key": key, **_prefixed(case)} for key, case in cases.by_key.items()]
         table = pa.Table.from_pylist(rows, schema=schema)
-        known = self.cases() if (self.folder / CASES).exists() else None
+        with refusals_named(self.folder):
+            earlier = (self.folder / CASES).exists()
+        known = self.cases() if earlier else None
         if known is not None and known.schema.equals(table.schema):
             table = _distinct(pa.concat_tables([table, known]))
         self._write(table, self.folder / CASES)

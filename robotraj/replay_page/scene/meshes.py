@@ -9,9 +9,9 @@ from pathlib import Path
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import cache_folder
+from robotraj._util.system.cached_arrays import keep
 from robotraj._util.system.limited import LimitedProcess, NoAnswer
 from robotraj._util.system.regular_files import contents
-from robotraj._util.system.whole_files import WholeFile
 from robotraj.replay_page.scene.part import Part, unpacked
 from robotraj.robot.meshes.reading import LARGEST, SUFFIXES
 
@@ -65,10 +65,5 @@ def _read(path: Path, process: LimitedProcess) -> Parts:
     answer = process.ask(head + b"\n" + data, SECONDS + PER_BYTE * len(data))
     parts, alone = unpacked(answer)
     if alone and len(answer) <= MOST_BYTES:
-        try:
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            with WholeFile(kept) as partial:
-                partial.write_bytes(answer)
-        except (OSError, InputError):
-            pass  # If the cache cannot be written, the next process reads the mesh again.
+        keep(kept, answer)
     return parts

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable
 from typing import Any
 
@@ -12,6 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from robotraj._util.printing import OneLine
+from robotraj._util.system.cached_arrays import packed_arrays, unpacked_arrays
 from robotraj._util.values import dataclass
 
 Color = tuple[float, float, float, float]
@@ -114,9 +114,7 @@ def packed(parts: Iterable[Part], alone: bool) -> bytes:
     arrays: dict[str, NDArray[np.generic]] = {"alone": np.array(alone)}
     for i, part in enumerate(parts):
         arrays |= {f"vertices{i}": part.vertices, f"faces{i}": part.faces, f"color{i}": np.array(part.color or ())}
-    stream = io.BytesIO()
-    np.savez(stream, **arrays)  # type: ignore[arg-type]
-    return stream.getvalue()
+    return packed_arrays(arrays)
 
 
 def unpacked(data: bytes) -> tuple[tuple[Part, ...], bool]:
@@ -127,17 +125,14 @@ def unpacked(data: bytes) -> tuple[tuple[Part, ...], bool]:
     ValueError
         The bytes are damaged, or a number is not finite.
     """
+    arrays = unpacked_arrays(data)
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
         parts = tuple(
             _checked(arrays[f"vertices{i}"], arrays[f"faces{i}"], arrays[f"color{i}"]) for i in range(len(arrays) // 3)
         )
         return parts, bool(arrays["alone"])
-    except ValueError:
-        raise
-    except Exception as error:  # zip files raise what their parts raise
-        raise ValueError(f"damaged: {error}") from error
+    except KeyError as error:
+        raise ValueError(f"damaged: there is no {error}") from error
 
 
 def _checked(vertices: NDArray[Any], faces: NDArray[Any], color: NDArray[Any]) -> Part:

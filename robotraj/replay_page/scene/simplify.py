@@ -15,7 +15,7 @@ MOST = 200_000
 CELLS = 512
 """Cells of the first grid along the longest side of the mesh."""
 COARSER = 1.25
-"""Growth of the cells from one grid to the next."""
+"""Least growth of the cells from one grid to the next."""
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.integer]
@@ -40,7 +40,8 @@ def simplified(vertices: Array, faces: Faces, most: int = MOST) -> tuple[Array, 
         corners, triangles = _clustered(vertices, faces, low, cell)
         if len(triangles) <= most or cell > size:
             return corners, triangles
-        cell *= COARSER
+        # Cells on a surface hold triangles in proportion to their area.
+        cell *= max(COARSER, float(np.sqrt(len(triangles) / most)))
 
 
 def _clustered(vertices: Array, faces: Faces, low: Array, cell: float) -> tuple[Array, Faces]:

@@ -27,6 +27,8 @@ MOST_PIECES = 200_000
 STEPS = 40
 """Steps of the iteration for a smallest enclosing ball."""
 VOLUME_SAMPLES = 5_000
+MOST_POINTS = 200_000
+"""Points from which the centre of a ball is found; its radius is that of all points."""
 
 
 class Fit(NamedTuple):
@@ -139,9 +141,9 @@ def smallest_ball(points: Array) -> tuple[Array, float]:
 
     Source: Badoiu and Clarkson, Smaller core-sets for balls, SODA 2003.
     """
-    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    centre, few = 0.5 * (points.min(axis=0) + points.max(axis=0)), points[:: 1 + len(points) // MOST_POINTS]
     for step in range(1, STEPS):
-        away = points - centre
+        away = few - centre
         farthest = int(np.argmax(np.einsum("ij,ij->i", away, away)))
         centre = centre + away[farthest] / (step + 1.0) ** 2
     return centre, float(np.linalg.norm(points - centre, axis=1).max()) * (1.0 + 1e-12)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +10,16 @@ import numpy.typing as npt
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import cache_folder
-from robotraj._util.system.whole_files import WholeFile
-from robotraj.robot.collision.enclosing_spheres import Fit, enclose
+from robotraj._util.system.cached_arrays import keep, packed_arrays, unpacked_arrays
+from robotraj._util.system.regular_files import contents
+from robotraj.robot.collision.enclosing_spheres import MOST, Fit, enclose
 
 Array = npt.NDArray[np.float64]
 
 VERSION = 1
 """Version of the cached files; increment it when ``enclose`` changes, so that earlier files are not read."""
+LARGEST = 10_000
+"""Size of a cached file, above that of ``MOST`` spheres [bytes]."""
 
 
 def fitted(triangles: Array) -> Fit:
@@ -28,12 +30,7 @@ def fitted(triangles: Array) -> Fit:
     if known is not None and _is_complete(known, triangles):
         return known
     fit = enclose(triangles)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with WholeFile(path) as partial, partial.open("wb") as stream:
-            np.savez(stream, **fit._asdict())
-    except (OSError, InputError):
-        pass  # If the cache cannot be written, the next process fits the mesh again.
+    keep(path, packed_arrays({name: np.asarray(value) for name, value in fit._asdict().items()}))
     return fit
 
 
@@ -43,19 +40,19 @@ def folder() -> Path:
 
 
 def _read(path: Path) -> Fit | None:
-    if not os.path.isfile(path):
-        return None
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            centres, radii = (np.array(stored[name], dtype=float) for name in ("centres", "radii"))
-            return Fit(centres, radii, *(float(stored[name]) for name in Fit._fields[2:]))
-    except (OSError, ValueError, KeyError, EOFError):
+        stored = unpacked_arrays(contents(path, LARGEST))
+        centres, radii = (np.array(stored[name], dtype=float) for name in ("centres", "radii"))
+        return Fit(centres, radii, *(float(stored[name]) for name in Fit._fields[2:]))
+    except (InputError, ValueError, TypeError, KeyError):
         return None
 
 
 def _is_complete(fit: Fit, triangles: Array) -> bool:
     """Whether every corner lies in a sphere; a modified or truncated file fails this check."""
-    if fit.centres.ndim != 2 or fit.centres.shape != (len(fit.radii), 3) or not len(fit.radii):
+    if fit.centres.ndim != 2 or fit.centres.shape != (len(fit.radii), 3) or not 1 <= len(fit.radii) <= MOST:
+        return False
+    if not np.isfinite([fit.protrusion, fit.volume, fit.hull_volume]).all():
         return False
     corners = np.unique(triangles.reshape(-1, 3), axis=0)
     apart = np.linalg.norm(corners[:, None] - fit.centres, axis=2) - fit.radii

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.errors import InputError
+from robotraj.robot.meshes.convex_hull import thickened
 
 if TYPE_CHECKING:
     import coal
@@ -104,9 +105,10 @@ def cylinder_triangles(radius: float, half: float) -> Array:
 
 
 def hull_triangles(points: Array) -> Array:
-    """Return the faces of the convex hull of points (n, 3), counter-clockwise from outside."""
+    """Return the faces of the convex hull of points (n, 3), counter-clockwise from outside; flat ones are thickened."""
     from scipy.spatial import ConvexHull
 
+    points = thickened(points)
     hull = ConvexHull(points)
     corners = points[hull.simplices].copy()
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

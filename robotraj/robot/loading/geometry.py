@@ -29,6 +29,7 @@ from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.meshes.placed import unread, with_meshes
 from robotraj.robot.meshes.reading import read_meshes
 from robotraj.robot.urdf.balls import without_balls
+from robotraj.robot.urdf.primitives import impossible_size
 from robotraj.robot.urdf.xml import read_xml
 
 Array = npt.NDArray[np.float64]
@@ -36,8 +37,8 @@ Array = npt.NDArray[np.float64]
 TAGS = {pin.GeometryType.VISUAL: "visual", pin.GeometryType.COLLISION: "collision"}
 
 DOUBTED = "of a size that the robot can hardly have: {}. Correct the unit of the file, or scale= of the URDF's <mesh>."
-UNREADABLE = "not readable and skipped: {}. Export them again as STL, OBJ or COLLADA."
-
+UNREADABLE = "mesh(es) not readable and skipped: {}. Export them again as STL, OBJ or COLLADA."
+IMPOSSIBLE = "shape(s) of impossible size, skipped: {}. Correct the URDF."
 
 _closed: ContextVar[bool] = ContextVar("closed", default=False)
 
@@ -96,6 +97,11 @@ class UrdfGeometry(OneLine):
             raise ShapesUnread(f"The shapes in {str(self.urdf)!r} are not read while a file is loaded.")
         root, folders = deepcopy(without_balls(self.root)), self._folders()
         faults: dict[str, list[str]] = {}
+        for link in root.findall("link"):
+            for shape in link.findall(TAGS[kind]):
+                if (wrong := impossible_size(shape)) is not None:
+                    faults.setdefault(IMPOSSIBLE, []).append(f"link {link.get('name')}: {wrong}")
+                    link.remove(shape)
         for link, shape, mesh in list(_meshes(root, kind)):
             address = mesh.get("filename", "")
             found = find_mesh(address, self.urdf, folders)
@@ -113,7 +119,7 @@ class UrdfGeometry(OneLine):
                 link.remove(shape)
         shapes = with_meshes(model, root, kind, read)
         for fault, addresses in faults.items():
-            warn(f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} mesh(es) {fault.format(', '.join(addresses))}")
+            warn(f"{self.urdf.name}: {len(addresses)} {TAGS[kind]} {fault.format(', '.join(addresses))}")
         doubted = doubted_sizes(model, shapes)
         if doubted:
             warn(f"{self.urdf.name}: {TAGS[kind]} mesh(es) {DOUBTED.format(', '.join(doubted))}")

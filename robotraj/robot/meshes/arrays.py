@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import io
-
 import coal
 import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.printing import OneLine
+from robotraj._util.system.cached_arrays import packed_arrays, unpacked_arrays
 from robotraj._util.values import dataclass
 from robotraj.robot.meshes.convex_hull import convex_hull
 
@@ -55,9 +54,7 @@ class MeshArrays(OneLine):
 
     def packed(self) -> bytes:
         """Return both arrays as the bytes of an npz file."""
-        stream = io.BytesIO()
-        np.savez(stream, vertices=self.vertices, triangles=self.triangles)
-        return stream.getvalue()
+        return packed_arrays({"vertices": self.vertices, "triangles": self.triangles})
 
     @classmethod
     def unpacked(cls, data: bytes) -> MeshArrays:
@@ -68,13 +65,10 @@ class MeshArrays(OneLine):
         ValueError
             The bytes are damaged.
         """
-        try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as stored:
-                return cls(stored["vertices"], stored["triangles"])
-        except ValueError:
-            raise
-        except Exception as error:  # zip files raise what their parts raise
-            raise ValueError(f"damaged: {error}") from error
+        stored = unpacked_arrays(data)
+        if not {"vertices", "triangles"} <= stored.keys():
+            raise ValueError("damaged: it has other arrays")
+        return cls(stored["vertices"], stored["triangles"])  # type: ignore[arg-type]
 
     def shape(self, scale: Array) -> coal.BVHModelOBBRSS:
         """Return coal's model of the mesh, scaled along the axes, as its own loader builds it."""

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from robotraj._util.errors import InputError
 from robotraj._util.paths import cache_folder
+from robotraj._util.system.cached_arrays import keep
 from robotraj._util.system.limited import LimitedProcess, NoAnswer
 from robotraj._util.system.regular_files import contents
-from robotraj._util.system.whole_files import WholeFile
 from robotraj.robot.meshes.arrays import MOST_TRIANGLES, MeshArrays
 
 SUFFIXES = (".stl", ".obj", ".dae", ".ply", ".glb")
@@ -76,12 +76,7 @@ def _read(suffix: str, data: bytes, process: LimitedProcess) -> MeshArrays:
     except (NoAnswer, ValueError) as error:
         _REFUSED[digest] = str(error)
         raise
-    try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with WholeFile(kept) as partial:
-            partial.write_bytes(made.packed())
-    except (OSError, InputError):
-        pass  # If the cache cannot be written, the next process reads the mesh again.
+    keep(kept, made.packed())
     return made
 
 

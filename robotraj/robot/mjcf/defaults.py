@@ -59,13 +59,13 @@ class Defaults:
             self._read(child, child.get("class", MAIN), own)
 
 
-def joints(root: Element, defaults: Defaults) -> Iterator[Attributes]:
-    """Yield the attributes of every joint, with those of its class."""
+def placed(root: Element, defaults: Defaults, tag: str) -> Iterator[Attributes]:
+    """Yield the attributes of every joint or geom of the bodies, with those of its class."""
 
     def below(body: Element, inherited: str) -> Iterator[Attributes]:
         inherited = body.get("childclass", inherited)
         for child in body:
-            if child.tag == "joint":
+            if child.tag == tag:
                 yield defaults.of(child, inherited)
             elif child.tag in ("body", "frame"):
                 yield from below(child, inherited)

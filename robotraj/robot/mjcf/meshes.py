@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj.robot.collision.tessellation import hull_triangles
 from robotraj.robot.loading.packages import is_inside
 from robotraj.robot.meshes.arrays import MeshArrays
 from robotraj.robot.meshes.reading import read_meshes
@@ -44,7 +45,7 @@ class PlainCopy:
 
     def __init__(self, root: Element, path: Path, folders: Sequence[Path] | None, place: Path) -> None:
         self.file = place / path.name
-        self._sources: dict[str, Path] = {}
+        self._sources: dict[str, str] = {}
         compilers = list(root.iter("compiler"))
         given = {name: value for compiler in compilers for name, value in compiler.attrib.items()}
         folder = path.parent / (given.get("meshdir") or given.get("assetdir") or "")
@@ -65,19 +66,48 @@ class PlainCopy:
                 raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {found}.")
             plain = place / f"{number}.stl"
             plain.write_bytes(_stl(found))
-            self._sources[str(plain)] = file
+            self._sources[str(plain)] = str(file)
             mesh.set("name", mesh.get("name") or file.stem)
             mesh.set("file", str(plain))
+        for number, mesh in enumerate(mesh for mesh in root.iter("mesh") if mesh.get("vertex")):
+            plain = place / f"stated{number}.stl"
+            plain.write_bytes(_stl(_stated(mesh, str(path))))
+            self._sources[str(plain)] = ""
+            mesh.set("file", str(plain))
+            for name in ("vertex", "face", "normal", "texcoord"):
+                mesh.attrib.pop(name, None)
         for compiler in compilers:
             for name in ("meshdir", "assetdir", "strippath"):
                 compiler.attrib.pop(name, None)
         ElementTree.ElementTree(root).write(self.file, encoding="utf-8")
 
     def name_sources(self, shapes: pin.GeometryModel) -> None:
-        """Give shapes the paths of the files that their meshes came from."""
+        """Give shapes the paths of the files that their meshes came from, none where the file states their vertices."""
         for shape in shapes.geometryObjects:
-            if shape.meshPath in self._sources:
-                shape.meshPath = str(self._sources[shape.meshPath])
+            shape.meshPath = self._sources.get(shape.meshPath, shape.meshPath)
+
+
+def _stated(mesh: Element, file: str) -> MeshArrays:
+    """Return the mesh whose vertices the file states: its faces, or the hull of the vertices.
+
+    coal ends the process on hulls of points in a plane.
+
+    Raises
+    ------
+    InputError
+        It is no mesh.
+    """
+    try:
+        points = np.array(mesh.get("vertex", "").split(), dtype=float).reshape(-1, 3)
+        faces = np.array(mesh.get("face", "").split(), dtype=np.int32).reshape(-1, 3)
+        if not len(faces):
+            corners = hull_triangles(np.unique(points, axis=0)).reshape(-1, 3)
+            points, faces = corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+        return MeshArrays(points, faces)
+    except ValueError as error:
+        raise InputError(
+            f"{file!r}: the vertices of the mesh {mesh.get('name', '')[:60]!r} are none: {error}."
+        ) from error
 
 
 def _stl(mesh: MeshArrays) -> bytes:

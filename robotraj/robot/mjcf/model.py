@@ -17,8 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_numbers
-from robotraj.robot.mjcf.defaults import Attributes, Defaults
-from robotraj.robot.mjcf.defaults import joints as joints_of
+from robotraj.robot.mjcf.defaults import Attributes, Defaults, placed
 from robotraj.robot.mjcf.meshes import PlainCopy
 from robotraj.robot.mjcf.springs import joint_springs
 from robotraj.robot.urdf.lenient import parsed
@@ -104,10 +103,11 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     defaults = Defaults(root)
     every = [(each.tag, defaults.of(each)) for group in root.findall("actuator") for each in group]
     actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
-    whole = {own.get("name", ""): numbers(own.get("actuatorfrcrange", ""), 2) for own in joints_of(root, defaults)}
+    stated = list(placed(root, defaults, "joint"))
+    whole = {own.get("name", ""): numbers(own.get("actuatorfrcrange", ""), 2) for own in stated}
     ranges = {own.get("joint", ""): _both(_effort(tag, own), whole.get(own.get("joint", ""))) for tag, own in actuators}
     efforts = {joint: pair for joint, pair in ranges.items() if pair is not None}
-    springs, unread = joint_springs(root, joints_of(root, defaults), joints)
+    springs, unread = joint_springs(root, stated, joints)
     findings = []
     weightless = [body.get("name", "") for body in root.iter("body") if body.get("gravcomp", "0") != "0"]
     if weightless:

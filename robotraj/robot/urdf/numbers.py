@@ -34,6 +34,8 @@ FULL = [0, 1, 2, 1, 3, 4, 2, 4, 5]
 """Places in ``INERTIA`` of the entries of the matrix, row by row."""
 SPEEDS = (1e-6, 1e6)
 """Plausible range of velocity limits [rad/s, m/s]; 0 and missing limits are reported elsewhere."""
+LARGEST = 1e6
+"""Largest coordinate of an origin, and largest size of a shape [m]."""
 UNLIMITED = 1e20
 """Magnitudes above represent no limit."""
 
@@ -120,8 +122,9 @@ def _origin_faults(owner: Element, what: str) -> Iterator[str]:
     """Yield the origins of a joint or link, of its inertia and of its shapes that are no three numbers."""
     for origin in owner.iter("origin"):
         for key, text in origin.attrib.items():
-            if key in ("xyz", "rpy") and numbers(text, 3) is None:
-                yield f"{what} has an origin with {key}={text!r}; give three finite numbers"
+            found = numbers(text, 3)
+            if key in ("xyz", "rpy") and (found is None or max(map(abs, found)) > LARGEST):
+                yield f"{what} has an origin with {key}={text!r}; give three finite numbers up to {LARGEST:g}"
 
 
 def _joint_findings(joint: Element) -> Iterator[str]:

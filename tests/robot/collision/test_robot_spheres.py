@@ -136,7 +136,12 @@ def test_fits_are_kept_by_content_and_a_damaged_file_is_not_used() -> None:
     np.testing.assert_array_equal(again.centres, first.centres)
     np.savez(path, **(first._asdict() | {"radii": 0.1 * first.radii}))
     np.testing.assert_array_equal(fitted(triangles).radii, first.radii)
-    path.write_bytes(b"no archive")
+    whole = path.read_bytes()
+    for damaged in (b"no archive", b"", whole[:-40], whole[:60] + b"damaged" + whole[67:], b"\x93NUMPY"):
+        path.write_bytes(damaged)
+        np.testing.assert_array_equal(fitted(triangles).radii, first.radii)
+    many = np.zeros((10_000, 3)), np.full(10_000, 10.0)
+    np.savez(path, **(first._asdict() | dict(zip(("centres", "radii"), many, strict=True))))
     np.testing.assert_array_equal(fitted(triangles).radii, first.radii)
 
 

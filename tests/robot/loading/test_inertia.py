@@ -71,8 +71,8 @@ def test_moments_of_rigid_bodies(diagonal, fault):
 
 
 def test_inertias_whose_sum_overflows_are_refused(urdf):
-    """A link fixed at 1e200 m: the body of the joint once ended in numpy's LinAlgError."""
-    bodies = BODY.format("arm", 1.0, 1, 1, 1, 0), BODY.format("tip", 1.0, 1, 1, 1, 0)
-    glue = JOINT.format("glue", "fixed", "arm", "tip").replace("<axis", '<origin xyz="1e200 0 0"/><axis')
+    """Two bodies of 1e300 kg that are fixed 1e5 m apart once ended in numpy's LinAlgError."""
+    bodies = BODY.format("arm", 1e300, 1, 1, 1, 0), BODY.format("tip", 1e300, 1, 1, 1, 0)
+    glue = JOINT.format("glue", "fixed", "arm", "tip").replace("<axis", '<origin xyz="1e5 0 0"/><axis')
     with pytest.raises(rt.InputError, match="'elbow' .larger than any number"):
         rt.load(urdf.text(robot(*bodies, JOINT.format("elbow", "revolute", "base", "arm"), glue)))

@@ -78,6 +78,7 @@ REFUSED = {
     "none.stl": (stl(faces=FACES[:0]), ""),
     "empty.stl": (b"", ""),
     "text.stl": (b"hello", ""),
+    "wide.obj": (OBJ.encode("utf-16"), "No meshes found in it"),
     "corner.obj": (OBJ.encode() + b"f 1 2 4294967295\n", ""),
     "commands.obj": (b"call /etc/passwd\ncsh touch hit\n", ""),
     "itself.dae": (dae(f"<node id='n'>{INSTANCE}<instance_node url='#n'/></node>"), ""),

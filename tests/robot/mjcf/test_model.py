@@ -138,6 +138,12 @@ def test_meshes_of_every_compiler_and_class_lie_inside(tmp_path):
         ('mass="0.5"', 'mass="-0.5"', "mass='-0.5' of <inertial>.* is negative"),
         ('diaginertia="0.01 0.01 0.002"', 'diaginertia="0.01 -0.01 0.002"', "of <inertial>.* is negative"),
         ('size="0.02 0.02 0.1"', 'size="1e308"', "up to 1e"),
+        ('size="0.02 0.02 0.1"', 'size="0.02"', "size='0.02' of a box has 1 numbers; give 3"),
+        (' size="0.02 0.02 0.1"', "", "size='' of a box has 0 numbers"),
+        ('size="0.02 0.02 0.1"', 'size="0.02 -1 0.1"', "is negative"),
+        ('pos="0 0 0.4"', 'pos="0 0"', "pos='0 0' of <body> 'fore' has 2 numbers; give 3"),
+        ('range="0 0.1"', 'range="0"', "range='0' of <joint> 'slide' has 1 numbers; give 2"),
+        ('gear="10"', 'gear=" "', "gear=' ' of <motor>.* has 0 numbers; give 1"),
         ('name="fore"', 'name="' + "f" * 5000 + '"', "5000 characters"),
     ],
 )
@@ -149,6 +155,33 @@ def test_numbers_that_no_robot_has_are_refused(tmp_path, old, new, message):
     path.write_text(text.replace(old, new))
     with pytest.raises(rt.InputError, match=message):
         rt.load(path)
+
+
+def test_sizes_of_a_class_count(tmp_path):
+    path = write(tmp_path, geom='<geom type="box" class="thin"/>')
+    text = path.read_text().replace(
+        "<default><joint", '<default><default class="thin"><geom size="1 2"/></default><joint'
+    )
+    path.write_text(text)
+    with pytest.raises(rt.InputError, match="size='1 2' of a box has 2 numbers"):
+        rt.load(path)
+    path.write_text(text.replace('size="1 2"', 'size="1 2 3"'))
+    assert rt.load(path).collision_model.ngeoms == 3
+
+
+@pytest.mark.parametrize("many", [1, 50_000])
+@pytest.mark.parametrize("flat", [False, True])
+def test_the_hull_of_stated_vertices_is_the_shape(tmp_path, many, flat):
+    corners = "0 0 0 0.1 0 0 0 0.2 0 " + ("0 0 0.3 " if not flat else "0.1 0.2 0 ")
+    asset, geom = f'<asset><mesh name="m" vertex="{corners * many}"/></asset>', '<geom type="mesh" mesh="m"/>'
+    robot = rt.load(write(tmp_path, asset, geom))
+    shape = robot.collision_model.geometryObjects[1]
+    assert shape.meshPath == "" and shape.geometry.num_vertices <= 16
+    shape.geometry.computeLocalAABB()
+    box = shape.geometry.aabb_local
+    np.testing.assert_allclose(box.max_ - box.min_, [0.1, 0.2, 0.0 if flat else 0.3], atol=1e-6)
+    with pytest.raises(rt.InputError, match="vertices of the mesh 'm' are none"):
+        rt.load(write(tmp_path, asset.replace("0 0 0 ", "0 0 ", 1), geom))
 
 
 def test_endless_nesting_is_refused(tmp_path):

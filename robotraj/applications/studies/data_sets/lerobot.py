@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj._util.system.whole_files import WholeFile
+from robotraj._util.system.whole_files import WholeFile, refusals_named
 from robotraj.applications.studies.data_sets.episodes import Episode, episodes
 from robotraj.applications.studies.rows import arrow
 from robotraj.applications.studies.store import Store
@@ -41,10 +41,20 @@ def write_lerobot(
     root = Path(folder)
     if not isinstance(rate, int) or isinstance(rate, bool):
         raise InputError(f"rate= is {rate!r}; LeRobot counts whole frames a second, such as 50.")
-    if root.exists() and (not root.is_dir() or any(root.iterdir())):
+    with refusals_named(root):
+        root.parent.mkdir(parents=True, exist_ok=True)
+        taken = root.exists() and (not root.is_dir() or any(root.iterdir()))
+    if taken:
         raise InputError(
             f"{str(folder)!r} exists and is not empty: a data set is written as a whole, into a new folder."
         )
+    with WholeFile(root, folder=True) as partial:
+        partial.mkdir()
+        _write_set(store, partial, rate, action, task, robot_type)
+    return root
+
+
+def _write_set(store: Store, root: Path, rate: int, action: str, task: str, robot_type: str | None) -> None:
     every: list[dict[str, Any]] = []
     waiting: list[Columns] = []
     frames, size, file = 0, 0, 0
@@ -65,7 +75,6 @@ def write_lerobot(
     shapes = {name: every[0][f"stats/{name}/min"] for name in (STATE, ACTION)}
     _write_json(_info(shapes, len(every), frames, rate, robot_type), meta / "info.json")
     _write_json(_joined(every), meta / "stats.json")
-    return root
 
 
 def _columns(episode: Episode, number: int, first: int, rate: int) -> Columns:
@@ -182,10 +191,8 @@ def _write(table: pa.Table, path: Path) -> None:
     import pyarrow.parquet as parquet
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    with WholeFile(path) as partial:
-        parquet.write_table(table, partial)
+    parquet.write_table(table, path)
 
 
 def _write_json(value: object, path: Path) -> None:
-    with WholeFile(path) as partial:
-        partial.write_text(json.dumps(value, indent=4))
+    path.write_text(json.dumps(value, indent=4))

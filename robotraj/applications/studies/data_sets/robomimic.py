@@ -34,7 +34,8 @@ def write_robomimic(
         raise InputError(f"held_out= is {held_out!r}; give the share of episodes for validation, from 0 to below 1.")
     target = Path(path)
     lengths: list[int] = []
-    with WholeFile(target) as partial, h5py.File(partial, "w") as file:
+    # HDF5 ends the process where a disk is full, so the file is made in memory.
+    with h5py.File(target.name, "w", driver="core", backing_store=False) as file:
         data = file.create_group("data")
         for number, episode in enumerate(episodes(store, rate, action)):
             count = len(episode.state) - 1
@@ -54,6 +55,10 @@ def write_robomimic(
         valid = round(held_out * len(lengths))
         for part, numbers in (("valid", order[:valid]), ("train", order[valid:])):
             file[f"mask/{part}"] = np.array([f"demo_{i}" for i in np.sort(numbers)], dtype="S")
+        file.flush()
+        content = file.id.get_file_image()
+    with WholeFile(target) as partial:
+        partial.write_bytes(content)
     return target
 
 
