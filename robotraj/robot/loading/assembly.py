@@ -18,7 +18,7 @@ from robotraj.robot.coupling.tightened_limits import tightened
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
 from robotraj.robot.known_robots.makers import makers_note
 from robotraj.robot.limits import BOUNDS, Limits
-from robotraj.robot.loading.chain_names import Chains, chains_note, spread_names, spread_positions
+from robotraj.robot.loading.chain_names import Chains, chains_note, pitches, spread_names, spread_positions
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
 from robotraj.robot.loading.inertia import weightless_joints
 from robotraj.robot.loading.notes import (
@@ -42,7 +42,6 @@ from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import carried, root_of, units_of, with_root
 from robotraj.robot.sides.unlike_limits import sides_note
-from robotraj.robot.urdf.limits import StatedLimits
 
 Array = npt.NDArray[np.float64]
 
@@ -84,7 +83,7 @@ def assemble(
     first, start = 1 + len(stand.joints), len(stand.positions)
     names = names_of(whole)[first:]
     q, reference_name = reference(about.model, about.srdf, root)
-    every = _limits(whole, root, about.stated)
+    every = _limits(whole, root, about)
     resting = inside(q, every)
     held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
     _check_couplings(about.mimics, names)
@@ -100,7 +99,7 @@ def assemble(
     smaller = reduced(whole, ids, at)
     renamed = rename_ambiguous_frames(smaller)
     # Nothing was removed where no joint is locked.
-    stated = _limits(smaller, root, about.stated) if ids else every
+    stated = _limits(smaller, root, about) if ids else every
     _check_dissipation(smaller, stated.joints)
     mimics = tuple(mimic for mimic in about.mimics if mimic.follower not in held)
     model = coupled(smaller, mimics)
@@ -152,15 +151,15 @@ def assemble(
     )
 
 
-def _limits(model: pin.Model, root: str, stated: StatedLimits) -> Limits:
-    """Return the limits of a model within those that its URDF states beside them."""
-    own = Limits.of(model, root)
+def _limits(model: pin.Model, root: str, about: Description) -> Limits:
+    """Return the limits of a model within those that its URDF states beside them, and those of balls' pitches."""
+    own, stated = Limits.of(model, root), about.stated
     given = {
         quantity: {joint: pair for joint, pair in pairs.items() if joint in own.joints}
         for quantity, pairs in stated.pairs.items()
     }
     missing = tuple(joint for joint in stated.missing if joint in own.joints)
-    return replace(own.override(given), missing=missing)
+    return replace(own.override(given).override({"position": pitches(about.chains, own)}), missing=missing)
 
 
 def _friction_speed(friction: Array, speeds: Array, root: str) -> float:

@@ -11,9 +11,15 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj.robot.limits import Limits
 
 Chains = Mapping[str, tuple[str, ...]]
 """Names of the single joints by the name of the joint that they replace."""
+
+PITCH, STEEPEST = "_pitch", 1.4
+"""Ending of the second turn of a ball, and its largest angle [rad].
+
+At a quarter turn the others turn about one axis, and their speeds have no bound. Here they are six times the ball's."""
 
 
 def chains_note(chains: Chains) -> str:
@@ -21,7 +27,19 @@ def chains_note(chains: Chains) -> str:
     if not chains:
         return ""
     moves = "; ".join(f"{joint!r} moves by {', '.join(parts)}" for joint, parts in chains.items())
-    return f"Joints of several degrees of freedom are chains of single ones: {moves}."
+    turns = any(part.endswith(PITCH) for parts in chains.values() for part in parts)
+    bound = f" The pitch of a ball stays within {STEEPEST:g} rad of 0, where its speeds are defined." if turns else ""
+    return f"Joints of several degrees of freedom are chains of single ones: {moves}.{bound}"
+
+
+def pitches(chains: Chains, limits: Limits) -> dict[str, tuple[float, float]]:
+    """Return the position limits of the pitches of balls: the robot's, within ``STEEPEST``."""
+    found = {}
+    for part in (part for parts in chains.values() for part in parts if part.endswith(PITCH)):
+        if part in limits.joints:
+            lower, upper = (side[limits.joints.index(part)] for side in limits.sides("position"))
+            found[part] = (max(float(lower), -STEEPEST), min(float(upper), STEEPEST))
+    return found
 
 
 def spread_names(joints: Iterable[str], chains: Chains) -> list[str]:

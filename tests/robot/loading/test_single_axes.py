@@ -133,6 +133,24 @@ def test_the_name_in_the_file_stands_for_the_joints_in_its_place(urdf):
     assert ball.joint_names == ("j",) and other.joint_names == ("first", "last", "side")
 
 
+def test_the_pitch_of_a_ball_stays_where_its_speeds_are_defined(urdf):
+    """A ball has no position limits of its own; narrower ones of the angles are kept, and the note states the bound."""
+    balls = (
+        rt.load(urdf.text(PLANAR.format(BODY, "neck", "spherical", ""))),
+        rt.load(tree(pin.JointModelSpherical())),
+    )
+    for robot, pitch in zip(balls, ("neck_pitch", "wide_pitch"), strict=True):
+        k = robot.velocity_names.index(pitch)
+        assert [side[k] for side in robot.limits.sides("position")] == [-1.4, 1.4]
+        assert all(np.isinf(side[[k - 1, k + 1]]).all() for side in robot.limits.sides("position"))
+        assert any("stays within 1.4 rad" in note for note in robot.notes)
+    model = tree(pin.JointModelSphericalZYX())
+    model.lowerPositionLimit, model.upperPositionLimit = np.full(model.nq, -0.5), np.full(model.nq, 2.0)
+    robot = rt.load(model)
+    assert [side[2] for side in robot.limits.sides("position")] == [-0.5, 1.4]
+    assert [side[1] for side in robot.limits.sides("position")] == [-0.5, 2.0]
+
+
 def test_a_plane_that_pinocchio_does_not_read_is_refused(urdf):
     with pytest.raises(rt.InputError, match="planar joint 'drive' has the axis '0 1 0'"):
         rt.load(urdf.text(PLANAR.format(BODY, "drive", "planar", '<axis xyz="0 1 0"/>')))
