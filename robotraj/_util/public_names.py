@@ -6,13 +6,18 @@ import copyreg
 import sys
 from collections.abc import Callable
 from importlib import import_module
+from importlib.util import find_spec
 from types import FunctionType, ModuleType
 
 import lazy_loader
 
 from robotraj._util.errors import NoSuchValue, unknown_name
 from robotraj._util.names.keywords import guard, guarded
+from robotraj._util.names.near_words import near_names
 from robotraj._util.system.forks import unforked
+
+ALIKE = 0.85
+"""Least ratio of equal letters of a name in another package that a message names."""
 
 _guarded: dict[FunctionType, object] = {}
 
@@ -37,7 +42,8 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
                 # Names with an underscore are protocols of Python and its libraries, as for ``no_attribute``.
                 if name.startswith("_"):
                     raise
-                raise NoSuchValue(str(unknown_name(f"name in {package}", name, names))) from None
+                message = _in_rooms(package, name, names, imported)
+                raise NoSuchValue(message or str(unknown_name(f"name in {package}", name, names))) from None
         if isinstance(found, type):
             guard(found)
         elif isinstance(found, FunctionType):
@@ -49,6 +55,22 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
         return found
 
     return attribute, directory, names
+
+
+def _in_rooms(package: str, name: str, names: list[str], imported: Callable[[str], object]) -> str:
+    """Return a message with the names of that meaning in the packages of the top level; empty where there are none."""
+    # Python looks for modules as attributes of their package first.
+    if "." in package or find_spec(f"{package}.{name}") is not None:
+        return ""
+    rooms = [(each, imported(each)) for each in names if each.islower()]
+    found = [
+        f"rt.{room}.{near}"
+        for room, module in rooms
+        if isinstance(module, ModuleType)
+        for near in near_names(name, getattr(module, "__all__", ()), ALIKE)
+        if near[0].isupper() == name[0].isupper() and near not in names
+    ]
+    return f"There is no name in {package} named {name!r}. Did you mean {' or '.join(found)}?" if found else ""
 
 
 def _by_name(module: ModuleType) -> tuple[Callable[[str], ModuleType], tuple[str]]:

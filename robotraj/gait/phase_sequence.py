@@ -14,6 +14,7 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.bounds.margins import checked_margin, contact_with, limits_with
 from robotraj.gait.bounds.swing_clearance import partners_of, swing_clearance
 from robotraj.gait.bounds.turning import Turning
+from robotraj.gait.capability.leg_reach import check_swing
 from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
@@ -79,6 +80,7 @@ def sequence(
         )
     if terms.clearance is not None and not number(terms.clearance, "clearance") >= 0.0:
         raise InputError(f"clearance= is {terms.clearance!r}; give metres from 0 on, or None for no such row.")
+    check_swing(robot, supports, terms.clearance)
     ground = as_ground(terms.ground)
     feet = tuple(dict.fromkeys(foot for support in supports for foot in support.feet))
     partners = partners_of(repeat)

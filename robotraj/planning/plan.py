@@ -28,6 +28,7 @@ from robotraj.problem.links.unlinked_phases import warn_of_unlinked_phases
 from robotraj.problem.objectives.duration import warn_of_fixed_durations
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
 from robotraj.solution.conflict import Conflict
 from robotraj.solution.errors import NoSolutionFound, PlanInterrupted
 from robotraj.solution.proof import Goals
@@ -215,6 +216,8 @@ def plan(
         advice = (
             " rt.sweep plans each of several; rt.Problem(phases, links) makes one motion of them." if several else ""
         )
+        if isinstance(given, Robot):
+            advice = " A motion of it is rt.Phase(robot, duration, start=rt.State(...), end=rt.State(...))."
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(given).__name__}.{advice}")
     if not isinstance(guess, Solution):
         guess = as_guess(guess)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
 
 import casadi as ca
 import numpy as np
@@ -26,6 +27,9 @@ from robotraj.robot.root import root_of
 
 SLACK = 1e-6
 """Largest distance of a given end from a bound that counts as round-off, relative to the size of the row."""
+
+SAMPLES = 3
+"""Random points at which two expressions are compared."""
 
 UPSIDE_DOWN = -0.7
 """Height of the unit z axis of a root below which it counts as upside down."""
@@ -117,6 +121,7 @@ def check_rows(table: RowTable, ends: Ends, constraints: Iterable[Constraint]) -
     held = {end: table.bounds_by_variable(Where.THROUGHOUT, end) for end in ends}
     for rows in (rows for at in held.values() for rows in at.values()):
         _check_against_each_other(table.phase, rows)
+    _check_repeated(table)
     _warn_of_units(table, constraints)
     for end, bounds in ends.items():
         crossed = np.flatnonzero(bounds.lower > bounds.upper)
@@ -178,6 +183,28 @@ def _check_against_each_other(phase: str, rows: Sequence[PhaseRow]) -> None:
             f"Phase {phase!r}: {lowest.label} {_range(lowest)} and {highest.label} {_range(highest)} contradict each "
             "other; relax one of them."
         )
+
+
+def _check_repeated(table: RowTable) -> None:
+    """Refuse bounds of one expression that leave it no value, as of two places of a frame at one end.
+
+    Rows of one name are compared. They have the same expression if it has the same values at seeded random points.
+    """
+    alike: dict[tuple[str, str], list[PhaseRow]] = {}
+    for row in table:
+        if row.kind in (Kind.PATH, Kind.END):
+            alike.setdefault((row.label, row.unit), []).append(row)
+    for rows in alike.values():
+        for first, second in combinations(rows, 2):
+            together = first.where is second.where or Where.THROUGHOUT in (first.where, second.where)
+            if together and max(first.lower, second.lower) > min(first.upper, second.upper) + SLACK * first.size:
+                values = ca.vertcat(*table.expressions((first, second)))
+                symbols = ca.symvar(values)
+                read = ca.Function("rows", symbols, [values])
+                draw = np.random.default_rng(0).uniform
+                drawn = np.array([read(*(draw(0.1, 1.0) for _ in symbols)).full().ravel() for _ in range(SAMPLES)])
+                if np.allclose(drawn[:, 0], drawn[:, 1], rtol=1e-9, atol=1e-12):
+                    _check_against_each_other(table.phase, (first, second))
 
 
 def _warn_of_units(table: RowTable, constraints: Iterable[Constraint]) -> None:

@@ -29,12 +29,13 @@ from robotraj.problem.constraints.motors.own_limits import own_limits
 from robotraj.problem.constraints.variable_bounds import VariableBounds
 from robotraj.problem.feasibility import Ends, check_equations, check_limits, check_masses, check_rows
 from robotraj.problem.footing_checks import check_contacts
-from robotraj.problem.least_durations import check_durations
 from robotraj.problem.objectives.base import EndCost, Integral, Objective
 from robotraj.problem.phase_fields import as_constraints, as_contacts, as_mapping, bind_contacts, check_kinds
 from robotraj.problem.printing import PhaseTable, duration_text, parameter_rows, phase_table
 from robotraj.problem.rows import RowTable
 from robotraj.problem.state import State, far_turns, near_turns
+from robotraj.problem.travel.least_durations import check_durations
+from robotraj.problem.travel.tool_travel import check_tool_travel
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.geometry import NoGeometry
 from robotraj.robot.robot import Robot
@@ -160,8 +161,8 @@ class Phase(OneLine):
         if self.bound_design is None:
             check_masses(self.name, self.robot, self.body, ends)
             check_contacts(self.rows, self.robot, self.bound_contacts, known, ends, durations)
-        if isinstance(self.limits, Limits):
-            check_durations(self.name, self.robot, self.limits, durations, ends)
+        check_durations(self.rows, self.robot, self.limits, durations, ends)  # type: ignore[arg-type]  # resolved
+        check_tool_travel(self.rows, self.robot, self.constraints, durations, ends)
 
     @property
     def robot(self) -> Robot | None:

@@ -112,6 +112,7 @@ def as_constraints(phase: str, given: object) -> tuple[Constraint, ...]:
         entry: object = constraint
         if not isinstance(entry, Constraint):
             advice = " rt.CollisionFree([...]) keeps the robot off obstacles." if isinstance(entry, Obstacle) else ""
+            advice = " It is minimised: objective= takes it." if isinstance(entry, Objective) else advice
             raise InputError(
                 f"{entry!r} in the constraints of phase {phase!r} is not a constraint such as "
                 f"rt.PathConstraint(...).{advice}"

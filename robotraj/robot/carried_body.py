@@ -9,10 +9,15 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.checks import is_number
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
+from robotraj.robot.loading.other_units import in_other_unit
 from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
+
+FAR, HEAVY = 2.0, 5.0
+"""Distance and mass of a body, relative to the reach and the mass of its robot, above which the unit is doubtful."""
 
 
 @dataclass(frozen=True)
@@ -108,5 +113,26 @@ def carrying(robot: Robot, *bodies: CarriedBody) -> Robot:
             raise InputError(
                 f"Frame {body.frame!r} of {robot.name!r} does not move, so it carries nothing; name a moving frame."
             )
+        _warn_of_units(robot, body)
         model.appendBodyToJoint(frame.parentJoint, body.spatial_inertia, frame.placement)
     return replace(robot, model=model)
+
+
+def _warn_of_units(robot: Robot, body: CarriedBody) -> None:
+    """Warn of a body that is far heavier or farther away than the robot could carry.
+
+    Warns
+    -----
+    UserWarning
+    """
+    far, away = reach(robot.model), float(np.linalg.norm(body.center_of_mass))
+    if 0.0 < FAR * far < away:
+        warn(
+            f"The centre of mass of the body at {body.frame!r} is {away:g} m from this frame, and {robot.name!r} "
+            f"reaches {far:.2g} m. {in_other_unit(away, 'm')}"
+        )
+    if 0.0 < HEAVY * robot.mass < body.mass:
+        warn(
+            f"The body at {body.frame!r} weighs {body.mass:g} kg, and {robot.name!r} {robot.mass:.3g} kg. The unit is "
+            f"kg: {body.mass:g} g are {1e-3 * body.mass:g} kg."
+        )

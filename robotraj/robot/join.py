@@ -56,6 +56,8 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
     for name, robot in robots.items():
         if not np.array_equal(robot.model.gravity.vector, first.model.gravity.vector):
             raise InputError(f"{name!r} has another gravity than the first robot; load both alike.")
+    if at is not None and not isinstance(at, Mapping):
+        raise InputError(f"at= gives poses by the names of the robots, {{{list(robots)[1]!r}: {at!r}}}; got {at!r}.")
     poses = dict(at or {})
     for name in poses:
         if name not in robots:

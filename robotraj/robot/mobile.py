@@ -8,14 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj.robot.coupling.coupled_model import coupled
 from robotraj.robot.limits import Limits, concatenated
+from robotraj.robot.loading.other_units import in_other_unit
 from robotraj.robot.loading.planning_model import rebuilt
 from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
 
 JOINTS = ("base_x", "base_y", "base_yaw")
 """Joints of the base."""
+FAR = 100.0
+"""Length of a rail relative to the robot's reach above which its unit is doubtful."""
 AXES = {"x": pin.JointModelPX, "y": pin.JointModelPY, "z": pin.JointModelPZ}
 """Joints of a rail by their axes in the world."""
 
@@ -101,6 +105,12 @@ def on_rail(
             raise InputError(f"The {what} of the rail's carriage is {value!r}; give a number above 0.")
     if len(travel) != 2 or not -np.inf < travel[0] < travel[1] < np.inf:
         raise InputError(f"The travel of the rail is {travel!r}; give (least, greatest) [m].")
+    far, longest = reach(robot.model), max(map(abs, travel))
+    if 0.0 < FAR * far < longest:
+        warn(
+            f"The rail of {robot.name!r} goes to {longest:g} m, and the robot reaches {far:.2g} m. "
+            f"{in_other_unit(longest, 'm')}"
+        )
     body = pin.Inertia(float(mass), np.zeros(3), np.zeros((3, 3)))
     limits = Limits.none((name,)).with_(position=travel, velocity=velocity, effort=effort)
     return _on_joints(robot, {name: AXES[axis]()}, body, limits, "on a rail")

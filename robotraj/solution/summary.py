@@ -9,6 +9,7 @@ import numpy as np
 
 from robotraj._util.printing import wrapped
 from robotraj.dynamics.path_body import ACCELERATION
+from robotraj.problem.objectives.duration import Duration
 from robotraj.robot.known_robots.makers import limits_text
 from robotraj.robot.limits import Limits
 from robotraj.robot.size.reach import reaches
@@ -87,6 +88,8 @@ SMOOTH_PATH = (
 )
 GRAVITY, IMPLAUSIBLE = 9.81, 10.0
 """Acceleration of gravity [m/s^2], and the multiple of it from which the acceleration of a link's masses is doubted."""
+AT_BOUND, INSTANT = 1e-3, 1e-6
+"""Relative distance of a duration from its least one that counts as none, and a duration of no motion [s]."""
 JUMP = 1e-3
 """Least jump of a third derivative that counts, relative to the largest one."""
 
@@ -127,7 +130,7 @@ def summary(solution: Summarised) -> str:
             "bound torques with interval_limits=rt.interval_limits.BernsteinBounds(controls=True)"
         )
     if converged:
-        lines += _implausible_accelerations(solution)
+        lines += _implausible_accelerations(solution) + _shortest_durations(solution)
     if not solution.success:
         lines += [f"in conflict: {solution.in_phase(conflict)}" for conflict in solution.conflicts[:5]]
         lines += [f"solver: {solution.message}"]
@@ -161,6 +164,22 @@ def _implausible_accelerations(solution: Summarised) -> list[str]:
                     f"rt.load(..., limits={limits_text(robot.name)}, rotors=...)"
                 ]
     return doubt
+
+
+def _shortest_durations(solution: Summarised) -> list[str]:
+    """Return a doubt on the first phase of least time that ends at its least allowed duration; none elsewhere."""
+    for part in solution.phases:
+        phase, (least, longest) = part.phase, part.phase.duration_bounds
+        terms = phase.objective.terms if phase.objective is not None else ()
+        quick = any(weight > 0.0 and isinstance(term, Duration) for weight, term in terms)
+        if quick and least < longest and part.duration <= max(least * (1.0 + AT_BOUND), INSTANT):
+            why = (
+                f"the least that duration= allows. Allow less for a faster motion, ({0.1 * least:g}, {longest:g})"
+                if least > 0.0
+                else "since nothing limits its speed. Give limits, or objective=rt.Duration() + 1e-3 * rt.Effort()"
+            )
+            return [f"doubt: phase {phase.name!r} takes {part.duration:.3g} s, {why}"]
+    return []
 
 
 def _remedy(solution: Summarised) -> str:

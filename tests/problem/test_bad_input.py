@@ -28,6 +28,9 @@ def block(**more: Any) -> rt.Phase:
     return rt.Phase(system, **(good | more))
 
 
+TRANSPOSED = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0.4, 0.2, 0.3, 1]]
+
+
 def double_integrator() -> rt.System:
     return rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], name="block")
 
@@ -805,6 +808,19 @@ def test_errors_are_the_packages_own_and_values_errors() -> None:
         (lambda: cartpole(end=rt.State(q={"pole": "180deg"})), "np.radians(90)"),
         (lambda: rt.plan([cartpole(), cartpole()]), "rt.sweep plans each"),
         (lambda: rt.plan(cartpole(), mesh=40), "rt.Mesh(40)"),
+        (lambda: rt.plan(rt.load("cartpole")), "A motion of it is rt.Phase(robot, duration, start="),
+        (lambda: cartpole(constraints=[rt.Effort()]), "It is minimised: objective= takes it."),
+        (lambda: rt.override(rt.plan(cartpole(), rt.Mesh(10)), 30), "30 percent are 0.3."),
+        (lambda: rt.retime([{"q": 0}, {"q": 1}], rt.load("pendulum")), "got a list of dict entries."),
+        (lambda: rt.Waypoints(rt.load("cartpole"), np.zeros((2, 3))), "an array of shape (3,). The places are a list"),
+        (lambda: rt.robot.join({"a": rt.load("ur5"), "b": rt.load("ur5")}, at=(1, 0, 0)), "at= gives poses by"),
+        (lambda: rt.FramePose("tip", np.array(TRANSPOSED)), "The transposed matrix, pose.T, has this row."),
+        (
+            lambda: cartpole(constraints=[rt.FramePose("tip", (0.4, 0.2, 0.3, 0, 0, 0, 1))]),
+            "XYZQUATToSE3(pose)",
+        ),
+        (lambda: cartpole(constraints=[rt.FramePose("tip", (0.4, 0.2, 0.3, 0, 3.14, 0))]), "rpyToMatrix(*rpy)"),
+        (lambda: rt.plan(cartpole(), rt.Mesh(10)).to_controller("x.yaml", rate=0.001), "a period of 1 ms is rate=1000"),
         (lambda: rt.plan(cartpole(), rt.Mesh(10)).to_csv("motion.xlsx"), "let it end in .csv"),
         (lambda: rt.replay(rt.plan(cartpole(), rt.Mesh(10)), "motion.gif"), "menu Save makes videos, GIFs"),
     ],

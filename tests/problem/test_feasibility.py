@@ -140,3 +140,20 @@ def test_an_end_outside_its_limits_is_refused_in_every_unit(unit: float, end: fl
     else:
         with pytest.raises(InputError, match="outside"):
             rt.Problem([posed()])
+
+
+def test_two_places_of_one_frame_at_one_end_contradict_each_other() -> None:
+    def reach(*constraints: rt.constraints.Constraint) -> rt.Phase:
+        return rt.Phase(rt.load("ur5"), 1.0, rt.State(v=0), None, rt.Effort(), constraints)
+
+    def at(height: float) -> rt.FramePosition:
+        return rt.FramePosition("tool0", (0.4, 0.2, height))
+
+    with pytest.raises(rt.InputError, match=r"position z, tool0 \[0.5, 0.5\] m and .*\[0.3, 0.3\] m contradict"):
+        reach(rt.AtEnd(at(0.3)), rt.AtEnd(at(0.5)))
+    assert reach(rt.AtStart(at(0.3)), rt.AtEnd(at(0.5)))
+    # Expressions of one name may differ.
+    assert reach(
+        rt.PathConstraint(lambda point: point.q[0], upper=-1.0, name="own"),
+        rt.PathConstraint(lambda point: point.q[1], lower=1.0, name="own"),
+    )

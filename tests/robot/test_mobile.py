@@ -135,3 +135,13 @@ def test_a_rail_that_cannot_be_is_refused(changes, message):
     given = {"mass": 5.0, "travel": (-1.0, 1.0), "velocity": 1.0, "effort": 100.0} | changes
     with pytest.raises(rt.InputError, match=message):
         rt.robot.on_rail(rt.load("ur5"), **given)
+
+
+def test_rails_and_loads_in_other_units_are_doubted():
+    ur5 = rt.load("ur5")
+    with pytest.warns(UserWarning, match="goes to 2000 m.* 2000 mm are 2 m"):
+        rt.robot.on_rail(ur5, mass=20.0, travel=(0, 2000), velocity=1.5, effort=500)
+    with pytest.warns(UserWarning, match="is 100 m from this frame.* 100 mm are 0.1 m"):
+        rt.robot.carrying(ur5, rt.robot.CarriedBody("tool0", mass=2, center_of_mass=(0, 0, 100)))
+    with pytest.warns(UserWarning, match="weighs 500 kg, and 'ur5' .* 500 g are 0.5 kg"):
+        rt.robot.carrying(ur5, rt.robot.CarriedBody("tool0", mass=500))

@@ -1,6 +1,7 @@
 """What ``print(solution)`` shows."""
 
 import numpy as np
+import pytest
 
 import robotraj as rt
 
@@ -63,3 +64,19 @@ def test_accelerations_that_no_gear_gives_are_doubted_and_limits_remove_the_doub
     limited = ur5.limits.with_(acceleration=15.0)
     slow = rt.plan(rt.Phase(ur5, (0.1, 5.0), *ends, rt.Duration(), limits=limited), rt.Mesh(12))
     assert "doubt" not in str(slow)
+
+
+@pytest.mark.parametrize(("least", "doubt"), [(1.0, "takes 1 s, the least that duration= allows"), (0.1, "")])
+def test_a_least_time_at_its_least_duration_is_doubted(least: float, doubt: str) -> None:
+    """From rest to rest over 0.06 with |a| <= 1 takes 0.49 s."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    ends = rt.State([0, 0]), rt.State([0.06, 0])
+    quick = rt.Phase(block, (least, 5.0), *ends, rt.Duration(), controls={"u": rt.between(-1, 1)})
+    text = " ".join(str(rt.plan(quick, rt.Mesh(12))).split())
+    assert doubt in text and ("doubt" in text) is bool(doubt)
+
+
+def test_a_motion_that_nothing_limits_is_doubted() -> None:
+    block = rt.System(["x"], ["u"], lambda point: [point.u["u"]])
+    quick = rt.Phase(block, (0.0, 5.0), rt.State([0]), rt.State([1]), rt.Duration())
+    assert "nothing limits its speed" in " ".join(str(rt.plan(quick, check=False)).split())

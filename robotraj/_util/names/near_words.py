@@ -20,8 +20,10 @@ _MEANINGS = tuple(
     length height h l
     start initial begin beginning from q0 x0 q_start
     end goal target final finish to qf xf q_goal q_end
-    duration time times t tf total_time horizon t_final
+    duration time times t tf total_time horizon t_final mintime min_time minimum_time minimumtime least_time
     objective objectives cost costs criterion
+    effort energy min_effort minimum_effort mineffort minenergy minimumeffort
+    framespeed toolspeed tcpspeed speedlimit maxspeed cartesianspeed
     constraints constraint obstacles obstacle collision collisions
     limits bounds joint_limits velocity acceleration effort max_velocity velocity_limit velocity_limits
     tolerance tol rtol atol eps accuracy precision
@@ -31,6 +33,7 @@ _MEANINGS = tuple(
     margin distance clearance padding buffer safety
     ground terrain floor
     friction mu friction_coefficient
+    contact friction mu friction_coefficient
     root base base_type floating_base
     floating free free_flyer freeflyer mobile
     locked frozen locked_joints

@@ -62,11 +62,17 @@ def as_path(path: JointPath, parameters: ArrayLike | None = None) -> PiecewisePo
         return _of_solution(path)
     if callable(path):
         return _of_function(path)
+    return _through(_numbers(path), parameters)
+
+
+def _numbers(points: object) -> Array:
     try:
-        points = np.array(path, dtype=float)
+        return np.array(points, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"A path is an array (m, nq), a spline or a solution; got {type(path).__name__}.") from error
-    return _through(points, parameters)
+        entry = f" of {type(points[0]).__name__} entries" if isinstance(points, list | tuple) and points else ""
+        raise InputError(
+            f"A path is an array (m, nq) of numbers, a spline or a solution; got a {type(points).__name__}{entry}."
+        ) from error
 
 
 def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
@@ -84,7 +90,7 @@ def unwrapped(points: ArrayLike, robot: Robot, limits: Limits) -> ArrayLike:
     UserWarning
         A joint was unwrapped. The message names it and the configuration.
     """
-    found = np.array(points, dtype=float)
+    found = _numbers(points)
     if found.ndim != 2 or robot.nq != robot.nv:
         return points
     if found.shape[1] != robot.nq:

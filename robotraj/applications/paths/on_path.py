@@ -82,7 +82,8 @@ def override(solution: Solution, speed: float, **options: Unpack[PlanOptions]) -
     >>> slow = rt.override(solution, 0.1)  # doctest: +SKIP
     """
     if not (is_number(speed) and SLOWEST <= speed <= 1.0):
-        raise InputError(f"The speed of an override is a number between {SLOWEST:g} and 1; got {speed!r}.")
+        percent = f" {speed:g} percent are {0.01 * speed:g}." if is_number(speed) and 1.0 < speed <= 100.0 else ""
+        raise InputError(f"The speed of an override is a number between {SLOWEST:g} and 1; got {speed!r}.{percent}")
     phases = []
     for part in solution.phases:
         follow = FollowPath(_over_time(part), None, None, speed=float(speed))

@@ -158,8 +158,10 @@ def _place(robot: Robot, place: Place, number: int) -> np.ndarray | Constraint:
     except (TypeError, ValueError):
         q = np.zeros(0)
     if q.shape != (robot.nq,) or not np.isfinite(q).all():
+        given = f"an array of shape {q.shape}" if q.size > 1 else "one number" if q.ndim == 0 else repr(place)
         raise InputError(
-            f"Place {number} of rt.Waypoints is {place!r}; give {robot.nq} joint positions, or a constraint "
+            f"Place {number} of rt.Waypoints is {given}. The places are a list, or an array (places, {robot.nq}); "
+            f"give {robot.nq} joint positions, or a constraint "
             "such as rt.FramePose(frame, pose)."
         )
     return q

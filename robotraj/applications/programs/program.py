@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.applications.paths.joint_path import check_positions
@@ -20,6 +20,7 @@ from robotraj.applications.programs.tool_joints import ToolJoints
 from robotraj.guess.reaching.inverse_kinematics import Target, reach
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.follow_path import FollowPath
+from robotraj.problem.constraints.frame_pose import check_metres
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.duration import Duration
@@ -27,6 +28,7 @@ from robotraj.problem.objectives.terminal_pose import target_of
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
+from robotraj.robot.loading.other_units import in_other_unit
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach as reach_of
 
@@ -130,6 +132,7 @@ def _parts(
             made: JointMove | ToolMove = JointMove(q, after, extent * float(np.linalg.norm(after - q)))
         else:
             made = _tool_move(joints.pose(q), move, what)
+            check_metres(robot, made.last.translation, made.last.translation, f"target of {what}")
         if not made.length > LEAST:
             raise InputError(f"{what} ends where it begins; leave it out.")
         if isinstance(made, ToolMove):
@@ -182,6 +185,12 @@ class _Stretch:
 
 def _paths(run: Sequence[ProgramPart]) -> list[_Stretch]:
     """Return the paths of the joints from a stop to the next, one for every move and blend."""
+    for before, after in zip(run, run[1:], strict=False):
+        if before.radius > before.length + after.length:
+            warn(
+                f"{before.what} has the radius {before.radius:g} m, but it and the next move are "
+                f"{before.length:.3g} m and {after.length:.3g} m long. {in_other_unit(before.radius, 'm')}"
+            )
     blends = [blend(before, after) for before, after in zip(run, run[1:], strict=False)]
     cuts = [0.0, *(cut for cut, _ in blends), 0.0]
     curves = list[tuple[str, PiecewisePolynomial]]()

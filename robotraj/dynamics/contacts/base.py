@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.mobility import AXES
@@ -241,11 +241,32 @@ def checked_name(name: object, what: str) -> None:
         raise InputError(f"The name of {what} is {name!r}; give some text, or None for the frame's name.")
 
 
+MATERIAL = 5.0
+"""Coefficient of friction above which no pair of materials has one."""
+
+
 def positive(value: object, what: str, unit: str) -> float:
     """Read a positive finite number."""
     number = _number(value)
     if not (np.isfinite(number) and number > 0.0):
         raise InputError(f"The {what} is {value!r}; give a positive number{f' [{unit}]' if unit else ''}.")
+    return number
+
+
+def friction_coefficient(value: object, what: str) -> float:
+    """Read a coefficient of friction.
+
+    Warns
+    -----
+    UserWarning
+        It is one of no material, and plausible in percent.
+    """
+    number = positive(value, f"friction of {what}", "")
+    if MATERIAL < number <= 100.0 * MATERIAL:
+        warn(
+            f"The friction of {what} is {number:g}, above that of any material. It is the ratio of forces: {number:g} "
+            f"percent are {0.01 * number:g}."
+        )
     return number
 
 

@@ -19,6 +19,7 @@ from robotraj.dynamics.contacts.base import (
     checked_name,
     force_range,
     force_variables,
+    friction_coefficient,
     held_rows,
     keep,
     label_of,
@@ -106,7 +107,7 @@ class FlatFoot(Contact):
     def __post_init__(self) -> None:
         what = f"FlatFoot {self.label!r}"
         checked_name(self.name, what)
-        positive(self.friction, f"friction of {what}", "")
+        friction_coefficient(self.friction, what)
         if not isinstance(self.sole, Sole):
             raise InputError(
                 f"The sole of {what} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or "

@@ -11,7 +11,15 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import BoundContact, Contact, Wrench, checked_name, label_of, positive
+from robotraj.dynamics.contacts.base import (
+    BoundContact,
+    Contact,
+    Wrench,
+    checked_name,
+    friction_coefficient,
+    label_of,
+    positive,
+)
 from robotraj.dynamics.contacts.footing import Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane
 from robotraj.dynamics.contacts.point_contact import require_normal
@@ -75,7 +83,7 @@ class ImplicitContact(Contact):
     def __post_init__(self) -> None:
         what = f"ImplicitContact {self.label!r}"
         checked_name(self.name, what)
-        positive(self.friction, f"friction of {what}", "")
+        friction_coefficient(self.friction, what)
         positive(self.relaxation, f"relaxation of {what}", "N m")
         object.__setattr__(self, "offset", offset_of(self.offset, what))
         if not as_ground(self.ground).even:

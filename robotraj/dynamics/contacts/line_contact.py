@@ -17,6 +17,7 @@ from robotraj.dynamics.contacts.base import (
     Wrench,
     checked_name,
     force_range,
+    friction_coefficient,
     held_rows,
     keep,
     label_of,
@@ -93,7 +94,7 @@ class LineContact(FrictionContact):
     def __post_init__(self) -> None:
         what = f"LineContact {self.label!r}"
         checked_name(self.name, what)
-        positive(self.friction, f"friction of {what}", "")
+        friction_coefficient(self.friction, what)
         if self.width is not None:
             positive(self.width, f"width of {what}", "m")
         if not isinstance(self.cone, FrictionCone):

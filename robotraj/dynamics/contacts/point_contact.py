@@ -18,10 +18,10 @@ from robotraj.dynamics.contacts.base import (
     checked_name,
     force_range,
     force_variables,
+    friction_coefficient,
     held_rows,
     keep,
     label_of,
-    positive,
     share_kept,
     spread,
 )
@@ -107,7 +107,7 @@ class PointContact(FrictionContact):
     def __post_init__(self) -> None:
         what = f"PointContact {self.label!r}"
         checked_name(self.name, what)
-        positive(self.friction, f"friction of {what}", "")
+        friction_coefficient(self.friction, what)
         if not isinstance(self.cone, FrictionCone):
             raise InputError(
                 f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."

@@ -18,6 +18,8 @@ from robotraj.robot.root import root_of
 
 MODEST = 0.5
 """Part of the greatest step that a message names as one that would do."""
+LOW = 0.1
+"""Part of the length of a leg that a message names as a clearance that would do."""
 
 
 def check_step(robot: Robot, phases: Sequence[Support], length: float) -> None:
@@ -46,6 +48,32 @@ def check_step(robot: Robot, phases: Sequence[Support], length: float) -> None:
         f"The step is {abs(length):.3g} m long, but {foot!r} stands in place meanwhile, and the leg of {robot.name!r} "
         f"is {lengths[foot]:.3g} m long: a step is {most:.3g} m at most. "
         f"step_length={np.sign(length) * MODEST * most:.2g} would do, at a duration= that the joint speeds allow."
+    )
+
+
+def check_swing(robot: Robot, supports: Sequence[Support], clearance: float | None) -> None:
+    """Refuse a clearance of swinging feet above the length of the longest leg; no foot is lifted so high.
+
+    Parameters
+    ----------
+    robot : Robot
+    supports : sequence of Support
+    clearance : float or None
+        Height of swinging feet [m].
+
+    Raises
+    ------
+    InputError
+        The message has the length of the leg and a clearance that would do.
+    """
+    feet = dict.fromkeys(foot for support in supports for foot in support.feet)
+    longest = max((leg_length(robot, foot) for foot in feet), default=np.inf)
+    if clearance is None or clearance <= longest:
+        return
+    raise InputError(
+        f"clearance={clearance:g} m lifts swinging feet by more than the leg of {robot.name!r}, which is "
+        f"{longest:.3g} m long. clearance={LOW * longest:.2g} would do. Lengths are in metres: {clearance:g} mm are "
+        f"{1e-3 * clearance:g}."
     )
 
 

@@ -41,6 +41,8 @@ class EndRow:
     weight: float
     physical: bool = False
     measure: Measure | None = None
+    end: Where | None = None
+    """The end at which it must hold; None for rows of both ends."""
 
     def shown(self, value: float) -> float:
         """Return a value or a bound of the row as reports state it [unit]."""
@@ -119,17 +121,18 @@ def rows_at_ends(ends: PhaseEnds) -> Iterator[EndRow]:
     )
     for where, point, x, t, given in sides:
         for row, i in table.bounds_of(phase.body.states[:size], Where.THROUGHOUT, where):
-            yield EndRow(x[i], row.lower, row.upper, phase.name, row.label, row.unit, t, LIMIT_WEIGHT, True)
+            limit = (x[i], row.lower, row.upper, phase.name, row.label, row.unit, t, LIMIT_WEIGHT, True)
+            yield EndRow(*limit, end=where)
         for variable, value, low, high in zip(phase.body.states[:size], ca.vertsplit(x[:size]), *given, strict=False):
             label = f"{where.value} {variable.quantity}, {variable.label}"
-            yield EndRow(value, low, high, phase.name, label, variable.unit, t, END_WEIGHT, True)
+            yield EndRow(value, low, high, phase.name, label, variable.unit, t, END_WEIGHT, True, end=where)
         here = [row for row in read if row.where in (Where.THROUGHOUT, where)]
         values = _values(ends, here, x, t)
         for row, value in zip(here, values, strict=True):
             weight = LIMIT_WEIGHT if row.where is Where.THROUGHOUT else CONSTRAINT_WEIGHT
             weight = QUATERNION_WEIGHT if row.selects_root else weight
             own = (value, row.lower, row.upper, phase.name, row.label, row.shown_unit, t, weight)
-            yield EndRow(*own, measure=row.measure)
+            yield EndRow(*own, measure=row.measure, end=where)
         held = phase.body.invariant(point) if phase.body.invariants else ca.SX(0, 1)
         for variable, value in zip(phase.body.invariants, ca.vertsplit(held), strict=True):
             label = f"{variable.quantity}, {variable.label}"

@@ -162,6 +162,9 @@ def _least_slacks(
         if np.sum(again[2] > REACHED) < np.sum(left > REACHED):
             _, place, left, multipliers = again
     times = np.array(ca.Function("times", [unknown], [ca.vertcat(*(row.time for row in rows))])(place)).ravel()
+    # The time of an end is any where the durations before it are free; the configurations do not depend on them.
+    fixed = len(problem.phases) == 1 and len(set(problem.phases[0].duration_bounds)) == 1
+    times = times if fixed else np.where([row.end is None for row in rows], times, np.nan)
     return _conflicts(rows, sides, left, multipliers, times, certain)
 
 
@@ -183,12 +186,13 @@ def _conflicts(
     # States that the user fixed are named where nothing else conflicts.
     named = [row for row in named if row.weight != END_WEIGHT] or named
     others = list(dict.fromkeys(row.name for row in named))[:NAMED]
-    reason = f"against {', '.join(others)}" if others else ""
+    against = f"against {', '.join(others)}" if others else ""
     found = []
     for k in giving:
         i, sign, bound = sides[k]
         row = rows[i]
         needed = bound - sign * float(left[k]) * row.scale
+        reason = ", ".join(filter(None, (f"at the {row.end.value}" if row.end else "", against)))
         found.append(
             Conflict(
                 row.phase,

@@ -10,6 +10,7 @@ from robotraj._util.errors import warn
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.robot.loading.other_units import in_other_unit
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach
 
@@ -26,7 +27,14 @@ def warn_of_obstacles(phase: str, constraints: Iterable[Constraint], robot: Robo
     -----
     UserWarning
     """
-    obstacles = [obstacle for each in constraints if isinstance(each, CollisionFree) for obstacle in each.obstacles]
+    free = [each for each in constraints if isinstance(each, CollisionFree)]
+    obstacles = [obstacle for each in free for obstacle in each.obstacles]
+    margin, far = max((float(each.margin) for each in free), default=0.0), reach(robot.model)
+    if margin > far > 0.0:
+        warn(
+            f"Phase {phase!r}: the margin of CollisionFree is {margin:g} m, and the robot reaches {far:.2g} m. "
+            f"{in_other_unit(margin, 'm')}"
+        )
     _warn_of_lengths(phase, obstacles, robot)
     for obstacle in obstacles:
         _warn_of_order(phase, obstacle)

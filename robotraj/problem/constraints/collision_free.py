@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+import pinocchio as pin
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
@@ -97,6 +98,13 @@ class CollisionFree(Constraint):
         for obstacle in self.obstacles:
             if obstacle.frame is not None:
                 robot.frame(obstacle.frame)
+        named = [name for pair in disabled_pairs((self,)) for name in pair]
+        if named and not any(name in robot.frame_names for name in named):
+            links = [frame.name for frame in robot.model.frames if frame.type == pin.FrameType.BODY]
+            warn(
+                f"CollisionFree: srdf= names no link of {robot.name!r}, so it disables no pair. It names "
+                f"{', '.join(dict.fromkeys(named[:4]))}; the links are {', '.join(links[:8])}."
+            )
         return BoundConstraint("clearance", (), _nothing)
 
     @cached_property

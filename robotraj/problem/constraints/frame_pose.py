@@ -130,13 +130,20 @@ def as_pose(pose: object, what: str) -> tuple[NDArray[np.float64], NDArray[np.fl
         return pose.translation, np.array(pose.rotation)
     if isinstance(pose, np.ndarray) and pose.shape == (4, 4):
         if not np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+            turned = np.allclose(pose[:, 3], (0.0, 0.0, 0.0, 1.0), atol=1e-9)
             raise InputError(
-                f"The last row of the matrix in the {what} is {pose[3].tolist()}; it must be [0, 0, 0, 1]."
+                f"The last row of the matrix in the {what} is {pose[3].round(6).tolist()}; it must be [0, 0, 0, 1]."
+                + " The transposed matrix, pose.T, has this row." * turned
             )
         return np.array(pose[:3, 3], dtype=float), _rotation(pose[:3, :3], what)
     if not isinstance(pose, Sequence) or len(pose) != 2:
+        array = np.asarray(pose, dtype=object)
+        given = f"an array of shape {array.shape}" if array.dtype != object or array.size > 1 else repr(pose)
+        six = " The pair of a position and roll, pitch, yaw is (xyz, pinocchio.rpy.rpyToMatrix(*rpy))."
+        seven = " Seven numbers x, y, z, qx, qy, qz, qw are pinocchio.XYZQUATToSE3(pose)."
         raise InputError(
-            f"The {what} must be a pinocchio.SE3, a matrix (4, 4) or a pair (position, rotation); got {pose!r}."
+            f"The {what} must be a pinocchio.SE3, a matrix (4, 4) or a pair (position, rotation), the rotation a "
+            f"matrix or a quaternion (x, y, z, w); got {given}.{six * (array.size == 6)}{seven * (array.size == 7)}"
         )
     return pose[0], _rotation(pose[1], what)
 

@@ -54,6 +54,11 @@ def set_points(solution: Planned, rate: float) -> SetPoints:
         raise InputError("Set points are those of one robot's motors; export a System by to_csv or to_json.")
     start = solution.phases[0].t0
     times = sample_times(start, start + solution.duration, 0, rate)
+    if rate * solution.duration < 1.0:
+        raise InputError(
+            f"rate={rate:g} is one set point in {1.0 / rate:g} s, and the motion takes {solution.duration:.4g} s. The "
+            "unit is Hz: a period of 1 ms is rate=1000."
+        )
     starts = np.array([part.t0 for part in solution.phases])
     owner = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(starts) - 1)
     found = {kind: np.empty((len(times), len(robot.actuated))) for kind in ("q", "v", "a", "tau")}

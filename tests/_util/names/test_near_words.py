@@ -26,6 +26,13 @@ MISTAKES = {
 }
 
 
+MISTAKES |= {
+    "Did you mean rt.constraints.FrameSpeed?": lambda: rt.FrameSpeed("tool0", linear=0.25),
+    "Did you mean rt.constraints.JointJerk?": lambda: rt.JointJerk(500),
+    "no name in robotraj named 'MinTime'. Did you mean 'Duration'?": lambda: rt.MinTime(),
+}
+
+
 @pytest.mark.parametrize("text", MISTAKES)
 def test_a_wrong_name_offers_the_one_that_is_meant(text: str) -> None:
     with pytest.raises(rt.InputError) as caught:

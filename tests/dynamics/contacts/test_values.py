@@ -44,3 +44,9 @@ def test_a_bound_contact_travels_to_another_process(case: Any) -> None:
     point = case.numbers(q, v, a)
     assert copy.forces == bound.forces
     assert copy.acceleration(point) == bound.acceleration(point)
+
+
+def test_a_friction_in_percent_is_doubted():
+    for contact in (rt.PointContact, lambda frame, friction: rt.FlatFoot(frame, 0.2, 0.1, friction=friction)):
+        with pytest.warns(UserWarning, match="is 70, above that of any material.* 70 percent are 0.7"):
+            contact("foot", friction=70)

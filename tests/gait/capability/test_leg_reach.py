@@ -28,3 +28,10 @@ def test_a_flight_lengthens_a_step() -> None:
     rt.gait.run(biped, step_length=2.0, duration=0.6)
     with pytest.raises(rt.InputError, match="step is 1.6 m at most"):
         rt.gait.walk(biped, step_length=1.7, duration=0.6)
+
+
+def test_feet_are_not_lifted_beyond_the_length_of_a_leg() -> None:
+    robot = rt.load("go2", root="floating")
+    with pytest.raises(rt.InputError, match="clearance=30 m lifts .* 0.521 m long. clearance=0.052 .* 30 mm are 0.03"):
+        rt.gait.trot(robot, step_length=0.1, duration=0.3, clearance=30)
+    rt.gait.trot(robot, step_length=0.1, duration=0.3, clearance=0.5)

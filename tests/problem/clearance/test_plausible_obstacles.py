@@ -94,3 +94,20 @@ def test_a_robot_that_drives_may_meet_distant_obstacles():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rt.Phase(hall, 1.0, rt.State(v=0), None, rt.Effort(), constraints=[free])
+
+
+def test_a_margin_beyond_the_robot_is_doubted():
+    far = rt.obstacles.Sphere(0.1, position=(0, 0, 20))
+    with pytest.warns(UserWarning, match="the margin of CollisionFree is 10 m.* 10 mm are 0.01 m"):
+        rt.Phase(rt.load("ur5"), 1.0, constraints=[rt.CollisionFree([far], margin=10, self_collision=False)])
+
+
+def test_pairs_of_another_robot_are_doubted():
+    def free(*pairs):
+        return rt.Phase(rt.load("ur5"), 1.0, constraints=[rt.CollisionFree(srdf=pairs)])
+
+    with pytest.warns(UserWarning, match="srdf= names no link of 'ur5'.* It names foo, bar; the links are world"):
+        free(("foo", "bar"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        free(("foo", "bar"), ("forearm_link", "wrist_2_link"))

@@ -13,6 +13,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Angle, Row
 from robotraj.dynamics.variable import Column
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
+from robotraj.robot.loading.other_units import in_other_unit
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -57,7 +58,10 @@ class FrameAxis(Constraint):
         robot_of(dynamics, "FrameAxis").frame(self.frame)
         axis, wanted = (unit_vector(v, f"FrameAxis of {self.frame!r}") for v in (self.axis, self.direction))
         if not 0.0 <= self.angle < np.pi:
-            raise InputError(f"FrameAxis of {self.frame!r}: the angle is {self.angle} rad; it lies from 0 to below pi.")
+            raise InputError(
+                f"FrameAxis of {self.frame!r}: the angle is {self.angle} rad; it lies from 0 to below pi. "
+                f"{in_other_unit(self.angle, 'rad')}"
+            )
         frame, limit = self.frame, self.angle
         exact = np.cos(limit) == 1.0
         if exact:

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Angle, Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
-from robotraj.problem.constraints.frame_pose import AXES, PoseLike, as_pose, own_pose
+from robotraj.problem.constraints.frame_pose import AXES, PoseLike, as_pose, check_metres, own_pose
 from robotraj.problem.constraints.task_space.axis import dot, perpendicular, turned, unit_vector
+from robotraj.robot.loading.other_units import in_other_unit, seems_other
+from robotraj.robot.size.reach import reach
 
 if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
@@ -62,14 +64,27 @@ class PoseRegion(Constraint):
         InputError
             The phase has no robot or no such frame, the pose is invalid, or the angle is out of range.
         """
-        robot_of(dynamics, "PoseRegion").frame(self.frame)
+        robot = robot_of(dynamics, "PoseRegion")
+        robot.frame(self.frame)
         frame, what = self.frame, f"region of frame {self.frame!r}"
         place, rotation = as_pose(self.pose, what)
         origin = np.array(place, dtype=float)
         lower, upper = as_bounds(self.position, AXES, what, "axis")
         kept = [i for i in range(3) if np.isfinite(lower[i]) or np.isfinite(upper[i])]
         if not 0.0 <= self.angle < np.pi:
-            raise InputError(f"The {what} has the angle {self.angle} rad; it lies from 0 to below pi.")
+            raise InputError(
+                f"The {what} has the angle {self.angle} rad; it lies from 0 to below pi. "
+                f"{in_other_unit(self.angle, 'rad')}"
+            )
+        check_metres(robot, origin, origin, what)
+        extent = np.minimum(-lower, upper)
+        far = reach(robot.model)
+        if any(seems_other(float(side), far, "m") for side in extent):
+            side = float(np.max(extent[np.isfinite(extent)]))
+            warn(
+                f"The {what} reaches {side:g} m to all sides of its pose, and {robot.name!r} {far:.2g} m. "
+                f"{in_other_unit(side, 'm')}"
+            )
         rows = [Row(f"region position {AXES[i]}", "m", lower[i], upper[i], frame) for i in kept]
         exact, limit = np.cos(self.angle) == 1.0, self.angle
         axis = None if self.free_axis is None else unit_vector(self.free_axis, what)

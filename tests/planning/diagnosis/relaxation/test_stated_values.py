@@ -66,7 +66,7 @@ def test_where_none_suffices_rows_say_so_and_durations_are_left_out() -> None:
 def test_limits_of_robots_and_of_tools_are_widened() -> None:
     arm = rt.load("two_link_arm")
     slow = rt.constraints.FrameSpeed("tip", linear=0.1)
-    phase = rt.Phase(arm, 2.0, rt.State(q=[0, 0], v=0), rt.State(q=[1, 0], v=0), rt.Effort(), [slow], name="move")
+    phase = rt.Phase(arm, 2.0, rt.State(q=[0, 0], v=0), rt.State(q={"shoulder": 1}, v=0), None, [slow], name="move")
     tool = Conflict("move", "linear speed, tip", 1.0, 0.1, 0.3, "m/s", 2.0)
     motor = Conflict("move", "effort limit, elbow", 1.0, -1.0, -4.0, "N m", 3.0)
     seen: list[Problem] = []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.problem.least_durations import _Travel
+from robotraj.problem.travel.least_durations import _Travel
 
 
 def travel(first: float, last: float, v0: float = 0.0, v1: float = 0.0, speed: float = np.inf) -> _Travel:
@@ -61,3 +61,14 @@ def test_a_fixed_duration_that_seems_to_be_in_milliseconds_is_doubted() -> None:
         warnings.simplefilter("error")
         for duration in (2.0, (0.1, 2000.0)):  # an upper bound is no duration
             rt.Phase(rt.load("cartpole"), duration, *ends, limits=slow)
+
+
+def test_limits_of_constraints_count_as_those_of_the_robot_do() -> None:
+    robot = rt.load("two_link_arm")
+    ends = rt.State(q=0, v=0), rt.State(q=[1, 0], v=0)
+    with pytest.raises(rt.InputError, match="'shoulder' must travel 1 rad, but its velocity limit of 0.5 rad/s"):
+        rt.Phase(robot, 1.0, *ends, constraints=[rt.constraints.JointVelocity(0.5)])
+    with pytest.raises(rt.InputError, match="with its acceleration limit of 2 rad/s.2 it takes 1.414 s"):
+        rt.Phase(robot, 1.0, *ends, constraints=[rt.constraints.JointAcceleration(2.0)])
+    with pytest.raises(rt.InputError, match="limit of 0 rad/s.2 it keeps its speed. Allow an acceleration of at "):
+        rt.Phase(robot, 1.0, *ends, constraints=[rt.constraints.JointAcceleration(0.0)])

@@ -16,6 +16,7 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.feasibility import Ends
+from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 
@@ -43,6 +44,8 @@ class _Travel:
     def least_time(self, acceleration: float) -> float:
         """Return the least duration [s] with an acceleration limit."""
         gap, v0, v1 = self.last - self.first, self.start_speed, self.end_speed
+        if acceleration == 0.0:
+            return 0.0 if gap == 0.0 == v1 - v0 else gap / v0 if v0 == v1 and gap * v0 > 0.0 else np.inf
         way = 1.0 if gap >= 0.5 * (v0 + v1) * abs(v1 - v0) / acceleration else -1.0
         peak = way * np.sqrt(max(0.0, 0.5 * (v0**2 + v1**2) + way * acceleration * gap))
         if abs(peak) <= self.fastest:
@@ -53,7 +56,7 @@ class _Travel:
 
     def enough(self, duration: float) -> float | None:
         """Return an acceleration limit with which the duration [s] suffices; None where the speed limit is too low."""
-        low, high = self.acceleration, GREATEST
+        low, high = max(self.acceleration, 1.0 / GREATEST), GREATEST
         if self.least_time(high) > duration:
             return None
         for _ in range(80):
@@ -62,8 +65,12 @@ class _Travel:
         return high
 
 
-def check_durations(phase: str, robot: Robot, limits: Limits, durations: tuple[float, float], ends: Ends) -> None:
+def check_durations(
+    table: RowTable, robot: Robot, limits: Limits | None, durations: tuple[float, float], ends: Ends
+) -> None:
     """Refuse a joint that must travel faster than its limits allow in the longest of both durations [s].
+
+    The limits are those of the phase and of its constraints, such as ``rt.constraints.JointVelocity``.
 
     Speeds limit every joint with fixed or bounded ends; accelerations those whose positions and speeds are fixed.
 
@@ -78,10 +85,11 @@ def check_durations(phase: str, robot: Robot, limits: Limits, durations: tuple[f
     UserWarning
         The shortest duration is plausible in milliseconds only.
     """
+    phase, bounds = table.phase, table.limits()
     shortest, longest = durations
     least = 0.0
     start, end = ends[Where.START], ends[Where.END]
-    positions, accelerations = robot.position_names, limits.largest("acceleration")
+    positions = robot.position_names
     for i, joint in enumerate(robot.velocity_names):
         if joint not in positions:
             continue  # the velocities of a floating root are no rates of single positions
@@ -89,8 +97,9 @@ def check_durations(phase: str, robot: Robot, limits: Limits, durations: tuple[f
         unit = robot.units[i]
         gap = max(end.lower[at] - start.upper[at], start.lower[at] - end.upper[at], 0.0)
         forward = start.upper[at] <= end.lower[at]
-        speed = float(limits.velocity_upper[i] if forward else -limits.velocity_lower[i])
-        acceleration = float(accelerations[i])
+        slowest, fastest = _bounds(limits, "velocity", i, bounds.get(f"v.{joint}"))
+        speed = fastest if forward else -slowest
+        acceleration = max(map(abs, _bounds(limits, "acceleration", i, bounds.get(f"a.{joint}"))))
         if np.isfinite(gap) and gap > speed * longest * (1 + ROUNDING):
             raise InputError(
                 f"Phase {phase!r}: joint {joint!r} must travel {gap:.4g} {unit}, but its velocity limit of "
@@ -101,12 +110,11 @@ def check_durations(phase: str, robot: Robot, limits: Limits, durations: tuple[f
             least = max(least, gap / speed)
         if not np.isfinite(acceleration):
             continue
-        low, high = limits.positions
         for sign, side, place in ((1.0, start, "start"), (-1.0, end, "end")):
             if side.lower[at] == side.upper[at] and side.lower[rate] == side.upper[rate]:
-                bounds = float(low[at]), float(high[at])
+                room = _bounds(limits, "position", i, bounds.get(f"q.{joint}"))
                 moved = float(side.lower[at]), sign * float(side.lower[rate])
-                _check_braking(phase, joint, unit, place, moved, bounds, acceleration)
+                _check_braking(phase, joint, unit, place, moved, room, acceleration)
         fixed = all(side.lower[k] == side.upper[k] for side in (start, end) for k in (at, rate))
         if fixed and np.isfinite(longest):
             first, last = float(start.lower[at]), float(end.lower[at])
@@ -119,6 +127,16 @@ def check_durations(phase: str, robot: Robot, limits: Limits, durations: tuple[f
         )
 
 
+def _bounds(
+    limits: Limits | None, quantity: str, joint: int, of_rows: tuple[float, float] | None
+) -> tuple[float, float]:
+    """Return the tightest bounds of a quantity of a joint: of the limits, and of rows."""
+    lower, upper = (-np.inf, np.inf) if of_rows is None else of_rows
+    sides = () if limits is None else limits.sides(quantity)
+    low, high = (float(side[joint]) for side in sides) if sides else (-np.inf, np.inf)
+    return max(lower, low), min(upper, high)
+
+
 def _check_travel(phase: str, travel: _Travel, longest: float) -> None:
     """Refuse a travel that takes longer than the longest duration [s]."""
     least = travel.least_time(travel.acceleration)
@@ -126,10 +144,12 @@ def _check_travel(phase: str, travel: _Travel, longest: float) -> None:
         return
     enough, unit = travel.enough(longest), travel.unit
     instead = "" if enough is None else f", or an acceleration of at least {enough:.4g} {unit}/s^2"
+    takes = f"it takes {least:.4g} s. Allow at least {least:.4g} s{instead}."
+    if least == np.inf:
+        takes = f"it keeps its speed. Allow {instead.removeprefix(', or ') or 'a higher limit'}."
     raise InputError(
         f"Phase {phase!r}: joint {travel.joint!r} must travel {abs(travel.last - travel.first):.4g} {unit} in "
-        f"{longest:.4g} s, but with its acceleration limit of {travel.acceleration:.4g} {unit}/s^2 it takes "
-        f"{least:.4g} s. Allow at least {least:.4g} s{instead}."
+        f"{longest:.4g} s, but with its acceleration limit of {travel.acceleration:.4g} {unit}/s^2 {takes}"
     )
 
 
@@ -145,8 +165,10 @@ def _check_braking(
     """Refuse a speed that a joint cannot lose, or cannot have gained, inside its position limits."""
     at, speed = moved
     limit = bounds[1] if speed > 0.0 else bounds[0]
-    room, needed = abs(limit - at), 0.5 * speed**2 / acceleration
-    if speed == 0.0 or not np.isfinite(limit) or needed <= room * (1 + ROUNDING):
+    if speed == 0.0 or not np.isfinite(limit):
+        return
+    room, needed = abs(limit - at), 0.5 * speed**2 / acceleration if acceleration > 0.0 else np.inf
+    if needed <= room * (1 + ROUNDING):
         return
     raise InputError(
         f"Phase {phase!r}: at the {place}, joint {joint!r} is {room:.4g} {unit} from its position limit of "
