@@ -13,7 +13,7 @@ from .flips import flip
 from .jumps import jump
 from .mirroring.mirror import mirror
 from .phase_sequence import sequence
-from .posture import gait_objective, posture_objective
+from .posture import gait_objective, haste, posture_objective
 from .standing import stand
 from .stepping.footholds import steps
 from .stepping.joining import start, stop
@@ -34,6 +34,7 @@ __all__ = [
     "flip",
     "gap",
     "gait_objective",
+    "haste",
     "jump",
     "limb_ends",
     "mirror",

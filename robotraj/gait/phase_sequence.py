@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.function import as_ground
@@ -19,15 +19,16 @@ from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.flight import Flight
-from robotraj.gait.posture import gait_objective
+from robotraj.gait.posture import gait_objective, posture_objective
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
-from robotraj.problem.constraints.bounds import Between, Interval, between
+from robotraj.problem.constraints.bounds import Between, Interval, as_duration, between
 from robotraj.problem.links.base import Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Liftoff, Touchdown
+from robotraj.problem.objectives.base import Objective
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
@@ -89,7 +90,7 @@ def sequence(
     contacts = {foot: contact_with(foot_contact(terms.contact, foot), margin) for foot in every}
     bound = {foot: contact.bound_to(robot) for foot, contact in contacts.items()}
     posture = standing(BalancedStance(robot, tuple(bound.values())))
-    objective = terms.objective if terms.objective is not None else gait_objective(robot, posture)
+    objective = terms.objective if terms.objective is not None else _default(robot, posture, supports)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
@@ -126,6 +127,13 @@ def sequence(
         last = tuple(partners.get(foot, foot) for foot in supports[-1].feet)
         links.append(_closing(len(phases) - 1, last, supports[0].feet, repeat))
     return Problem(phases, links)
+
+
+def _default(robot: Robot, posture: NDArray[np.float64], supports: Sequence[Support]) -> Objective:
+    """Return the default objective; effort alone would make free phases last as long as they may."""
+    spans = [as_duration(support.duration, support.name) for support in supports]
+    free = any(least < greatest for least, greatest in spans)
+    return posture_objective(robot, posture) if free else gait_objective(robot, posture)
 
 
 def _link(i: int, before: Sequence[str], after: Sequence[str]) -> Link:

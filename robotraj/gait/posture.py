@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.variable import Scalar
 from robotraj.guess.legs.stance import ROOT_FREEDOMS
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.effort import Effort
-from robotraj.problem.objectives.expressions import Lagrange
+from robotraj.problem.objectives.expressions import Lagrange, Mayer
 from robotraj.problem.objectives.tracking import Tracking
 from robotraj.robot.robot import Robot
 
@@ -22,6 +23,8 @@ SHARE = 0.2
 """Torque that costs as much as 1 rad from the posture, as a fraction of weight times height of the centre of mass."""
 CALM = 2e-3
 """Weight of accelerations relative to that of angles, times (h / g)^2."""
+HASTE = 0.16
+"""Price of a short phase: one that costs as much as 1 rad from the posture is best 0.4 sqrt(h / g) long."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +61,20 @@ class SquaredAccelerations:
         return ca.sumsqr(point.a[self.first :])
 
 
+@dataclass(frozen=True)
+class Haste:
+    """Inverse of the duration of a phase [1/s]."""
+
+    def __call__(self, start: RobotPoint, end: RobotPoint) -> Scalar:
+        """Evaluate 1 / T."""
+        return 1.0 / (end.t - start.t)
+
+
 def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     """Return the default objective of gaits: effort for planar robots, in space ``posture_objective``.
+
+    Where a duration is free, gaits of planar robots have ``posture_objective``, too: a robot that balances needs no
+    torque, so that by effort alone its phases last as long as they may.
 
     Parameters
     ----------
@@ -71,11 +86,12 @@ def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
 
 
 def posture_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
-    """Return effort, the distance of the joints from a posture, and their accelerations.
+    """Return effort, the distance of the joints from a posture, their accelerations, and ``haste``.
 
-    The integral of  sum tau^2 + (0.2 m g h)^2 [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  h the height
-    of the centre of mass. The second term keeps legs from stretching, where the equations are singular. The third term
-    suppresses oscillations of humanoids between the collocation points.
+    The integral of  sum tau^2 + w [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  w = (0.2 m g h)^2, h the
+    height of the centre of mass, and 0.16 w (h / g) / T for a phase of the duration T. The second term keeps legs from
+    stretching, where the equations are singular. The third term suppresses oscillations of humanoids between the
+    collocation points. The last term keeps phases of free duration from their bounds.
 
     Parameters
     ----------
@@ -83,10 +99,32 @@ def posture_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     standing : ndarray (nq,)
         The posture, as ``rt.gait.stand`` returns it.
     """
-    height = abs(float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2]))
-    gravity = float(np.linalg.norm(robot.model.gravity.linear))
-    worth = (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2
+    worth, pendulum = _sizes(robot, standing)
     joints = {name: 1.0 for name in robot.joint_names if name in robot.position_names}
     posture = Tracking(FixedPosture(tuple(float(v) for v in standing)), q=joints)
     calm = Lagrange(SquaredAccelerations(ROOT_FREEDOMS[robot.root]))
-    return Effort() + worth * posture + worth * CALM * (height / gravity) ** 2 * calm
+    return Effort() + worth * posture + worth * CALM * pendulum**2 * calm + haste(robot, standing)
+
+
+def haste(robot: Robot, standing: NDArray[np.float64]) -> Objective:
+    """Return a price of short phases: 0.16 w (h / g) / T [N^2 m^2 s], w = (0.2 m g h)^2, T the duration of the phase.
+
+    A phase in which nothing needs to happen costs c T at rest, and would end at its least duration. With this term
+    it is best 0.4 sqrt(w / c) sqrt(h / g) long. The term does not change motions with fixed durations.
+    People, too, pay for force in short bursts: Doke, Donelan and Kuo, Journal of Experimental Biology 208 (2005) 439.
+
+    Parameters
+    ----------
+    robot : Robot
+    standing : ndarray (nq,)
+        The posture, as ``rt.gait.stand`` returns it, by which h, the height of the centre of mass, is measured.
+    """
+    worth, pendulum = _sizes(robot, standing)
+    return worth * HASTE * pendulum * Mayer(Haste())
+
+
+def _sizes(robot: Robot, standing: NDArray[np.float64]) -> tuple[float, float]:
+    """Return w [N^2 m^2], the cost of 1 rad from the posture per second, and h / g [s^2]."""
+    height = abs(float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2]))
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    return (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2, height / gravity

@@ -59,20 +59,19 @@ class Upright(OneLine):
 
         ``rise`` has the least and the greatest level of the feet above ``ground`` [m].
         """
-        link = root_link(robot)
+        least, greatest = self.heights(robot, standing, ground, rise)
+        height = RootHeight(root_link(robot), ground)
+        return [PathConstraint(height, lower=least, upper=greatest, name="root height", unit="m")]
+
+    def heights(
+        self, robot: Robot, standing: NDArray[np.float64], ground: Ground, rise: tuple[float, float] = (0.0, 0.0)
+    ) -> tuple[float, float]:
+        """Return the least and the greatest height of the root link above ``ground`` [m], as for ``constraints``."""
         data = robot.model.createData()
         pin.framesForwardKinematics(robot.model, data, standing)
-        x, y, z = (float(v) for v in data.oMf[robot.frame(link)].translation)
+        x, y, z = (float(v) for v in data.oMf[robot.frame(root_link(robot))].translation)
         height = z - float(ground.height(x, y))
-        return [
-            PathConstraint(
-                RootHeight(link, ground),
-                lower=self.least_height * height + rise[0],
-                upper=self.greatest_height * height + rise[1],
-                name="root height",
-                unit="m",
-            )
-        ]
+        return self.least_height * height + rise[0], self.greatest_height * height + rise[1]
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.repetition import on_ground
 from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.gait.stepping.foothold_arcs import step_clearances
+from robotraj.gait.stepping.root_room import check_root
 from robotraj.gait.stepping.stances import check_footholds
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
@@ -145,6 +146,7 @@ def steps(
     if held:
         last = _levelled(robot, stance, last, places[-1])
     bounds = Upright(tilt=min(TILT + abs(turn), 3.1)) if upright is None else upright
+    check_root(stance, first, places, [tuple(step) for step in footholds], bounds)
     supports = [Support(names, shift, "stand")]
     swings: list[tuple[int, int]] = []
     for k, step in enumerate(footholds):

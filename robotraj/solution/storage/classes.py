@@ -44,7 +44,7 @@ from robotraj.gait.bounds.own_sides import LateralDistance, OwnSides
 from robotraj.gait.bounds.swing_clearance import SwingArc
 from robotraj.gait.bounds.turning import Turning
 from robotraj.gait.bounds.upright import RootHeight, Upright
-from robotraj.gait.posture import FixedPosture, SquaredAccelerations
+from robotraj.gait.posture import FixedPosture, Haste, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
 from robotraj.gait.stepping.foothold_arcs import FootholdArc, TimedArc
 from robotraj.native.engines.base import VirtualMachine
@@ -145,7 +145,7 @@ OF_PROBLEMS: Mapping[str, type] = {
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data
-        DurationRatio, SwingArc, FootholdArc, TimedArc, FixedPosture, SquaredAccelerations, RootHeight, Upright,
+        DurationRatio, SwingArc, FootholdArc, TimedArc, FixedPosture, Haste, SquaredAccelerations, RootHeight, Upright,
         Turning, OwnSides, LateralDistance,
         # settings
         Goals, Restarts, VirtualMachine, Compiled, Native, InteriorPoint, Ipopt, BernsteinBounds,
