@@ -24,7 +24,7 @@ from robotraj.solution.conflict import Conflict
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import History, Round
-from robotraj.solution.reserves.shares import Share, shares_of
+from robotraj.solution.reserves.shares import Share, shares_of, used_up
 from robotraj.solution.sample import JOINTS, Sample, Times, as_times, join
 from robotraj.solution.settings import Settings
 from robotraj.solution.violation import Violation
@@ -338,7 +338,8 @@ class Solution(OneLine):
         """Why no solution was found: the first limit to relax, else the worst violated row, else the message.
 
         The cause of a motion that is not proved, also since a limit of the plan was reached, is the worst violation
-        between its points, else its error.
+        between its points, else its error. Where such a limit ended a solve, the cause is what the last iterate uses up
+        of friction, torque and speed: the row that it violates most changes from iterate to iterate.
         """
         if self.conflicts:
             return self.in_phase(self.conflicts[0])
@@ -351,6 +352,8 @@ class Solution(OneLine):
             return f"{self.status.value}, {self.proof.missed}"
         if self.status is Status.INVALID_NUMBER or not self.violation_list:
             return self.message
+        if self.status in STOPPED and (used := used_up(self.shares)):
+            return f"{self.status.value}, and the last iterate uses {', '.join(map(str, used))}"
         return f"{self.status.value}, {self.in_phase(self.violation_list[0])}"
 
     def in_phase(self, entry: Conflict | Violation) -> str:

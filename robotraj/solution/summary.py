@@ -19,7 +19,7 @@ from robotraj.solution.conflict import Conflict, are_certain
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import ContinuationRecord, MeshStep
-from robotraj.solution.reserves.shares import Share
+from robotraj.solution.reserves.shares import REMEDIES, Share, used_up
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
 
@@ -189,6 +189,10 @@ def _remedy(solution: Summarised) -> str:
         return CHANGE_PATH
     if any(_has_jumps_of_jerk(part.phase) for part in solution.phases):
         return SMOOTH_PATH
+    used = [] if solution.status in CONVERGED else used_up(solution.shares)
+    if solution.status is Status.TIME_LIMIT and used:
+        eased = ", ".join(REMEDIES[share.kind] for share in used)
+        return f"{solution.status.remedy} Or ease the motion by {eased}, or ask for less of it."
     return solution.status.remedy
 
 

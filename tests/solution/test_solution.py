@@ -10,6 +10,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.solution.proof import Goals, Proof
+from robotraj.solution.reserves.shares import Share
+from robotraj.solution.violation import Violation
 
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
 
@@ -92,6 +94,23 @@ def test_the_cause_of_a_plan_that_is_stopped_is_what_was_not_proved(swing: rt.So
     assert stopped.cause == stopped.message
     unproved = replace(stopped, proof=proof, interval_violations=(), control_interval_violations=())
     assert unproved.cause == "time limit, the excess over limits is 2.0e-01 (allowed 1e-03)"
+
+
+def test_the_cause_at_a_time_limit_is_what_the_last_iterate_uses_up(swing: rt.Solution) -> None:
+    """Rows that are not met yet change from iterate to iterate; what is used up says what to ease."""
+    row = Violation("swing", "continuity", "v.pole", 0.1, 2.0, "rad/s", 0.0, "off")
+    torque, cone = (Share(kind, "slider", much, 0.2, 0.1) for kind, much in (("torque", 1.3), ("cone", 0.95)))
+
+    def stopped(*shares: Share) -> rt.Solution:
+        solution = replace(swing, status=rt.solvers.Status.TIME_LIMIT, violation_list=(row,))
+        vars(solution)["shares"] = shares
+        return solution
+
+    assert "continuity" in stopped().cause
+    assert "continuity" in stopped(replace(torque, largest=0.5)).cause
+    pressed = stopped(cone, torque)
+    assert pressed.cause.startswith("time limit, and the last iterate uses 130 % of torque (slider")
+    assert "by higher effort limits or a lighter load, more friction" in " ".join(str(pressed).split())
 
 
 @pytest.mark.parametrize("times", ["end", [[0.1, 0.2]], None])

@@ -85,6 +85,20 @@ class Share(OneLine):
         return f"{100.0 * self.largest:.0f} % of {self.kind} ({self.name}{long})"
 
 
+REMEDIES = {
+    "cone": "more friction",
+    "sole": "larger soles",
+    "torque": "higher effort limits or a lighter load",
+    "speed": "higher velocity limits or longer phases",
+}
+"""What eases a motion that uses all of one kind."""
+
+
+def used_up(shares: Sequence[Share]) -> list[Share]:
+    """Return the shares of what is used up nearly or wholly, the largest first."""
+    return sorted((share for share in shares if share.largest >= HIGH), key=lambda share: -share.largest)
+
+
 def shares_of(phases: Sequence[LoadedPhase]) -> tuple[Share, ...]:
     """Return the shares of a plan, in the order of ``KINDS``; none where no phase has a contact with friction."""
     if not any(np.isfinite(contact.contact.friction) for p in phases for contact in p.phase.bound_contacts):
