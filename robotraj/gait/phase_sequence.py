@@ -90,7 +90,7 @@ def sequence(
     contacts = {foot: contact_with(foot_contact(terms.contact, foot), margin) for foot in every}
     bound = {foot: contact.bound_to(robot) for foot, contact in contacts.items()}
     posture = standing(BalancedStance(robot, tuple(bound.values())))
-    objective = terms.objective if terms.objective is not None else _default(robot, posture, supports)
+    objective = terms.objective if terms.objective is not None else _default(robot, posture, supports, repeat)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
@@ -129,11 +129,17 @@ def sequence(
     return Problem(phases, links)
 
 
-def _default(robot: Robot, posture: NDArray[np.float64], supports: Sequence[Support]) -> Objective:
-    """Return the default objective; effort alone would make free phases last as long as they may."""
+def _default(
+    robot: Robot, posture: NDArray[np.float64], supports: Sequence[Support], repeat: Mirror | Periodic | None
+) -> Objective:
+    """Return the default objective.
+
+    A robot at rest can balance without torque, so that by effort alone free phases would last as long as they may. A
+    gait that repeats falls from step to step, and its effort is least at a duration in between.
+    """
     spans = [as_duration(support.duration, support.name) for support in supports]
     free = any(least < greatest for least, greatest in spans)
-    return posture_objective(robot, posture) if free else gait_objective(robot, posture)
+    return posture_objective(robot, posture) if free and repeat is None else gait_objective(robot, posture)
 
 
 def _link(i: int, before: Sequence[str], after: Sequence[str]) -> Link:

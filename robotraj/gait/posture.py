@@ -73,8 +73,8 @@ class Haste:
 def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     """Return the default objective of gaits: effort for planar robots, in space ``posture_objective``.
 
-    Where a duration is free, gaits of planar robots have ``posture_objective``, too: a robot that balances needs no
-    torque, so that by effort alone its phases last as long as they may.
+    Motions of planar robots from rest to rest have ``posture_objective``, too, where a duration is free: a robot that
+    balances needs no torque, so that by effort alone its phases last as long as they may.
 
     Parameters
     ----------

@@ -47,12 +47,17 @@ def test_the_price_of_a_fixed_duration_is_constant(biped: rt.Robot) -> None:
     assert dear.at(0.3).q == pytest.approx(plain.at(0.3).q, abs=1e-5)
 
 
-def test_planar_robots_have_the_price_where_a_duration_is_free(biped: rt.Robot) -> None:
-    fixed = gait.walk(biped, step_length=0.3, duration=0.6).phases[0].objective
-    free = gait.walk(biped, step_length=0.3, duration=(0.3, 0.9)).phases[0].objective
-    own = gait.walk(biped, step_length=0.3, duration=(0.3, 0.9), objective=rt.Effort()).phases[0].objective
-    assert fixed == own == rt.Effort()
-    assert free == gait.posture_objective(biped, gait.stand(biped))
+def test_planar_robots_have_the_price_at_rest_where_a_duration_is_free(biped: rt.Robot) -> None:
+    rest = rt.State(q=gait.stand(biped), v=0.0)
+    feet = gait.feet_of(biped, None)
+
+    def cost(duration: float | tuple[float, float], ends: rt.State | None, own: rt.Effort | None = None) -> object:
+        repeat = rt.Periodic() if ends is None else None
+        support = gait.Support(feet, duration, "stand")
+        return gait.sequence(biped, [support], gait.GaitTerms(objective=own), repeat, ends, ends).phases[0].objective
+
+    assert cost((0.3, 0.9), rest) == gait.posture_objective(biped, gait.stand(biped))
+    assert cost(0.6, rest) == cost((0.3, 0.9), None) == cost((0.3, 0.9), rest, rt.Effort()) == rt.Effort()
 
 
 @pytest.mark.slow
