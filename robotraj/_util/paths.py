@@ -7,9 +7,34 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import brief
 
 LONGEST = 255
 """Largest length of the name of a file [bytes]."""
+
+
+def input_path(path: object, what: str) -> Path:
+    """Return the path of a file or folder that is read, with the user's home in place of ``~``; it may not exist.
+
+    Parameters
+    ----------
+    path : path
+    what : str
+        The role of the file, for messages.
+
+    Raises
+    ------
+    InputError
+        It is no path, or none that a file can have: too long, with a null character, a loop of links.
+    """
+    try:
+        found = Path(path).expanduser()  # type: ignore[arg-type]
+        os.fsencode(found.resolve())
+        found.exists()
+    except (TypeError, ValueError, OSError, RuntimeError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise InputError(f"{what} is {brief(path)}, which is no path of a file: {reason[:100]}.") from error
+    return found
 
 
 def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str) -> Path:

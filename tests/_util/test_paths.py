@@ -1,11 +1,14 @@
-"""Caches are in the folder that the XDG specification names."""
+"""Caches are in the folder that the XDG specification names; paths of no file are clear errors."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import robotraj as rt
 from robotraj._util.paths import cache_folder
 
 
@@ -18,3 +21,39 @@ def test_the_folder_of_caches_is_the_one_of_the_environment(monkeypatch: pytest.
 def test_a_relative_folder_in_the_environment_is_ignored(monkeypatch: pytest.MonkeyPatch, ignored: str) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", ignored)
     assert cache_folder("spheres") == Path.home() / ".cache" / "robotraj" / "spheres"
+
+
+READERS: dict[str, Callable[[Any], object]] = {
+    "robot": rt.load,
+    "solution": rt.load_solution,
+    "problem file": rt.load_problem,
+    "study": rt.Study,
+    "mesh": rt.obstacles.ConvexMesh.from_file,
+    "SRDF": lambda path: rt.CollisionFree([rt.obstacles.Sphere(0.1)], srdf=path),
+}
+NO_PATHS = (
+    "n" * 300,
+    "a/" * 3000,
+    "a\0b.npz",
+    "",
+    "/",
+    "\ud800.npz",
+    "loop.npz",
+    "~nobody-there/a.npz",
+    3,
+    ["a"],
+)
+
+
+@pytest.mark.parametrize("reader", READERS)
+@pytest.mark.parametrize("path", NO_PATHS, ids=lambda path: repr(path)[:12])
+def test_what_is_no_path_of_a_file_is_an_error_that_says_so(
+    reader: str, path: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("loop.npz").symlink_to("loop.npz")
+    if reader == "study":
+        pytest.importorskip("pyarrow")
+    with pytest.raises(rt.InputError) as error:
+        READERS[reader](path)
+    assert len(str(error.value)) < 1500

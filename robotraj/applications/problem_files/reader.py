@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
@@ -132,7 +133,7 @@ class Reader:
             return self.robots[text]
         if accepted.has("Solution") and text.endswith(".npz"):
             return self._made(place, text, lambda: load_solution(self.folder / text))
-        if accepted.has(*PATHS) and (self.folder / text).exists():
+        if accepted.has(*PATHS) and os.path.exists(self.folder / text):
             return str(self.folder / text)
         if accepted.has("str", "Literal", ANYTHING, *PATHS) and not accepted.has(*EXPRESSIONS):
             return text

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from robotraj._util.errors import InputError
+from robotraj._util.paths import input_path
 from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
 from robotraj.applications.problem_files.bounds import MOST_BYTES, check_bounds
@@ -60,7 +61,7 @@ def read_toml(path: str | os.PathLike[str], what: str) -> TomlFile:
     InputError
         There is no such file, it is too large, no UTF-8 text or no TOML.
     """
-    source = Path(path).expanduser().absolute()
+    source = input_path(path, what).absolute()
     content = contents(source, MOST_BYTES, what)
     try:
         text = content.decode("utf-8")

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from robotraj._util.errors import InputError
+from robotraj._util.paths import input_path
 from robotraj._util.system.regular_files import contents
 from robotraj._util.system.whole_files import WholeFile, refusals_named
 from robotraj.applications.studies.parquet_files import KEY, read_parquet
@@ -44,7 +45,7 @@ class Store:
     """
 
     def __init__(self, folder: str | Path, create: bool = False) -> None:
-        self.folder = Path(folder).absolute()
+        self.folder = input_path(folder, "The store of the study").absolute()
         with refusals_named(self.folder):
             for name in (ROWS, SOLUTIONS) if create else ():
                 (self.folder / name).mkdir(parents=True, exist_ok=True)

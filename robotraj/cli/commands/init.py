@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from robotraj._util.errors import InputError
-from robotraj._util.paths import output_path
+from robotraj._util.paths import input_path, output_path
 from robotraj._util.system.whole_files import WholeFile
 from robotraj.cli.options import JsonOption, PackageDirsOption, RobotArgument, TrustPathsOption
 from robotraj.cli.terminal import say, say_json
@@ -36,9 +36,9 @@ def write_problem(
     target = output_path(out, (".toml",), "the problem file")
     if target.exists() and not force:
         raise InputError(f"{str(out)!r} exists; name another file, or replace it with --force.")
-    path = Path(robot).expanduser()
-    source = os.path.relpath(path, target.parent) if path.is_file() else robot
-    folders = [str(folder.expanduser().resolve()) for folder in package_dirs or ()]
+    path = input_path(robot, "The robot")
+    source = os.path.relpath(path, target.parent) if os.path.isfile(path) else robot
+    folders = [str(input_path(folder, "package_dirs=").resolve()) for folder in package_dirs or ()]
     mover = load(robot, root=root, package_dirs=folders, trust_paths=trust_paths)
     text = starter(mover, source, out.name, folders, trust_paths)
     with WholeFile(target) as partial:

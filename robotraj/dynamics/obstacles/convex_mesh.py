@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.paths import input_path
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
 from robotraj.robot.collision.tessellation import hull_triangles
@@ -80,7 +80,7 @@ class ConvexMesh(Obstacle):
         InputError
             The file cannot be read.
         """
-        file = Path(path).expanduser()
+        file = input_path(path, "The mesh")
         vertices = read_mesh_file(file).vertices * np.asarray(scale, dtype=float)
         return cls(vertices, position, quaternion, frame, name or file.stem)
 

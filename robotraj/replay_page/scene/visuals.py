@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
 
 import numpy as np
 import pinocchio as pin
@@ -88,7 +88,7 @@ def _visual(thing: pin.GeometryObject, parts: Parts) -> Visual | None:
 def _file_parts(geometry: pin.GeometryModel) -> dict[str, Parts]:
     """Read the parts of the mesh files; without them, Pinocchio's mesh is drawn in one colour."""
     found = {}
-    files = [thing.meshPath for thing in geometry.geometryObjects if Path(thing.meshPath).is_file()]
+    files = [thing.meshPath for thing in geometry.geometryObjects if os.path.isfile(thing.meshPath)]
     for path, parts in read_meshes(files).items():
         if isinstance(parts, str):
             warn(f"The replay draws {path} without its materials: {parts}")

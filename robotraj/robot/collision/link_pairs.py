@@ -13,7 +13,6 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Sequence
 from itertools import combinations, product
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -21,6 +20,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.paths import input_path
 from robotraj.robot.robot import Robot
 from robotraj.robot.urdf.xml import read_xml
 
@@ -44,7 +44,7 @@ def read_srdf(path: str | os.PathLike[str]) -> Pairs:
         The file cannot be read, or an entry names no two links.
     """
     pairs = []
-    for entry in read_xml(Path(path).expanduser(), "SRDF").iter("disable_collisions"):
+    for entry in read_xml(input_path(path, "The SRDF file"), "SRDF").iter("disable_collisions"):
         first, second = entry.get("link1"), entry.get("link2")
         if not first or not second:
             raise InputError(f"{str(path)!r}: an entry <disable_collisions> names no link1 and link2; complete it.")

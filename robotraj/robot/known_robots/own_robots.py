@@ -28,7 +28,7 @@ def own_robots() -> dict[str, KnownRobot]:
 def own_robot(name: str) -> KnownRobot | None:
     """Read robots/<name>/robot.json, where it is; the URDF beside it is <name>.urdf."""
     path = folder() / name / "robot.json"
-    if Path(name).name != name or not path.is_file():
+    if Path(name).name != name or not os.path.isfile(path):
         return None
     about = json.loads(path.read_text(encoding="utf-8"))
     return KnownRobot(

@@ -28,7 +28,7 @@ def package_of(urdf: Path) -> Path:
     """
     folder = urdf.resolve().parent
     above = [folder, *folder.parents][:DEPTH]
-    marked = [place for place in above if any((place / name).is_file() for name in MANIFESTS)]
+    marked = [place for place in above if any(os.path.isfile(place / name) for name in MANIFESTS)]
     within = next((i for i, place in enumerate(above) if place.name.lower() in INNER), None)
     if within is not None:
         while within + 1 < len(above) and above[within + 1].name.lower() in INNER:
@@ -81,7 +81,7 @@ def base_of(address: str, urdf: Path, folders: Sequence[Path]) -> Path | None:
 def _existing(address: str, urdf: Path, folders: Sequence[Path]) -> Iterator[tuple[Path, str, Path]]:
     """Yield the candidates of an address that exist, with their files; those that need no other spelling first."""
     candidates = _candidates(address, urdf, folders)
-    yield from ((folder, rest, folder / rest) for folder, rest in candidates if (folder / rest).is_file())
+    yield from ((folder, rest, folder / rest) for folder, rest in candidates if os.path.isfile(folder / rest))
     for folder, rest in candidates:
         path = _respelled(folder, unquote(rest))
         if path is not None:
@@ -92,7 +92,7 @@ def _respelled(folder: Path, rest: str) -> Path | None:
     """Return the file of a relative path, whatever the case of its names, if one name fits each."""
     path = folder
     for part in Path(rest).parts:
-        if not (path / part).exists():
+        if not os.path.exists(path / part):
             try:
                 alike = [name for name in os.listdir(path) if name.casefold() == part.casefold()]
             except OSError:
@@ -101,7 +101,7 @@ def _respelled(folder: Path, rest: str) -> Path | None:
                 return None
             part = alike[0]
         path /= part
-    return path if path.is_file() else None
+    return path if os.path.isfile(path) else None
 
 
 def _candidates(address: str, urdf: Path, folders: Sequence[Path]) -> list[tuple[Path, str]]:

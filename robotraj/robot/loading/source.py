@@ -10,6 +10,7 @@ from pathlib import Path
 import pinocchio as pin
 
 from robotraj._util.errors import InputError
+from robotraj._util.paths import input_path
 from robotraj._util.values import dataclass
 from robotraj.robot.coupling.coupled_model import uncoupled
 from robotraj.robot.coupling.mimics import Mimic, mimics_of, read_mimics
@@ -102,7 +103,7 @@ def describe(
     if isinstance(source, str) and "://" in source:
         raise InputError(f"rt.load reads a file of this machine; {source!r} is an address. Give the path of the file.")
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
-        path = Path(source).expanduser()
+        path = input_path(source, "The robot")
         if is_mjcf(path):
             return _from_mjcf(path, None if trust_paths else search_folders(path, folders))
         return _from_urdf(KnownRobot("", "", str(path), path), folders, trust_paths)
@@ -117,7 +118,7 @@ def describe(
 def _folders(package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -> tuple[Path, ...]:
     """Return absolute folders: another working folder later does not change them."""
     given = (package_dirs,) if isinstance(package_dirs, (str, os.PathLike)) else tuple(package_dirs)
-    found = tuple(Path(folder).expanduser().resolve() for folder in given)
+    found = tuple(input_path(folder, "package_dirs=").resolve() for folder in given)
     for folder, path in zip(given, found, strict=True):
         if not path.is_dir():
             raise InputError(

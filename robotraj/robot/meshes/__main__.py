@@ -13,16 +13,27 @@ from robotraj.robot.meshes.arrays import MOST_TRIANGLES, MeshArrays
 
 NESTED = (".dae", ".glb")
 """Formats with a tree of nodes: coal's loader mixes up the corners where a node has several meshes, or children."""
+MANY = 50_000
+"""Triangles from which those that lie on another are left out."""
 
 
 def _arrays(question: bytes) -> bytes:
     suffix, _, data = question.partition(b"\n")
     name = suffix.decode()
     mesh = _by_trimesh(data, name) if name in NESTED else _by_coal(data, name)
+    mesh = _distinct(mesh) if len(mesh.triangles) > MANY else mesh
     a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
     if not np.any(np.cross(b - a, c - a)):
         raise ValueError("its triangles have no area")
     return mesh.packed()
+
+
+def _distinct(mesh: MeshArrays) -> MeshArrays:
+    """Return a mesh with each triangle once, whatever its first corner and its side."""
+    vertices, owner = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    corners = owner.reshape(-1)[mesh.triangles]
+    _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
+    return MeshArrays(vertices, corners[np.sort(first)].astype(np.int32))
 
 
 def _by_coal(data: bytes, suffix: str) -> MeshArrays:

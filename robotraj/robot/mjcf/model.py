@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -61,7 +62,7 @@ class MjcfModel:
 
 def is_mjcf(path: Path) -> bool:
     """Whether a file is XML whose top element is ``<mujoco>``."""
-    if path.suffix.lower() not in (".xml", ".mjcf") or not path.is_file():
+    if path.suffix.lower() not in (".xml", ".mjcf") or not os.path.isfile(path):
         return False
     try:
         return _root(path).tag == "mujoco"

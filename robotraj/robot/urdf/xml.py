@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -52,7 +53,7 @@ def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust
         The file is missing, too large, no XML, XML of another kind (SDF, MJCF), or has too long or too many
         attributes. Macros cannot be expanded.
     """
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise InputError(f"There is no {kind} file {str(path)!r}.{near_files(path) or ' Give the path of a file.'}")
     data = contents(path, MAX_BYTES, f"The {kind} file")
     root = _parsed(data, path)

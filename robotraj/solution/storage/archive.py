@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, warn
-from robotraj._util.paths import output_path
+from robotraj._util.paths import input_path, output_path
 from robotraj._util.printing import OneLine
 from robotraj._util.system.regular_files import near_files
 from robotraj._util.system.whole_files import WholeFile
@@ -124,7 +124,7 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         No such file, a file of another kind or version, a damaged one, or one of another problem. A file that cannot
         be read and was written with other classes is not called damaged; the message names both versions.
     """
-    source = _existing(Path(path).expanduser())
+    source = _existing(input_path(path, "The saved solution"))
     arrays, about = _arrays(source)
     unpacker = Unpacker(arrays)
     try:
@@ -226,8 +226,8 @@ def _unpacked_settings(data: object, unpacker: Unpacker, about: Mapping[str, Jso
 
 
 def _existing(source: Path) -> Path:
-    for candidate in (source, source.with_name(source.name + ".npz")):
-        if candidate.is_file():
+    for candidate in (source, Path(f"{source}.npz")):
+        if os.path.isfile(candidate):
             return candidate
     raise InputError(f"There is no file {str(source)!r}; {ADVICE}{near_files(source)}")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 from robotraj._util.errors import UnknownName, warn
@@ -40,7 +41,7 @@ def _found_again(geometry: Geometry, name: str) -> Geometry:
     if not isinstance(geometry, UrdfGeometry):
         return geometry
     known = geometry.urdf in {entry.urdf for entry in catalogue()}
-    if known or geometry.urdf.is_file():
+    if known or os.path.isfile(geometry.urdf):
         return UrdfGeometry(geometry.urdf, (), trust_paths=known)
     try:
         return UrdfGeometry(find(name).urdf, (), trust_paths=True)

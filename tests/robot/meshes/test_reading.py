@@ -142,6 +142,19 @@ def test_a_sound_mesh_is_read(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("budget")
+def test_triangles_that_lie_on_others_are_left_out_of_large_meshes(tmp_path: Path) -> None:
+    turned = np.concatenate([np.roll(FACES, k, axis=1) for k in range(3)] + [FACES[:, ::-1]])
+    for name, data in (
+        ("many.stl", stl(faces=np.tile(turned, (5_000, 1)))),
+        ("many.obj", OBJ.encode() + b"".join(b"g a%d\nf 1 2 3\n" % k for k in range(60_000))),
+    ):
+        (tmp_path / name).write_bytes(data)
+        found = read_mesh_file(tmp_path / name)
+        assert len(found.triangles) == 4 and len(found.vertices) == 4
+        assert trimesh.Trimesh(found.vertices, found.triangles).area == pytest.approx(AREA, rel=1e-6)
+
+
+@pytest.mark.usefixtures("budget")
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_hostile_mesh_is_refused_with_a_reason(name: str, tmp_path: Path) -> None:
     data, reason = REFUSED[name]
