@@ -15,6 +15,7 @@ from robotraj._util.errors import NoSuchValue, unknown_name
 from robotraj._util.names.keywords import guard, guarded
 from robotraj._util.names.near_words import near_names
 from robotraj._util.system.forks import unforked
+from robotraj._util.system.interrupts import undisturbed
 
 ALIKE = 0.85
 """Least ratio of equal letters of a name in another package that a message names."""
@@ -25,8 +26,8 @@ _guarded: dict[FunctionType, object] = {}
 def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the ``.pyi`` file beside its ``file``.
 
-    Names are imported on first use, while no other thread forks. A function is returned as a public one of this
-    package: pickles refer to it by that name.
+    Names are imported on first use, while no other thread forks and Ctrl-C waits. A function is returned as a public
+    one of this package: pickles refer to it by that name.
     """
     imported, directory, names = lazy_loader.attach_stub(package, file)
     kind = type(sys.modules.get(package))
@@ -35,7 +36,7 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
         copyreg.pickle(kind, _by_name)
 
     def attribute(name: str) -> object:
-        with unforked():
+        with unforked(), undisturbed():
             try:
                 found: object = imported(name)
             except AttributeError:

@@ -13,10 +13,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
 from types import CodeType, FrameType
-from typing import NoReturn, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+_IMPORTS = "<frozen importlib._bootstrap>"
+"""File of Python's own functions that import a module."""
 
 _presses = 0
 _before: ContextVar[int | None] = ContextVar("before", default=None)
@@ -69,6 +72,23 @@ def heeded(function: Callable[P, R]) -> Callable[P, R]:
     return heeding
 
 
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Let a press of Ctrl-C wait until the block ends, such as an import: one that stops half-way fails ever after."""
+    handler = signal.getsignal(signal.SIGINT)
+    if not callable(handler) or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    waiting: list[tuple[int, FrameType | None]] = []
+    signal.signal(signal.SIGINT, lambda *press: waiting.append(press))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if waiting:
+            handler(*waiting[0])
+
+
 def stop_if_noted() -> None:
     """Raise ``KeyboardInterrupt`` where Ctrl-C was pressed since the running plan, or function that heeds it, began."""
     start = _before.get()
@@ -118,6 +138,11 @@ class HeldBack:
         self._handler(number, frame)
 
 
-def _note_and_raise(*_: object) -> NoReturn:
+def _note_and_raise(_: int, frame: FrameType | None) -> None:
+    """Note a press, and raise it unless a module is being imported: libraries catch every error there."""
     note()
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORTS:
+            return
+        frame = frame.f_back
     raise KeyboardInterrupt
