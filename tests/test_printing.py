@@ -141,3 +141,24 @@ def test_notebooks_show_tables_and_the_replay(solution: rt.Solution) -> None:
 def test_text_that_looks_like_html_is_escaped() -> None:
     system = rt.System(["<b>x"], ["u"], lambda point: [point.u["u"]])
     assert "<b>x" not in rt.Phase(system, 1.0, name="<i>")._repr_html_()
+
+
+def test_names_cannot_control_a_terminal(tmp_path: Path) -> None:
+    """Escape sequences, and letters that turn the direction of others, are printed as escapes; lines stay lines."""
+    evil = "\x1b[31m\x07\x7f\x9b\u202e"
+    text = rt.load("pendulum").geometry.urdf.read_text(encoding="utf-8")
+    (joint,) = re.findall(r'<joint name="(\w+)" type="(?:revolute|continuous)"', text)
+    (tmp_path / "evil.urdf").write_text(text.replace(f'"{joint}"', '"turn&#x7f;&#x9b;&#x202e;"'), encoding="utf-8")
+    robot = rt.load(tmp_path / "evil.urdf")
+    ball = rt.obstacles.Sphere(0.1, position=(9.0, 0.0, 0.0), name=evil)
+    constraints = [rt.PathConstraint(lambda point: point.q[0], -3, 3, name=evil)]
+    if robot.collision_model.ngeoms:
+        constraints.append(rt.CollisionFree([ball]))
+    ends = rt.State(q=0, v=0), rt.State(q=0.5, v=0)
+    phase = rt.Phase(robot, 1.0, *ends, rt.Effort(), constraints, name=evil)
+    plan = rt.plan(phase, mesh=rt.Mesh(4), check=False)
+    block = rt.System([evil, "v"], ["u"], lambda point: [point.x["v"], point.u["u"]], name=evil)
+    printed = [robot, phase, rt.Problem([phase]), plan, rt.validate(plan), rt.Phase(block, 1.0, rt.State([0, 0]))]
+    text = "\n".join(map(str, printed))
+    assert "turn\\x7f\\x9b\\u202e" in text and "\\x1b[31m\\x07" in text
+    assert not [letter for letter in text if not letter.isprintable() and letter != "\n"]

@@ -102,6 +102,13 @@ NARROWEST = 8
 """Least width of a column that is wrapped."""
 
 
+def plain(text: str) -> str:
+    """Return a text in which letters that control a terminal, or the direction of others, are written as escapes."""
+    if text.isprintable():
+        return text
+    return "".join(each if each.isprintable() or each == "\n" else repr(each)[1:-1] for each in text)
+
+
 def _longest_word(text: str) -> int:
     return max(map(len, text.split()), default=0)
 

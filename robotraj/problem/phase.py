@@ -11,7 +11,7 @@ import numpy as np
 
 from robotraj._util.errors import FailedExpression, InputError, unknown_name, warn
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.printing import OneLine
+from robotraj._util.printing import OneLine, plain
 from robotraj._util.values import dataclass, own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.dae import Dynamics
@@ -344,7 +344,7 @@ class Phase(OneLine):
         return self._table.grouped
 
     def __str__(self) -> str:
-        return str(self._table)
+        return plain(str(self._table))
 
     def _repr_html_(self) -> str:
         return self._table.html

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.printing import brief, wrapped
+from robotraj._util.printing import brief, plain, wrapped
 from robotraj._util.values import dataclass
 from robotraj.robot.configuration import as_vector, unit_quaternion
 from robotraj.robot.coupling.mimics import Mimic, mimics_of
@@ -121,7 +121,7 @@ class Robot(PickledModel):
         """Tabulate the joints, with the decisions and findings of loading as notes."""
         placed = wrapped(self._placed) if self._placed else []
         notes = [line for note in self._notes for line in wrapped(f"note: {note}")]
-        return "\n".join([*wrapped(self._title), *joint_table(self._joints), *placed, *notes])
+        return plain("\n".join([*wrapped(self._title), *joint_table(self._joints), *placed, *notes]))
 
     def _repr_html_(self) -> str:
         """Return the title, the joints and the notes for a notebook."""

@@ -15,7 +15,7 @@ from robotraj._util.checks import is_whole
 from robotraj._util.display import drawn
 from robotraj._util.errors import InputError, no_attribute
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.printing import ENTRIES, OneLine, brief
+from robotraj._util.printing import ENTRIES, OneLine, brief, plain
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.claims.claim import Claim
@@ -376,4 +376,4 @@ class Solution(OneLine):
     def __str__(self) -> str:
         from robotraj.solution.summary import summary
 
-        return summary(self)
+        return plain(summary(self))

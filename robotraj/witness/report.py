@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 
 from robotraj._util.errors import ValidationFailed, unknown_name
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.printing import plain
 from robotraj._util.values import dataclass
 from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.witness.claims.contract import claims_of
@@ -79,7 +80,8 @@ class Report(Figures):
         )
 
     def __str__(self) -> str:
-        return render(self, self.failures(self.tolerances), coloured(self.verdict))
+        text = plain(render(self, self.failures(self.tolerances), self.verdict))
+        return text.replace(self.verdict, coloured(self.verdict), 1)
 
     def _repr_html_(self) -> str:
         """Show the report in a notebook: the verdict in green or red above the figures."""

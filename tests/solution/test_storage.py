@@ -623,3 +623,12 @@ def test_followers_of_a_hostile_file_are_refused(change: dict[str, Any], fault: 
     data["joints"][1] |= change  # type: ignore[index]
     with pytest.raises(ValueError, match=fault):
         model_of(data)
+
+
+@pytest.mark.parametrize("name", ["{0.__class__}", "{a", "{}", "$\\frac{1}{2}$", "%s"])
+def test_braces_in_the_name_of_a_phase_are_letters(name: str, tmp_path: Path) -> None:
+    """The names of what is stored were once put into a template with the name of the phase in it."""
+    ends = rt.State(q=0, v=0), rt.State(q=0.5, v=0)
+    swing = rt.Phase(rt.load("pendulum"), 1.0, *ends, rt.Effort(), [rt.GroundClearance("tip", -3.0)], name=name)
+    solution = rt.plan(swing, mesh=rt.Mesh(4), check=False)
+    assert rt.load_solution(solution.save(tmp_path / "named.npz")).phases[0].phase.name == name

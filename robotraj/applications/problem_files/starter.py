@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.printing import plain
 from robotraj.gait.feet import feet_of
 from robotraj.gait.mirroring.foot_groups import foot_groups
 from robotraj.gait.standing import stand
@@ -154,7 +155,9 @@ def starter(
     root = "" if fixed else f'root = "{robot.root}" # "fixed", "planar" or "floating"\n'
     root += f"package_dirs = {json.dumps(list(package_dirs))}\n" if package_dirs else ""
     root += "trust_paths = true\n" if trust_paths else ""
-    head = HEAD.format(robot=robot.name, name=name, source=json.dumps(source), root=root, limits=limits)
+    head = HEAD.format(
+        robot=plain(" ".join(robot.name.split())), name=name, source=json.dumps(source), root=root, limits=limits
+    )
     middle = _motion(robot, joint) if fixed else _gait(robot)
     page = json.dumps(re.sub(r"\W+", "_", robot.name) + ".html")
     return head + middle + TAIL.format(limit=60.0 if fixed else 600.0, page=page)

@@ -51,7 +51,7 @@ def pack_problem(problem: Problem, packer: Packer) -> dict[str, Json]:
         number = next((n for n, known in enumerate(robots) if known is phase.robot), None)
         phases.append(_pack_phase(phase, number, packer, f"problem.phases.{i}", left_out))
     packed = [pack_robot(robot, packer, f"robots.{n}") for n, robot in enumerate(robots)]
-    links = _pack_each(problem.links, packer, "problem.links", "link {}", left_out)
+    links = _pack_each(problem.links, packer, "problem.links", ("link", ""), left_out)
     return {
         "robots": [data for data, _ in packed],
         "phases": phases,
@@ -154,10 +154,10 @@ def _pack_phase(phase: Phase, robot: int | None, packer: Packer, path: str, left
             [constraint.as_data(phase.robot) for constraint in phase.constraints],
             packer,
             f"{path}.constraints",
-            f"constraint {{}} {whose}",
+            ("constraint", whose),
             left_out,
         ),
-        "objective": _pack_each(terms, packer, f"{path}.objective", f"objective {{}} {whose}", left_out),
+        "objective": _pack_each(terms, packer, f"{path}.objective", ("objective", whose), left_out),
     }
 
 
@@ -209,12 +209,12 @@ def _system(name: str, variables: Mapping[str, Json], place: str) -> System:
 
 
 def _pack_each(
-    values: Sequence[object], packer: Packer, path: str, described: str, left_out: list[str]
+    values: Sequence[object], packer: Packer, path: str, described: tuple[str, str], left_out: list[str]
 ) -> list[dict[str, Json]]:
     """Write what can be written, each with its name for people; name the others in ``left_out``."""
-    written = []
+    written, (kind, whose) = [], described
     for i, value in enumerate(values):
-        name = described.format(_printed(value))
+        name = f"{kind} {_printed(value)} {whose}".rstrip()
         try:
             written.append({"name": name, "value": packer.pack(value, f"{path}.{i}")})
         except NotPlainData:
