@@ -16,6 +16,7 @@ from robotraj.witness.checks.torques import RateError, TorqueError
 from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.links_over_ground import LinkDepth
 from robotraj.witness.contacts.slip_and_friction import Holding
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.robustness.followed import Followed
@@ -48,8 +49,8 @@ class Tolerances(OneLine):
         Largest difference between planned contact forces and those of the equations, relative to the largest force of
         the contact in the phase, or to 5 percent of the robot's weight where that is greater.
     ground : float or None
-        Largest depth of a swinging foot below the ground relative to the robot's reach l, and largest speed away from
-        the ground at a touchdown relative to sqrt(g l).
+        Largest depth of a swinging foot or another link below the ground relative to the robot's reach l, and largest
+        speed away from the ground at a touchdown relative to sqrt(g l).
     energy : float or None
         |imbalance| of the energy balance relative to ``Energy.scale``.
     residual : float or None
@@ -138,6 +139,8 @@ class Figures(OneLine):
     impacts : tuple of Impact
     swings : tuple of SwingingFoot
         Depth below the ground and rise at touchdown of every foot in every phase that does not hold it.
+    link_depths : tuple of LinkDepth
+        Depth of every link below the ground that the feet stand on, in every phase.
     foot_orders : tuple of FootOrder
         Least lateral distance of left and right feet in every phase; legs that cross do not pass.
     shares : tuple of Share
@@ -192,6 +195,7 @@ class Figures(OneLine):
     holdings: tuple[Holding, ...] = ()
     impacts: tuple[Impact, ...] = ()
     swings: tuple[SwingingFoot, ...] = ()
+    link_depths: tuple[LinkDepth, ...] = ()
     foot_orders: tuple[FootOrder, ...] = ()
     shares: tuple[Share, ...] = ()
     stiff: float | None = None

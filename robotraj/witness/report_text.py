@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from robotraj.witness.claims.contract import claims_of
 from robotraj.witness.claims.text import claims_text
-from robotraj.witness.contacts.contact_table import contacts, order_lines, swing_lines
+from robotraj.witness.contacts.contact_table import contacts, link_lines, order_lines, swing_lines
 from robotraj.witness.figures import Figures
 from robotraj.witness.peak import Peak
 from robotraj.witness.report_tables import table, worst_of, wrapped
@@ -29,7 +29,7 @@ def render(figures: Figures, failures: Sequence[str], verdict: str) -> str:
     lines += _clearances(figures)
     if figures.holdings:
         lines += contacts(figures.holdings, figures.impacts, figures.landings, figures.tolerances)
-        lines += [*swing_lines(figures.swings), *order_lines(figures.foot_orders)]
+        lines += [*swing_lines(figures.swings), *link_lines(figures.link_depths), *order_lines(figures.foot_orders)]
         lines += [*wrapped("the plan uses " + ", ".join(map(str, figures.shares))), ""] if figures.shares else [""]
     lines += [*_residual(figures), *_energy(figures), *_unseen(figures)]
     lines += claims_text(claims_of(figures, figures.tolerances))

@@ -25,6 +25,7 @@ from robotraj.witness.clock import OutOfTime, ProcessorClock
 from robotraj.witness.contacts.foot_order import foot_orders_of
 from robotraj.witness.contacts.ground import swings_of
 from robotraj.witness.contacts.impact import impacts_of
+from robotraj.witness.contacts.links_over_ground import link_depths_of
 from robotraj.witness.contacts.slip_and_friction import holding_of
 from robotraj.witness.figures import Tolerances
 from robotraj.witness.peak import largest
@@ -114,7 +115,8 @@ def validate(
     - distances of the exact shapes from obstacles and each other, by coal, for every ``CollisionFree``;
     - overlaps of the robot's own links as solids, unless the phase has ``self_collision=False``;
     - contact forces: those of the plan against those of the equations;
-    - the ground: feet that swing stay above it, and land from above; left feet stay on the left of right ones;
+    - the ground: feet that swing stay above it, and land from above, and so do all other links; left feet stay on the
+      left of right ones;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
     - a machine with Coulomb's friction, which may stick, follows each phase within the limits of effort;
     - following, if ``followed=`` gives a deviation: MuJoCo's robot under ``solution.gains``;
@@ -200,6 +202,8 @@ def validate(
     orders = within("lateral order of the feet", lambda: foot_orders_of(solution, few, clock), True)
     shares = within("shares of cone, sole, torque and speed", lambda: shares_of(phases), False)
     swings = within("swinging feet", lambda: swings_of(solution, samples, clock), True)
+    over = within("links over the ground", lambda: link_depths_of(solution, swings or (), few, clock), True)
+    depths, oversized = over or ((), ())
     tracked = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
     loads = within("torques", lambda: torque_error(phases, clock), torques is not None)
     rates = within("rates", lambda: rate_error(phases, sizes_of(solution)), torques is not None)
@@ -242,6 +246,7 @@ def validate(
         foot_orders=tuple(orders or ()),
         shares=tuple(shares or ()),
         swings=tuple(swings or ()),
+        link_depths=depths,
         stiff=None if drifted is None else drifted.stiff,
         torques=loads,
         rates=rates,
@@ -256,7 +261,7 @@ def validate(
         self_collisions=tuple(each for body in bodies for each in body.overlaps),
         own_distances=tuple(body.nearest for body in bodies if body.nearest is not None),
         unguarded=tuple(dict.fromkeys(each for body in bodies for each in body.unjudged)),
-        left_out=tuple(dict.fromkeys(each for body in bodies for each in body.left_out)),
+        left_out=tuple(dict.fromkeys([*(each for body in bodies for each in body.left_out), *oversized])),
     )
 
 

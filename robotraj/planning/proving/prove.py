@@ -1,4 +1,4 @@
-"""Plan until the plan is proved between its points, by Coulomb's law, and no links of the robot overlap."""
+"""Plan until the plan is proved between its points, by Coulomb's law, with links apart and above the ground."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import replace
 from robotraj.planning.diagnosis.self_collision import overlapping_ends
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
+from robotraj.planning.proving.over_ground import above_ground
 from robotraj.planning.proving.sharp_friction import sharpened
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
@@ -21,7 +22,9 @@ from robotraj.solvers.status import Status
 def prove(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
 ) -> Solution:
-    """Plan on finer and finer meshes until ``settings.goals`` hold, again where links overlap, and by Coulomb's law.
+    """Plan on finer and finer meshes until ``settings.goals`` hold, and by Coulomb's law.
+
+    Plans whose links overlap or are below the ground are made again.
 
     Where links overlap at a fixed end, one iteration on the first mesh is all that is solved.
     """
@@ -33,6 +36,7 @@ def prove(
         while (attempt := apart.next_attempt(found)) is not None:
             again = run(problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
             found = apart.kept(found, again)
+        found = above_ground(found, settings, progress, apart)
         found = sharpened(found, settings, progress, apart)
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)

@@ -43,7 +43,7 @@ def with_feet_above_ground(phases: Sequence[Phase], links: Iterable[Link]) -> tu
     InputError
         A given end of a phase has a foot below the ground. The message names the frame and its depth.
     """
-    lowest = _lowest_ground(phases)
+    lowest = lowest_ground(phases)
     feet: dict[Ground, list[tuple[Robot, Spot]]] = {}
     for robot, spot, touched in _feet(phases, links):
         ground = lowest if touched.below else touched
@@ -63,7 +63,7 @@ def stiff_legged(robot: Robot, frame: str) -> bool:
     return len(moving) == 1 and moving[0].shortname().startswith("JointModelR")
 
 
-def _lowest_ground(phases: Sequence[Phase]) -> Ground | None:
+def lowest_ground(phases: Sequence[Phase]) -> Ground | None:
     """Return the ground below all contacts; of several level ones the lowest, of other several ones None."""
     grounds = {as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if c.stands}
     if all(isinstance(each, Flat) for each in grounds):

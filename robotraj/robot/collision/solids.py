@@ -30,6 +30,8 @@ UNBOUNDED = 1e6
 """Extent from which a shape counts as unbounded [m]."""
 CELL = 0.01
 """Side of the cells of which each has one point of a surface [m]."""
+WIDE_CELL = 0.025
+"""The same for points over uneven ground [m]."""
 MOST_TRIED = 20
 """Largest number of points that are compared for a depth."""
 INSIDE = 0.5
@@ -73,6 +75,13 @@ class Solid(OneLine):
         return convex_hull(self.outer_points)
 
     @cached_property
+    def extreme_points(self) -> Array:
+        """Corners (n, 3) of the hull of a mesh, or of the box around another shape [m]."""
+        if type(self.hull).__name__.startswith("Convex"):
+            return np.array(self.hull.points())
+        return self.outer_points
+
+    @cached_property
     def balls(self) -> tuple[Array, Array]:
         """Centres (n, 3) and radii (n,) of balls around the shape's box [m]; one infinite ball where it has none."""
         lower, upper = self.box
@@ -100,9 +109,17 @@ class Solid(OneLine):
     @cached_property
     def spots(self) -> Array:
         """Points (n, 3) of the surface, one in each cell of a grid of ``CELL`` or smaller [m]."""
+        return self._in_cells(CELL)
+
+    @cached_property
+    def wide_spots(self) -> Array:
+        """The same on a grid of ``WIDE_CELL`` or smaller [m]."""
+        return self._in_cells(WIDE_CELL)
+
+    def _in_cells(self, largest: float) -> Array:
         if not len(self.corners):
             return self.corners
-        cell = min(CELL, float(np.ptp(self.corners, axis=0).max()) / 10.0)
+        cell = min(largest, float(np.ptp(self.corners, axis=0).max()) / 10.0)
         return np.asarray(self.corners[_first_of_equal(np.floor(self.corners / cell))])
 
     @cached_property

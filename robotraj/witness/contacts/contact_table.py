@@ -8,6 +8,7 @@ from robotraj.witness.contacts.failures import Allowed
 from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.links_over_ground import LinkDepth
 from robotraj.witness.contacts.slip_and_friction import Holding, part_of
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.report_tables import table, worst_of, wrapped
@@ -103,6 +104,15 @@ def swing_lines(swings: Sequence[SwingingFoot]) -> list[str]:
         depth = max(swing.depth for swing in swings if swing.free)
         lines += wrapped(f"not judged: {', '.join(free)} may pass through the ground, by {depth:.1e} m here")
     return lines
+
+
+def link_lines(depths: Sequence[LinkDepth]) -> list[str]:
+    """Return the link that comes nearest to the ground, or is deepest below it."""
+    low = max(depths, key=lambda each: each.depth, default=None)
+    if low is None:
+        return []
+    over = f"{-low.depth:.3g} m above" if low.depth <= 0.0 else f"{low.depth:.1e} m below"
+    return wrapped(f"the lowest link is {over} the ground of the feet's shapes ({low.link}, t = {low.time:.4g} s)")
 
 
 def _impact(impact: Impact) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Protocol
 from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
+from robotraj.witness.contacts.links_over_ground import LinkDepth
 from robotraj.witness.contacts.slip_and_friction import Holding, part_of
 
 MOVES = {"slip": "slips", "sink": "leaves the ground or sinks into it", "turn": "turns"}
@@ -57,6 +58,18 @@ def swing_failures(swings: Sequence[SwingingFoot], allowed: float | None) -> lis
     return [
         f"Foot {worst.frame!r} is below the ground while it swings: by {worst.depth:.3g} m at t = {worst.time:.4g} s "
         f"{where}. Use a finer mesh, or rt.GroundClearance({worst.frame!r}, None) for a foot that may pass through it."
+    ]
+
+
+def link_failures(depths: Sequence[LinkDepth], allowed: float | None) -> list[str]:
+    """Return a sentence about the link that is furthest below the ground, where that is too far."""
+    worst = max(depths, key=lambda each: each.part, default=None)
+    if allowed is None or worst is None or worst.part <= allowed:
+        return []
+    return [
+        f"Link {worst.link!r} is below the ground: by {worst.depth:.3g} m at t = {worst.time:.4g} s in phase "
+        f"{worst.phase!r}. rt.GroundClearance(rt.constraints.CollisionShapes({worst.link!r})) in the constraints of "
+        "that phase keeps it above."
     ]
 
 

@@ -1,0 +1,136 @@
+"""Plans whose links stay above the ground on which the feet stand: rows are added only where a plan goes below it.
+
+A plan is made with rows for its feet alone. Where another link is below the ground along it, the points of this link
+that are lowest get rows, and the plan is the guess of the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.planning.loop.run import run
+from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
+from robotraj.planning.proving.own_overlaps import in_time
+from robotraj.problem.clearance.link_parts import link_parts
+from robotraj.problem.clearance.swinging_feet import lowest_ground
+from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.problem import Problem
+from robotraj.robot.collision.placements import placements
+from robotraj.robot.size.reach import reach
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.records import with_effort_of
+from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.solution import Solution
+from robotraj.solution.violation import Violation
+from robotraj.solvers.base import Progress
+from robotraj.solvers.status import Status
+from robotraj.witness.contacts.ground import swings_of
+from robotraj.witness.contacts.links_over_ground import LinkDepth, link_depths_of
+from robotraj.witness.figures import Tolerances
+
+Spot: TypeAlias = "tuple[str, tuple[float, float, float]]"
+"""A frame and a point fixed in it [m]."""
+
+ROUNDS = 4
+"""Largest number of plans with further points; a link that turns rolls onto others."""
+ITERATIONS = 300
+"""Largest number of iterations on one mesh: twice those of a flip."""
+SAMPLES = 9
+"""Points of every interval at which heights are compared."""
+NEAR = 0.02
+"""Height of a link over the ground, relative to the robot's reach, up to which its lowest points get rows."""
+
+
+def above_ground(found: Solution, settings: Settings, progress: Progress | None, apart: KeptApart) -> Solution:
+    """Return a proved plan with all links above the ground; one with a link below it is not proved.
+
+    Parameters
+    ----------
+    found : Solution
+    settings : Settings
+    progress : callable, optional
+    apart : KeptApart
+        What keeps the links apart from each other.
+    """
+    for _ in range(ROUNDS):
+        low = _below(found)
+        if not low:
+            return found
+        # Rows move a motion of several phases far enough that a coarse mesh is the faster start.
+        near = replace(settings, restarts=Restarts(0), solver=settings.solver.at_most(ITERATIONS))
+        again = run(_raised(found, low), found, near, progress, apart.surfaces, is_brief=True)
+        if again.status in STOPPED:
+            return replace(_judged(with_effort_of(again, found), low), status=again.status)
+        if again.proof is None or not again.proof.holds:
+            return _judged(with_effort_of(again, found), low)
+        found = with_effort_of(found, again)
+    return _judged(found, _below(found))
+
+
+def _below(found: Solution) -> list[LinkDepth]:
+    """Return the links of a proved plan that are further below the ground than ``rt.validate`` allows."""
+    allowed = Tolerances().ground
+    if allowed is None or found.proof is None or not found.proof.holds:
+        return []
+    if not any(contact.stands for part in found.phases for contact in part.phase.bound_contacts):
+        return []
+    depths, _ = link_depths_of(found, swings_of(found, SAMPLES), SAMPLES)
+    return [each for each in depths if each.part > allowed]
+
+
+def _raised(found: Solution, low: Sequence[LinkDepth]) -> Problem:
+    """Return the problem with rows for the lowest points of links."""
+    phases = list(found.problem.phases)
+    ground = lowest_ground(phases)
+    assert ground is not None
+    for number, part in enumerate(found.phases):
+        rows = [
+            GroundClearance(points, -each.lowered, ground)
+            for each in low
+            if each.phase == part.phase.name and (points := _lowest_points(part, each, ground))
+        ]
+        phases[number] = replace(phases[number], constraints=[*phases[number].constraints, *rows])
+    return Problem(phases, found.problem.links)
+
+
+def _lowest_points(part: PhaseSolution, low: LinkDepth, ground: Ground) -> list[Spot]:
+    """Return the points of a link that come near the ground as its lowest ones, no two of them close together."""
+    robot = part.phase.robot
+    assert robot is not None
+    times = np.linspace(part.knots[0], part.knots[-1], SAMPLES * len(part.knots))
+    rotations, origins = placements(robot, in_time(part)(times))
+    near = NEAR * reach(robot.model)
+    frame = robot.model.frames[robot.frame(low.link)].placement
+    chosen: list[NDArray[np.float64]] = []
+    for shape in link_parts(robot, part.phase.constraints):
+        place = rotations[:, shape.joint], origins[:, shape.joint]
+        is_near = shape.heights(*place, ground) + low.lowered < near
+        if shape.link != low.link or not is_near.any():
+            continue
+        for point in shape.lowest(place[0][is_near], place[1][is_near], ground):
+            if all(np.linalg.norm(point - other) > near for other in chosen):
+                chosen.append(point)
+    return [(low.link, tuple(frame.actInv(point).tolist())) for point in chosen]
+
+
+def _judged(found: Solution, low: Sequence[LinkDepth]) -> Solution:
+    """Return a solution whose proof does not hold where links are below the ground."""
+    if not low or found.proof is None:
+        return found
+    deepest = max(each.depth for each in low)
+    violations = [
+        Violation(each.phase, "ground clearance", each.link, each.time, each.depth, "m", 0.0, "under", 1.0)
+        for each in low
+    ]
+    return replace(
+        found,
+        status=Status.NOT_PROVED if found.status is Status.SOLVED else found.status,
+        proof=replace(found.proof, shortfall=max(found.proof.shortfall, deepest)),
+        interval_violations=(*found.interval_violations, *violations),
+    )

@@ -1,0 +1,90 @@
+"""The shapes of a robot's links over a ground, and the origins of joints that carry none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.errors import InputError
+from robotraj.dynamics.terrain.base import Ground
+from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.collision_free import disabled_pairs
+from robotraj.robot.collision.own_body import OwnBody, own_body
+from robotraj.robot.collision.placements import joint_tree
+from robotraj.robot.collision.support import support
+from robotraj.robot.robot import Robot
+from robotraj.robot.root import root_of
+
+Array = NDArray[np.float64]
+
+
+class LinkPart(NamedTuple):
+    """A shape of a link, or the origin of a joint that carries none (``body`` is None).
+
+    Attributes
+    ----------
+    link : str
+        Frame of the link, or of the joint.
+    joint : int
+        Pinocchio's joint that carries it.
+    """
+
+    link: str
+    joint: int
+    body: OwnBody | None = None
+    shape: int = 0
+
+    def heights(self, rotations: Array, origins: Array, ground: Ground) -> Array:
+        """Return the distances (m,) of the lowest points from the ground's tangent planes under them [m].
+
+        Over uneven ground these are the lowest of points all over the surface. The joint has the rotations (m, 3, 3)
+        and origins (m, 3) [m].
+        """
+        if self.body is None:
+            return over(origins, ground)
+        if not ground.even:
+            points = self._in_world(self.body.solids[self.shape].wide_spots, rotations, origins)
+            return np.asarray(over(points, ground).min(axis=1))
+        middles = self._in_world(np.zeros((1, 3)), rotations, origins)[:, 0]
+        first, second = ground.plan
+        normals = np.stack(np.broadcast_arrays(*ground.normal(middles[:, first], middles[:, second])), axis=-1)
+        turned = rotations @ self.body.rotation[self.shape]
+        reached = support(self.body.solids[self.shape], -np.einsum("mi,mij->mj", normals, turned))
+        return np.asarray(over(middles, ground) - reached)
+
+    def lowest(self, rotations: Array, origins: Array, ground: Ground) -> Array:
+        """Return the points (k, 3) of the hull that are its lowest ones in some placement, in the joint's axes [m]."""
+        if self.body is None:
+            return np.zeros((1, 3))
+        points = self.body.solids[self.shape].extreme_points
+        heights = over(self._in_world(points, rotations, origins), ground)
+        chosen = points[np.unique(heights.argmin(axis=1))]
+        return np.asarray(chosen @ self.body.rotation[self.shape].T + self.body.position[self.shape])
+
+    def _in_world(self, points: Array, rotations: Array, origins: Array) -> Array:
+        assert self.body is not None
+        local = points @ self.body.rotation[self.shape].T + self.body.position[self.shape]
+        return np.asarray(np.einsum("mij,kj->mki", rotations, local) + origins[:, None])
+
+
+def over(points: Array, ground: Ground) -> Array:
+    """Return the distances (...) of points (..., 3) from the ground's tangent planes under them [m]."""
+    height, slope_x, slope_y = ground.plane(points[..., 0], points[..., 1])
+    return np.asarray((points[..., 2] - height) / np.sqrt(1.0 + slope_x**2 + slope_y**2))
+
+
+def link_parts(robot: Robot, constraints: Iterable[Constraint] = ()) -> list[LinkPart]:
+    """Return the shapes of all moving links, and the turning joints below the root that carry none."""
+    try:
+        body = own_body(robot, disabled_pairs(constraints))
+    except InputError:
+        # The URDF or a mesh was removed after the robot was loaded, which the claim on the own body names.
+        body = None
+    found = [] if body is None else [LinkPart(link, int(body.joint[i]), body, i) for i, link in enumerate(body.links)]
+    shaped = {part.joint for part in found}
+    tree, first = joint_tree(robot), len(root_of(robot.root).joints) + 1
+    bare = [j for j in range(first, robot.model.njoints) if tree.turns[j] and j not in shaped]
+    return [part for part in found if part.joint] + [LinkPart(robot.model.names[j], j) for j in bare]
