@@ -43,6 +43,14 @@ class Cache(OneLine):
 
     def __post_init__(self) -> None:
         try:
+            str(self.folder).encode()  # CasADi opens libraries by names in UTF-8
+        except UnicodeEncodeError as error:
+            named = ascii(str(self.folder))
+            raise InputError(
+                f"The cache of compiled functions {named} has letters that are not of this locale, such as LC_ALL=C. "
+                f"{ADVICE}"
+            ) from error
+        try:
             make_folder(self.folder)
             found = self.folder.lstat()
         except OSError as error:

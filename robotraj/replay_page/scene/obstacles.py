@@ -107,12 +107,12 @@ def surroundings(robot: Robot, cycles: GaitCycles, world: Array, times: Array, l
 
 
 def _obstacles(cycles: GaitCycles) -> Iterator[Obstacle]:
-    seen: list[Obstacle] = []
+    seen: dict[int, Obstacle] = {}
     for result in cycles.phases:
         for constraint in result.phase.constraints:
             for obstacle in constraint.obstacles if isinstance(constraint, CollisionFree) else ():
-                if not any(obstacle is other for other in seen):
-                    seen.append(obstacle)
+                if id(obstacle) not in seen:
+                    seen[id(obstacle)] = obstacle
                     yield obstacle
 
 

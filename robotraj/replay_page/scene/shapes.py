@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+
 import coal
 import numpy as np
 import trimesh
@@ -39,10 +42,15 @@ def shape_part(shape: coal.CollisionGeometry) -> Part | None:
     if kind.startswith("Convex"):
         hull = trimesh.convex.convex_hull(np.asarray(shape.points()))
         return weld(hull.vertices, hull.faces)
-    maker = _MAKERS.get(kind)
-    if maker is None:
+    if kind not in _MAKERS:
         raise LookupError(kind)
-    mesh = maker(shape)
+    return _primitive(kind, *(float(each) for name in _MAKERS[kind][0] for each in np.ravel(getattr(shape, name))))
+
+
+@lru_cache(maxsize=256)
+def _primitive(kind: str, *sizes: float) -> Part | None:
+    """Return the part of a shape by its sizes: scenes have many alike, and each is drawn and framed."""
+    mesh = _MAKERS[kind][1](*sizes)
     return weld(mesh.vertices, mesh.faces)
 
 
@@ -81,34 +89,40 @@ def tube(points: NDArray[np.float64], radius: float, sides: int = 6) -> Part:
     return Part(np.concatenate(rings).astype(np.float32), faces.reshape(-1, 3).astype(kind))
 
 
-def _plane(shape: coal.CollisionGeometry) -> trimesh.Trimesh:
-    normal = np.asarray(shape.n, dtype=float).ravel()
+def _plane(x: float, y: float, z: float, d: float) -> trimesh.Trimesh:
     mesh = creation.box(extents=[PLANE_SIDE, PLANE_SIDE, 1e-3])
     mesh.apply_translation([0.0, 0.0, -5e-4])
-    mesh.apply_transform(trimesh.geometry.align_vectors([0.0, 0.0, 1.0], normal))
-    mesh.apply_translation(normal * float(shape.d))
+    mesh.apply_transform(trimesh.geometry.align_vectors([0.0, 0.0, 1.0], [x, y, z]))
+    mesh.apply_translation(np.array([x, y, z]) * d)
     return mesh
 
 
-def _ellipsoid(shape: coal.CollisionGeometry) -> trimesh.Trimesh:
+def _ellipsoid(*radii: float) -> trimesh.Trimesh:
     mesh = creation.uv_sphere(radius=1.0, count=[24, 24])
-    mesh.apply_scale(np.asarray(shape.radii, dtype=float).ravel())
+    mesh.apply_scale(radii)
     return mesh
 
 
-def _cone(shape: coal.CollisionGeometry) -> trimesh.Trimesh:
-    mesh = creation.cone(radius=shape.radius, height=2.0 * shape.halfLength, sections=48)
-    mesh.apply_translation([0.0, 0.0, -shape.halfLength])
+def _cone(radius: float, half: float) -> trimesh.Trimesh:
+    mesh = creation.cone(radius=radius, height=2.0 * half, sections=48)
+    mesh.apply_translation([0.0, 0.0, -half])
     return mesh
 
 
-_MAKERS = {
-    "Box": lambda s: creation.box(extents=2.0 * np.asarray(s.halfSide).ravel()),
-    "Sphere": lambda s: creation.uv_sphere(radius=s.radius, count=[24, 24]),
-    "Ellipsoid": _ellipsoid,
-    "Cylinder": lambda s: creation.cylinder(radius=s.radius, height=2.0 * s.halfLength, sections=48),
-    "Capsule": lambda s: creation.capsule(radius=s.radius, height=2.0 * s.halfLength, count=[24, 24]),
-    "Cone": _cone,
-    "Plane": _plane,
-    "Halfspace": _plane,
+_MAKERS: Mapping[str, tuple[Sequence[str], Callable[..., trimesh.Trimesh]]] = {
+    "Box": (("halfSide",), lambda *half: creation.box(extents=2.0 * np.array(half))),
+    "Sphere": (("radius",), lambda radius: creation.uv_sphere(radius=radius, count=[24, 24])),
+    "Ellipsoid": (("radii",), _ellipsoid),
+    "Cylinder": (
+        ("radius", "halfLength"),
+        lambda radius, half: creation.cylinder(radius=radius, height=2.0 * half, sections=48),
+    ),
+    "Capsule": (
+        ("radius", "halfLength"),
+        lambda radius, half: creation.capsule(radius=radius, height=2.0 * half, count=[24, 24]),
+    ),
+    "Cone": (("radius", "halfLength"), _cone),
+    "Plane": (("n", "d"), _plane),
+    "Halfspace": (("n", "d"), _plane),
 }
+"""Names of the sizes of each kind in coal, and a function of them."""

@@ -271,3 +271,9 @@ def test_senseless_values_are_refused() -> None:
         rt.engines.Compiled(jobs=0)
     with pytest.raises(rt.InputError, match="engine="):
         rt.plan(rt.Phase(rt.load("pendulum"), 1.0), engine="compiled")  # type: ignore[arg-type]
+
+
+def test_a_folder_whose_name_is_no_text_is_refused_before_a_library_is_made(tmp_path: Path) -> None:
+    """CasADi could not open the library; so it is with letters beyond ASCII where the locale is C."""
+    with pytest.raises(rt.InputError, match="letters that are not of this locale"):
+        Cache(tmp_path / os.fsdecode(b"\xff\xfe"))
