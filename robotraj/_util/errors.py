@@ -10,11 +10,16 @@ import warnings
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
+from robotraj._util.printing import plain
+
 Result = TypeVar("Result")
 
 
 class RobotrajError(Exception):
-    """Base of all errors raised by robotraj."""
+    """Base of all errors raised by robotraj; names in its message, of files and joints, cannot control a terminal."""
+
+    def __str__(self) -> str:
+        return plain(super().__str__())
 
 
 class InputError(RobotrajError, ValueError):
@@ -201,7 +206,7 @@ def warn(message: str) -> None:
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and _module(frame.f_globals) in _PASSED_THROUGH:
         frame, level = frame.f_back, level + 1
-    warnings.warn(message, stacklevel=level)
+    warnings.warn(plain(message), stacklevel=level)
 
 
 def _module(names: dict[str, object]) -> str:

@@ -106,7 +106,7 @@ def plain(text: str) -> str:
     """Return a text in which letters that control a terminal, or the direction of others, are written as escapes."""
     if text.isprintable():
         return text
-    return "".join(each if each.isprintable() or each == "\n" else repr(each)[1:-1] for each in text)
+    return "".join(each if each.isprintable() or each in "\n\t" else repr(each)[1:-1] for each in text)
 
 
 def _longest_word(text: str) -> int:

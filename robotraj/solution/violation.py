@@ -52,8 +52,8 @@ class Violation(OneLine):
 
     @property
     def relative(self) -> float:
-        """``amount`` / ``size``: violations are ranked by it and compared with tolerances."""
-        return self.amount / self.size
+        """``amount`` / ``size``: violations are ranked by it and compared with tolerances; infinite without a size."""
+        return self.amount / self.size if self.size else np.inf
 
     @property
     def label(self) -> str:

@@ -109,3 +109,10 @@ def test_names_that_differ_in_capitals_or_by_one_word_are_near() -> None:
     frames = ["root_joint", "base_link", "FL_HAA", "FL_FOOT", "FR_FOOT"]
     assert "Did you mean 'FL_FOOT'" in str(unknown_name("frame", "FL_foot_link", frames))
     assert "Did you mean 'FR_FOOT'" in str(unknown_name("frame", "fr_foot", frames))
+
+
+def test_messages_cannot_control_a_terminal() -> None:
+    """Names of files, joints and phases stand in messages."""
+    assert str(rt.InputError("the joint '\x1b[31m\x07\u202e'\nis none")) == "the joint '\\x1b[31m\\x07\\u202e'\nis none"
+    with pytest.warns(UserWarning, match=r"^\\x9bm$"):
+        warn("\x9bm")

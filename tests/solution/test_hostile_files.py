@@ -17,6 +17,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.solution.storage.entries import MOST_BYTES
+from robotraj.solution.violation import Violation
 
 SECONDS = 5.0
 
@@ -366,3 +367,8 @@ def test_a_file_does_not_make_paths_trusted(tmp_path: Path) -> None:
         phase = rt.Phase(robot, 1.0, rt.State(q=0, v=0), rt.State(q=0.1, v=0), rt.Effort())
         path = rt.plan(phase, mesh=rt.Mesh(3)).save(tmp_path / "plan.npz")
         assert rt.load_solution(path).problem.phases[0].robot.geometry.trust_paths is trusted
+
+
+def test_a_violation_without_a_size_is_infinite() -> None:
+    """A file can state it; the page once ended in ZeroDivisionError."""
+    assert Violation("swing", "effort limit", "elbow", 0.0, 1.0, "N m", 0.0, "over", size=0.0).relative == np.inf
