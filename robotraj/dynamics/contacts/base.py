@@ -241,7 +241,7 @@ def checked_name(name: object, what: str) -> None:
         raise InputError(f"The name of {what} is {name!r}; give some text, or None for the frame's name.")
 
 
-MATERIAL = 5.0
+MATERIAL = 10.0
 """Coefficient of friction above which no pair of materials has one."""
 
 

@@ -152,7 +152,7 @@ def _always_near(
     robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]], margin: float
 ) -> set[tuple[int, int]]:
     """Return the pairs of links, or of links and carried obstacles, that are never further apart than a margin."""
-    own = [(a, b) for a, b in pairs if shapes[a].joint and shapes[b].joint]
+    own = [(a, b) for a, b in pairs if shapes[a].obstacle is None and shapes[b].obstacle is None]
     exact = [ExactShape(*shape[:4]) for shape in shapes]
     return set(own) - set(sometimes_apart(robot, exact, own, margin))
 

@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.robot.collision.own_body import own_body
 from robotraj.witness.checks.clearance import clearance_of
 
 START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
@@ -131,3 +132,17 @@ def test_a_plan_among_obstacles_passes_with_its_smallest_distance_shown() -> Non
     assert report.passed, report
     (nearest,) = report.clearances
     assert 0.0 < nearest.distance < 0.2 and "smallest distance" in str(report)
+
+
+def test_a_link_that_is_always_near_the_base_need_not_keep_the_margin_from_it() -> None:
+    """The upper arm of a ur5 is at most 2 cm from its base in every posture; forearm and base can keep 2 cm."""
+    ur5, home = rt.load("ur5"), np.array([0.0, -1.3, 1.6, -1.9, -1.57, 0.0])
+    ends = rt.State(q=home, v=0), rt.State(q=home + [0.8, 0, 0, 0, 0, 0], v=0)
+    plan = rt.plan(rt.Phase(ur5, 1.0, *ends, rt.Effort(), [rt.CollisionFree(margin=0.02)]))
+    body = own_body(ur5)
+    pair = next(
+        k for k in range(len(body.pairs)) if {"upper_arm_link", "base_link"} == set(body.label(k).split(" and "))
+    )
+    assert 0.0 < body.distance(ur5, home, pair) < 0.02
+    _, broken = clearance_of(plan.phases[0])
+    assert not broken
