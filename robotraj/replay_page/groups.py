@@ -17,7 +17,7 @@ Group = dict[str, object]
 
 
 def groups_of(robot: Robot | None, cycles: GaitCycles, labels: Sequence[str]) -> list[Group]:
-    """Return the groups of a page's curves, each label in one of them.
+    """Return the groups of a page's curves; those of no joint, such as distances, are in none and always shown.
 
     A chain of joints ends where the tree branches. A contact belongs to the chain that carries its frame.
 
@@ -38,7 +38,6 @@ def groups_of(robot: Robot | None, cycles: GaitCycles, labels: Sequence[str]) ->
     frames = contact_frames(cycles)
     carried = {name: robot.model.frames[robot.frame(frame)].parentJoint for name, frame in frames.items()}
     place = {joint: k for k, chain in enumerate(chains) for joint in chain}
-    rest = []
     contacts = set(contact_names(cycles))
     for label in labels:
         joint = carried.get(label) if label in contacts else _joint(robot.model, label)
@@ -46,12 +45,8 @@ def groups_of(robot: Robot | None, cycles: GaitCycles, labels: Sequence[str]) ->
             continue
         if joint in place:
             members[place[joint]].append(label)
-        else:
-            rest.append(label)
     names = _names([[str(robot.model.names[joint]) for joint in chain] for chain in chains])
     found: list[Group] = [{"name": n, "root": False, "labels": m} for n, m in zip(names, members, strict=True) if m]
-    if rest:
-        found.append({"name": "no joint", "root": False, "labels": rest})
     if own:
         found.append({"name": "root", "root": True, "labels": own})
     return found
