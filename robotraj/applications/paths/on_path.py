@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 LONGEST = 1e3
 """Upper bound of the duration of a stop [s]."""
+NO_WIDTH = 1e-8
+"""Part of a motion below which an interval counts as none."""
 SLOWEST = 1e-3
 """Least share of the speed."""
 RESTING = 1e-6
@@ -185,7 +187,12 @@ def _over_time(part: PhaseSolution) -> PiecewisePolynomial:
     if part.phase.robot is None:
         raise InputError(f"Phase {part.phase.name!r} of the plan moves a System, which has no path of joints.")
     curve, count = part.joint_states, part.phase.robot.nq
-    return PiecewisePolynomial(curve.breaks, curve.sites, [each[:, :count] for each in curve.values])
+    # Knots that moved to a switch leave intervals of no width, whose third derivatives are rounding.
+    lengths = np.diff(curve.breaks)
+    kept = np.flatnonzero(lengths > NO_WIDTH * lengths.sum()).tolist()
+    breaks = np.append(curve.breaks[kept], curve.breaks[-1])
+    breaks[0] = curve.breaks[0]
+    return PiecewisePolynomial(breaks, [curve.sites[k] for k in kept], [curve.values[k][:, :count] for k in kept])
 
 
 def _remaining(solution: Solution, number: int) -> PiecewisePolynomial:

@@ -10,8 +10,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, cast
 
 import casadi as ca
+import numpy as np
 
-from robotraj.dynamics.path_body import ACCELERATION, SPEED, PathPoint
+from robotraj.dynamics.path_body import ACCELERATION, PLACES, RESTING, SPEED, PathPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.row import Row
 from robotraj.problem.augmentation import has
@@ -19,7 +20,7 @@ from robotraj.problem.constraints.motors.end_accelerations import can_rest, rest
 from robotraj.problem.links.base import Joined
 
 if TYPE_CHECKING:
-    from robotraj.dynamics.point import Point
+    from robotraj.dynamics.point import Point, RobotPoint
     from robotraj.problem.phase import Phase
     from robotraj.problem.scalars import Scalar
 
@@ -74,20 +75,27 @@ def _difference(quantity: str, i: int, j: int, sign: float) -> Callable[[Point, 
 
 
 def _along_path(before: Phase, after: Phase) -> Joined:
-    """Return the row along p' at the start of the second path, if s'' is a state of both phases."""
+    """Return the row along p' at the start of the second path, if s'' is a state of both phases.
+
+    Where p' vanishes the joints rest, and the limits fix their accelerations on each side.
+    """
     if after.path is None or not all(has(phase.dae, [f"rate.{ACCELERATION}"]) for phase in (before, after)):
         return []
     curve = after.path.curve
     slope = curve.derivative()(curve.breaks[0])
-    size = float(slope @ slope)
-    if size <= 0.0:
+    size, largest = float(slope @ slope), float(np.abs(curve.derivative().inside(PLACES)).max())
+    if size <= (RESTING * max(largest, 1.0)) ** 2:
         return []
     direction = slope / size
     return [(PATH_ROW, lambda end, start: ca.dot(direction, _acceleration(start) - _acceleration(end)))]
 
 
-def _acceleration(point: Point) -> ca.SX:
-    """Return the accelerations of the joints at an end of a path, a = p'' s'^2 + p' s''."""
-    assert isinstance(point, PathPoint)
+def _acceleration(point: Point) -> ca.SX | ca.DM:
+    """Return the accelerations of the joints at an end of a path, a = p'' s'^2 + p' s''.
+
+    A point of the witness has them as numbers.
+    """
+    if not isinstance(point, PathPoint):
+        return ca.DM(cast("RobotPoint", point).a)
     first, second = point.slopes[:2]
     return second * point.extra[SPEED] ** 2 + first * point.extra[ACCELERATION]

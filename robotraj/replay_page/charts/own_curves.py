@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.errors import FailedExpression, InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.cycles.gait_cycles import CyclePhase
@@ -63,7 +63,10 @@ class OwnCurves(OneLine):
         planned = cycle_phase.planned
         ago = cycle_phase.t0 - planned.t0
         expression = self.expressions[title]
-        return np.concatenate([planned.values(expression, grid - ago, k) for k, grid in enumerate(grids)])
+        try:
+            return np.concatenate([planned.values(expression, grid - ago, k) for k, grid in enumerate(grids)])
+        except FailedExpression as error:
+            raise FailedExpression(f"replay: curves={{{title!r}: ...}} takes a function of a point. {error}") from error
 
     def measured_at(self, variable: str, times: Array) -> Array:
         """Interpolate measured values; NaN before the first and after the last of them."""

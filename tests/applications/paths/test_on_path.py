@@ -133,3 +133,15 @@ def test_the_speed_along_a_path_is_a_number_above_0(arm):
     for speed in (0.0, -1.0, "fast"):
         with pytest.raises(rt.InputError, match="speed must be a number above 0"):
             rt.constraints.FollowPath(path, speed=speed)
+
+
+@pytest.mark.slow
+def test_limits_of_jerk_hold_at_lower_speed_across_a_dwell():
+    """Knots that moved to a switch of the jerk leave intervals of no width in the path."""
+    gentle = rt.load("ur5", limits={"acceleration": 15.0, "jerk": 300.0})
+    places = [A, A + [0.5, 0.3, -0.4, 0.2, 0.1, 0], A + [1.0, 0, 0, 0, 0, 0.5]]
+    waiting = rt.plan(rt.Waypoints(gentle, places, dwell={1: 0.3}))
+    slow = rt.override(waiting, 0.4)
+    assert slow.duration == pytest.approx(waiting.duration / 0.4, rel=5e-3)
+    assert slow.phases[1].duration == pytest.approx(0.75, rel=1e-3)
+    assert rt.validate(slow).passed

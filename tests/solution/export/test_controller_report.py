@@ -48,6 +48,15 @@ def test_a_plan_within_the_makers_limits_is_accepted_and_judged_in_all(franka):
         assert rt.solution.controller_report(franka, controller).passed
 
 
+def test_an_excess_that_a_proof_allows_is_named_by_a_controller_that_stops_there_alone(franka):
+    """The plan uses 99 percent of the makers' limits; these limits are 0.05 percent below what it uses."""
+    lower = franka.phases[0].phase.limits.scaled(velocity=0.9995, acceleration=0.9995, jerk=0.9995)
+    assert rt.solution.controller_report(franka, "fri", limits=lower).passed
+    assert not rt.solution.controller_report(franka, "libfranka", limits=lower).passed
+    beyond = lower.scaled(velocity=0.998, acceleration=0.998, jerk=0.998)
+    assert not rt.solution.controller_report(franka, "fri", limits=beyond).passed
+
+
 def test_a_jump_of_the_acceleration_is_a_jerk_of_half_of_it_over_a_period(abrupt):
     # The second differences of a t^2 / 2 from rest are a / 2, then a.
     first = abrupt.at(0.0).a[0]
