@@ -3,6 +3,7 @@
 Start with ``many/sweep.py``. The room may import every room but ``cli``.
 """
 
+from .many.cheapest import Cheapest, cheapest
 from .many.designs.codesign import Codesign, codesign
 from .many.designs.pareto import Front, FrontPoint, pareto
 from .many.failure import Failure
@@ -19,6 +20,7 @@ from .replanning.driven import driven
 from .replanning.replan import Replan
 
 __all__ = [
+    "Cheapest",
     "Codesign",
     "Failure",
     "Front",
@@ -31,6 +33,7 @@ __all__ = [
     "Replan",
     "SharedCell",
     "as_path",
+    "cheapest",
     "codesign",
     "driven",
     "library",

@@ -6,11 +6,12 @@ Start with ``walks.py``. The room may import ``guess``, ``problem`` and what lie
 from .bounds.own_sides import OwnSides
 from .bounds.turning import Turning
 from .bounds.upright import Upright
+from .contact_orders import orders
 from .crawls import crawl
 from .feet import feet_of, limb_ends
 from .flight import Flight
-from .flips import flip
-from .jumps import jump
+from .leaping.flips import flip
+from .leaping.jumps import jump
 from .mirroring.mirror import mirror
 from .phase_sequence import sequence
 from .posture import gait_objective, haste, posture_objective
@@ -38,6 +39,7 @@ __all__ = [
     "jump",
     "limb_ends",
     "mirror",
+    "orders",
     "posture_objective",
     "run",
     "sequence",

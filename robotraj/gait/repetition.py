@@ -98,12 +98,17 @@ def _check_legs(
     sides: Mapping[str, str],
     terms: GaitTerms,
     length: float,
+    whole: bool = False,
 ) -> None:
-    """Refuse a gait whose phases in one half are too fast for the legs, or in which they cannot carry the robot."""
+    """Refuse a gait whose phases in one half are too fast for the legs, or in which they cannot carry the robot.
+
+    The phases and the length are those of a ``whole`` stride where no half is mirrored.
+    """
     stance = BalancedStance(robot, tuple(foot_contact(terms.contact, foot).bound_to(robot) for foot in sides))
     posture, margin = standing(stance), checked_margin(terms.margin)
     spans = [phase.duration_bounds for phase in problem.phases[: len(phases)]]
-    check_speed(robot, phases, parts, sides, length, sum(longest for _, longest in spans), posture, margin)
+    half, time = 0.5 if whole else 1.0, sum(longest for _, longest in spans)
+    check_speed(robot, phases, parts, sides, half * length, half * time, posture, margin)
     check_weight(robot, phases, spans, list(sides), posture, greatest_friction(stance), margin)
 
 
@@ -122,7 +127,7 @@ def whole_stride(
     Raises
     ------
     InputError
-        ``repeat`` is a mirror, the ground does not repeat, or a step is longer than the legs reach.
+        ``repeat`` is a mirror, the ground does not repeat, or the legs are too short, slow or weak for the gait.
     """
     check_options(repeat, terms.upright)
     if isinstance(repeat, Mirror):
@@ -134,7 +139,9 @@ def whole_stride(
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     feet = dict.fromkeys(foot for phase in phases for foot in phase.feet)
     moved = _moved(robot, feet, repeat or Periodic(), length, terms.ground)
-    return _in_shares(sequence(robot, phases, terms, moved, passes={}), parts)
+    problem = sequence(robot, phases, terms, moved, passes={})
+    _check_legs(robot, problem, phases, parts, {foot: foot for foot in feet}, terms, length, whole=True)
+    return _in_shares(problem, parts)
 
 
 def _symmetric_repeat(robot: Robot, sides: Mapping[str, str]) -> Mirror | Periodic:

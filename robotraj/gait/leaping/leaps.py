@@ -51,8 +51,8 @@ class Leap:
         Options of all phases; ``upright`` may be a ``Turning``.
     call : str
         Name of the public function, for messages.
-    height, length : float
-        Rise of the centre of mass in flight, and displacement along x [m].
+    length : float
+        Displacement along x [m].
 
     Raises
     ------
@@ -64,13 +64,10 @@ class Leap:
     feet: tuple[str, ...]
     options: GaitTerms
     call: str
-    height: float
     length: float
 
     def __post_init__(self) -> None:
         number(self.length, f"rt.gait.{self.call}(length)")
-        if not number(self.height, f"rt.gait.{self.call}(height)") > 0.0:
-            raise InputError(f"rt.gait.{self.call}: height= is {self.height!r}; give a positive height [m].")
         check_rest(self.robot, self.feet, self.standing, self.friction, self.margin)
 
     @cached_property
@@ -124,9 +121,22 @@ class Leap:
         """Return the default duration of the push and of the landing [s]."""
         return CROUCH * pendulum_time(self.stance, self.standing)
 
-    def problem(self, pushes: Sequence[Support], landings: Sequence[Support]) -> Problem:
-        """Return the problem of the pushes, the flight and the landings."""
-        flight = Support((), float(np.sqrt(8.0 * self.height / self.gravity)), "flight")
+    def rise(self, height: object) -> float:
+        """Return a checked rise of the centre of mass in flight [m].
+
+        Raises
+        ------
+        InputError
+            It is not positive.
+        """
+        found = number(height, f"rt.gait.{self.call}(height)")
+        if not found > 0.0:
+            raise InputError(f"rt.gait.{self.call}: height= is {height!r}; give a positive height [m].")
+        return found
+
+    def problem(self, height: float, pushes: Sequence[Support], landings: Sequence[Support]) -> Problem:
+        """Return the problem of the pushes, a flight that rises by ``height`` [m], and the landings."""
+        flight = Support((), float(np.sqrt(8.0 * height / self.gravity)), "flight")
         start, end = (State(q=q, v=0.0) for q in (self.standing, self.landed))
         return sequence(self.robot, [*pushes, flight, *landings], self.terms, None, start, end)
 

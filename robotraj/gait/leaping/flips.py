@@ -13,12 +13,10 @@ from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.turning import Turning
 from robotraj.gait.capability.turn_over import check_turn, height_of_least_energy
 from robotraj.gait.checks import positive
-from robotraj.gait.feet import FootKind, feet_of, foot_contact
-from robotraj.gait.jumps import OWN_SIDES
-from robotraj.gait.leaps import Leap
+from robotraj.gait.feet import FootKind, feet_of
+from robotraj.gait.leaping.jumps import OWN_SIDES
+from robotraj.gait.leaping.leaps import Leap
 from robotraj.gait.supports import GaitTerms, Support
-from robotraj.guess.legs.stance import BalancedStance
-from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
@@ -78,11 +76,9 @@ def flip(
     turning = Turning(0.4, np.inf, axis=tuple(axis))  # type: ignore[arg-type]
     names = feet_of(robot, feet)
     terms = GaitTerms(contact, 0.0, objective, turning, sides=sides, margin=margin)
-    if height is None:
-        bound = tuple(foot_contact(contact, name).bound_to(robot) for name in names)
-        height = height_of_least_energy(robot, standing(BalancedStance(robot, bound)), turning.axis)
-    leap = Leap(robot, names, terms, "flip", height, length)
-    check_turn(robot, names, leap.standing, leap.height, turning.axis, leap.friction, leap.margin)
+    leap = Leap(robot, names, terms, "flip", length)
+    rise = leap.rise(height_of_least_energy(robot, leap.standing, turning.axis) if height is None else height)
+    check_turn(robot, names, leap.standing, rise, turning.axis, leap.friction, leap.margin)
     before, after = (
         positive(given, leap.stance_time, f"rt.gait.flip({name})") for given, name in ((push, "push"), (land, "land"))
     )
@@ -94,7 +90,7 @@ def flip(
             Support(first, ONE_SIDE * after, "first landing"),
             Support(names, (1.0 - ONE_SIDE) * after, "landing"),
         ]
-    return leap.problem(pushes, landings)
+    return leap.problem(rise, pushes, landings)
 
 
 def _sides(leap: Leap, axis: Sequence[float]) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -16,7 +16,7 @@ from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.capability.take_off import check_take_off
 from robotraj.gait.checks import check_options
 from robotraj.gait.feet import FootKind, feet_of
-from robotraj.gait.leaps import Leap
+from robotraj.gait.leaping.leaps import Leap
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
@@ -77,9 +77,9 @@ def jump(
         legs allow. The legs cannot carry the robot, or it has no feet.
     """
     check_options(None, upright)
-    height = RISE * reach(robot.model) if height is None else height
     terms = GaitTerms(contact, clearance, objective, upright, ground, sides, margin)
-    leap = Leap(robot, feet_of(robot, feet), terms, "jump", height, length)
-    check_take_off(robot, leap.feet, leap.standing, leap.height, leap.length, leap.friction, leap.margin)
+    leap = Leap(robot, feet_of(robot, feet), terms, "jump", length)
+    rise = leap.rise(RISE * reach(robot.model) if height is None else height)
+    check_take_off(robot, leap.feet, leap.standing, rise, leap.length, leap.friction, leap.margin)
     push, land = (leap.stance_time if given is None else given for given in (push, land))
-    return leap.problem([Support(leap.feet, push, "push off")], [Support(leap.feet, land, "landing")])
+    return leap.problem(rise, [Support(leap.feet, push, "push off")], [Support(leap.feet, land, "landing")])

@@ -1,0 +1,1 @@
+"""Motions from standing to standing with one flight: jumps and flips."""
