@@ -1,8 +1,9 @@
-"""Numbers of an MJCF file, before Pinocchio's reader puts memory that it never wrote in the place of what is none."""
+"""Numbers and names of an MJCF file: Pinocchio's reader puts memory that it never wrote in the place of no number."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from xml.etree.ElementTree import Element
 
 from robotraj._util.errors import InputError
@@ -57,6 +58,21 @@ def check_numbers(file: str, root: Element) -> None:
             raise InputError(
                 f"{file}: size={geom.get('size', '')[:60]!r} of a {kind} has {sizes} numbers; give {least}."
             )
+
+
+def check_names(file: str, root: Element) -> None:
+    """Refuse bodies and joints that share a name, which MuJoCo refuses too and Pinocchio's reader does not.
+
+    Raises
+    ------
+    InputError
+        Names the first pair.
+    """
+    for tag in ("body", "joint"):
+        every = (element.get("name") for world in root.findall("worldbody") for element in world.iter(tag))
+        for name, count in Counter(filter(None, every)).items():
+            if count > 1:
+                raise InputError(f"{file}: {count} elements <{tag}> are named {name[:60]!r}; give each its own name.")
 
 
 def _number(word: str) -> float:

@@ -17,7 +17,7 @@ from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
-from robotraj.robot.mjcf.checks import check_numbers
+from robotraj.robot.mjcf.checks import check_names, check_numbers
 from robotraj.robot.mjcf.defaults import Attributes, Defaults, placed
 from robotraj.robot.mjcf.meshes import PlainCopy
 from robotraj.robot.mjcf.springs import joint_springs
@@ -89,6 +89,7 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     if root.find(".//include") is not None:
         raise InputError(f"{str(path)!r} includes other files; load the one with the bodies of the robot, or a URDF.")
     check_numbers(repr(str(path)), root)
+    check_names(repr(str(path)), root)
     inside = {each.tag for frame in root.iter("frame") for each in frame.iter() if each.tag in FRAMED}
     if inside:
         raise InputError(
