@@ -15,6 +15,7 @@ from pathlib import Path
 import judge
 from guard import Guard
 from interrupts import faults
+from mjcf_files import hostile_mjcf
 from proofs import Tally
 from random_problems import random_case
 from saved_files import good_files, hostile_file
@@ -53,6 +54,7 @@ def main() -> None:
             for kind, suffix, data in (
                 ("saved", "npz", hostile_file(seed, good)),
                 ("urdf", "urdf", hostile_urdf(seed)),
+                ("mjcf", "xml", hostile_mjcf(seed)),
                 ("problem", "toml", hostile_problem(seed)),
                 ("srdf", "srdf", hostile_srdf(seed)),
                 ("mesh", *hostile_mesh(seed)),

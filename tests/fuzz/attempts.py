@@ -83,14 +83,21 @@ def load_mesh(path: str) -> None:
     read_mesh_file(Path(path))
 
 
-KNOWN = {"saved": load_saved, "urdf": load_urdf, "problem": load_problem, "srdf": load_srdf, "mesh": load_mesh}
-OWN_PROCESS = ("mesh",)
-"""What a process of its own reads: it is started, and its arrays are kept in the cache."""
+KNOWN = {
+    "saved": load_saved,
+    "urdf": load_urdf,
+    "mjcf": load_urdf,
+    "problem": load_problem,
+    "srdf": load_srdf,
+    "mesh": load_mesh,
+}
+OWN_PLACE = ("mesh", "mjcf")
+"""What is read in a process of its own, or copied to a folder of its own, of which nothing may be left."""
 
 
-def has_own_process(kind: str, path: str) -> bool:
-    """Whether a process of its own reads a file; one expands the macros of xacro."""
-    if kind in OWN_PROCESS:
+def has_own_place(kind: str, path: str) -> bool:
+    """Whether a file is read in a place of its own; a process expands the macros of xacro."""
+    if kind in OWN_PLACE:
         return True
     with open(path, "rb") as file:
         text = file.read()
@@ -127,7 +134,7 @@ def main() -> None:
             where = traceback.extract_tb(error.__traceback__)[-1]
             answer, text = "raw", f"{type(error).__name__}: {str(error)[:300]} ({where.filename}:{where.lineno})"
         events = seen.copy()
-        if events and not has_own_process(kind, path):
+        if events and not has_own_place(kind, path):
             answer, text = "wrote", "; ".join(events[:5])
         print(json.dumps([answer, text]), file=answers, flush=True)
 

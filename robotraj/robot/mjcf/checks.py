@@ -24,6 +24,7 @@ SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 """Least count of sizes of a shape; where ``fromto`` gives its ends, one."""
 LARGEST = 1e12
 """Largest number: squares and products of larger ones have no use and may overflow."""
+WORLD = "universe"
 NOT_NEGATIVE = ("size", "mass", "density", "diaginertia", "armature", "damping", "frictionloss", "stiffness")
 
 
@@ -61,7 +62,9 @@ def check_numbers(file: str, root: Element) -> None:
 
 
 def check_names(file: str, root: Element) -> None:
-    """Refuse bodies and joints that share a name, which MuJoCo refuses too and Pinocchio's reader does not.
+    """Refuse bodies and joints that share a name, which MuJoCo refuses too, or have one of Pinocchio's own.
+
+    Its reader ends the process on some of them.
 
     Raises
     ------
@@ -71,6 +74,8 @@ def check_names(file: str, root: Element) -> None:
     for tag in ("body", "joint"):
         every = (element.get("name") for world in root.findall("worldbody") for element in world.iter(tag))
         for name, count in Counter(filter(None, every)).items():
+            if name == WORLD:
+                raise InputError(f"{file}: a <{tag}> is named {WORLD!r}, Pinocchio's name of the world; rename it.")
             if count > 1:
                 raise InputError(f"{file}: {count} elements <{tag}> are named {name[:60]!r}; give each its own name.")
 

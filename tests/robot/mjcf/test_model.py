@@ -144,6 +144,7 @@ def test_meshes_of_every_compiler_and_class_lie_inside(tmp_path):
         ('pos="0 0 0.4"', 'pos="0 0"', "pos='0 0' of <body> 'fore' has 2 numbers; give 3"),
         ('range="0 0.1"', 'range="0"', "range='0' of <joint> 'slide' has 1 numbers; give 2"),
         ('name="elbow"', 'name="shoulder"', "2 elements <joint> are named 'shoulder'; give each its own name"),
+        ('name="elbow"', 'name="universe"', "is named 'universe', Pinocchio's name of the world"),
         ('name="fore"', 'name="upper"', "2 elements <body> are named 'upper'"),
         ('gear="10"', 'gear=" "', "gear=' ' of <motor>.* has 0 numbers; give 1"),
         ('name="fore"', 'name="' + "f" * 5000 + '"', "5000 characters"),
