@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from robotraj.planning.loop.gauss_sums import by_gauss
 from robotraj.planning.loop.local_optimum import can_be_solved_again
-from robotraj.planning.loop.measures import LEAST_GROWTH, largest_roughness
+from robotraj.planning.loop.measures import FAR, LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.planning.proving.clearing import ROUGH_SHORTFALL
 from robotraj.planning.proving.soft_friction import nearer
@@ -102,6 +103,9 @@ def _after_mesh(state: PlanState, found: Found) -> PlanState | PlanEnd:
         following = _after_failure(state, found.solution)
     else:
         steps = (*state.steps, motion.step)
+        summed = _summed(replace(state, steps=steps), motion)
+        if summed is not None:
+            return summed
         following = _finer(replace(state, best=motion, first=state.first or motion, steps=steps))
     if isinstance(following, PlanEnd):
         return _concluded(following)
@@ -131,6 +135,20 @@ def _after_failure(state: PlanState, failed: Solution) -> PlanState | PlanEnd:
         return PlanEnd(state, failed.status.value)
     meshes = tuple(evenly_finer(mesh, max(state.second, LEAST_GROWTH)) for mesh in state.meshes)
     return replace(state, meshes=meshes, why=_counted(meshes))
+
+
+def _summed(state: PlanState, motion: MeasuredMotion) -> PlanState | None:
+    """Return the state with other first meshes, whose sum is the integral that a motion has missed; it is the guess.
+
+    None where the sum is near, on later meshes, and where the motion jumps over a shape and is left for the guess.
+    """
+    meshes, proof = by_gauss(state.problem, motion.meshes), motion.proof
+    if not state.approximates or proof.quadrature <= FAR or proof.shortfall > ROUGH_SHORTFALL:
+        return None
+    if meshes == motion.meshes:
+        return None
+    settings = replace(state.settings, mesh=meshes)
+    return replace(state, settings=settings, guess=motion.solution, meshes=meshes, why="Gauss's rule for the objective")
 
 
 def _afresh(state: PlanState, meshes: Meshes) -> PlanState:

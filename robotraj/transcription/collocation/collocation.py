@@ -35,6 +35,7 @@ from robotraj.transcription.collocation.index_reduction import (
     rates_of,
 )
 from robotraj.transcription.collocation.invariants import impose_invariants
+from robotraj.transcription.collocation.joined import join_accelerations
 from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
 from robotraj.transcription.interval_limits.bernstein_bounds import impose_on_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
@@ -111,6 +112,7 @@ def collocate(
         if held:
             scatter.spread(at, corrections[:, :, None] * stage.outputs + corrected + component, -1.0)
         np.add.at(weights, run.places, run.clock_length[:, None] * scheme.objective_weights)
+    join_accelerations(phase, index, layout, rows, linear)
     fractions = layout.place_fractions
     base = np.arange(len(fractions))[:, None] * stage.outputs
     residual = rows.add(entries_of(index, dae.residuals), fractions, 0.0, 0.0)

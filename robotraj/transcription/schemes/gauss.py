@@ -29,9 +29,18 @@ def legendre_gauss(points: int) -> Array:
 
 @dataclass(frozen=True)
 class GaussLegendre(Collocation):
-    """Gauss-Legendre with ``points`` collocation points per interval, order 2 points."""
+    """Gauss-Legendre with ``points`` collocation points per interval, order 2 points.
+
+    Parameters
+    ----------
+    points : int
+    joined : bool
+        Whether accelerations of robots with a motor at every joint are continuous at the knots. With three points
+        motions are those of Hermite-Simpson, with Gauss's rule for the objective in place of Simpson's.
+    """
 
     points: int = 2
+    joined: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.points, int | np.integer) or self.points < 1:

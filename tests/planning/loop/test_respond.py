@@ -194,6 +194,36 @@ def test_knots_at_switches_and_smoother_controls_replace_a_motion_only_where_the
     assert isinstance(shorter, PlanEnd) and shorter.solution.objective == 0.99
 
 
+def test_a_sum_far_from_its_integral_gets_gauss_rule_on_the_first_mesh() -> None:
+    """The same motion is then the guess of a first mesh of as many points, once, and never of a later mesh."""
+    arm = rt.Phase(rt.load("two_link_arm"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort())
+    problem = rt.Problem([arm])
+    before = begin(problem, None, resolve(problem, {}))
+    gauss = rt.schemes.GaussLegendre(3, joined=True)
+
+    def missing(share: float, mesh: rt.Mesh) -> Found:
+        solve = found(unsettled=np.inf, mesh=mesh)
+        assert solve.measures is not None
+        return replace(solve, measures=replace(solve.measures, proof=replace(solve.measures.proof, quadrature=share)))
+
+    solve = missing(0.08, rt.Mesh(15))
+    following = respond(before, solve)
+    assert isinstance(following, PlanState)
+    assert isinstance(following.guess, Solved) and following.guess.mesh == rt.Mesh(15)
+    assert following.best is None and following.approximates
+    assert [(mesh.count, mesh.given) for mesh in following.meshes] == [(10, (gauss,))]
+    assert following.coarsest == following.meshes and len(following.steps) == 1
+    for state_then, then in (
+        (before, missing(0.04, rt.Mesh(15))),
+        (following, missing(0.08, following.meshes[0])),
+        (replace(before, number=1), missing(0.08, rt.Mesh(15))),
+    ):
+        later = respond(state_then, then)
+        assert isinstance(later, PlanState)
+        assert later.best is not None and later.number == state_then.number + 1
+        assert later.meshes[0].given == then.solution.phases[0].mesh.given
+
+
 def test_kinks_are_no_longer_rounded_where_the_goal_sees_it() -> None:
     sharp = rt.Problem(list(PROBLEM.phases))
     for rounded, problem in ((0.5 * GOALS.objective, PROBLEM), (2.0 * GOALS.objective, sharp)):
