@@ -215,9 +215,11 @@ def _differences(
 ) -> Iterator[Requirement]:
     """Compare positions and their differences at equal periods with the limits.
 
-    The controller gets the last position a whole period after the one before, as all others.
+    The controller gets the last position a whole period after the one before, as all others. Before a start at rest and
+    after an end at rest it gets the same position again.
     """
-    values = np.concatenate([np.repeat(points.q[:1], HELD, 0), points.q, np.repeat(points.q[-1:], HELD, 0)])
+    before, after = (HELD if np.abs(points.v[k]).max() <= REST else 0 for k in (0, -1))
+    values = np.concatenate([np.repeat(points.q[:1], before, 0), points.q, np.repeat(points.q[-1:], after, 0)])
     for order, name in enumerate(("position", "velocity", "acceleration", "jerk")):
         if order:
             values = np.diff(values, axis=0) * rate
@@ -238,7 +240,7 @@ def _differences(
         # Speeds and their rates below a lower limit are stated as magnitudes in that direction.
         sign = -1.0 if is_low and order else 1.0
         figure, bound = sign * float(values[k, joint]), sign * float((low if is_low else high)[joint])
-        where = f"{points.joints[joint]} at {max(0.0, (k - HELD + order) / rate):.4g} s"
+        where = f"{points.joints[joint]} at {max(0.0, (k - before + order) / rate):.4g} s"
         # A proof allows a small excess. Only a controller that stops the arm there is not content with it.
         allowed = Goals().excess if order and not known.rates_limited else ROUNDING
         holds = bool(excess[k, joint] <= allowed)

@@ -99,8 +99,12 @@ def test_a_motion_that_does_not_end_at_rest_is_not_accepted():
     robot = rt.load("two_link_arm")
     ends = rt.State(q=0, v=0), rt.State(q=[0.2, 0.1], v=[0.5, 0.0])
     moving = rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort(), limits=None), check=False)
-    rest = by_name(rt.solution.controller_report(moving, "joint_trajectory_controller"))["rest at the end"]
+    report = by_name(rt.solution.controller_report(moving, "joint_trajectory_controller"))
+    rest = report["rest at the end"]
     assert not rest.holds and rest.figure == pytest.approx(0.5) and rest.where == robot.actuated[0]
+    # The end is no jump to rest, which would be 0.5 rad/s in a period of 10 ms.
+    fastest = np.abs(moving.at(np.linspace(0.0, 1.0, 1001)).a).max()
+    assert report["acceleration"].figure < 1.1 * fastest < 0.5 / 0.01
 
 
 def test_the_goal_for_ros_has_the_fields_of_its_messages(franka, tmp_path):
