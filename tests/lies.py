@@ -21,7 +21,7 @@ Change = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class Liar(PhaseSolution):
-    """A phase whose samples are changed: functions of (t, values) by field, ``tau``, ``q``, ``v``, ``forces``."""
+    """A phase whose samples are changed: functions of (t, values) by field: tau, q, v, x, u, forces."""
 
     changes: tuple[tuple[str, Change], ...] = ()
 
@@ -36,10 +36,12 @@ class Liar(PhaseSolution):
         if "tau" in lies:
             tau = lies["tau"](times[..., None], sample.tau)
             changed["tau"] = tau
-            changed["u"] = Named("control", list(sample.u), [tau[..., i] for i in range(tau.shape[-1])])
-        if "u" in lies:
-            values = [lies["u"](times, np.asarray(sample.u[name])) for name in sample.u]
-            changed["u"] = Named("control", list(sample.u), values)
+            others = list(sample.u.values())[tau.shape[-1] :]
+            changed["u"] = Named("control", list(sample.u), [*np.moveaxis(tau, -1, 0), *others])
+        for kind in ("x", "u"):
+            if kind in lies:
+                named = getattr(sample, kind)
+                changed[kind] = Named(kind, list(named), [lies[kind](times, np.asarray(named[n])) for n in named])
         if "forces" in lies:
             for kind in ("z", "forces"):
                 named = getattr(sample, kind)

@@ -197,7 +197,7 @@ def plan(
     refinement       goals, a path                               Equidistribute(most=8.0)
                      goals, arms, friction                       Equidistribute(second=3.0, finest=400, slope=0.3)
                      goals, fully actuated                       RefinementOfShares()
-                     goals                                       Equidistribute()
+                     goals                                       RefinementOfStates()
                      tolerance, a path                           SplitAndMerge()
                      tolerance                                   SplitOrRaise()
                      otherwise                                   None

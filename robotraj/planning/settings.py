@@ -28,6 +28,7 @@ from robotraj.planning.proving.first_mesh import (
     OfProblem,
     ProportionalMeshes,
     RefinementOfShares,
+    RefinementOfStates,
     graded,
 )
 from robotraj.planning.setting_conditions import Case, Condition
@@ -171,7 +172,7 @@ RULES: tuple[Rule, ...] = (
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
     _rule("refinement", when.PROVED, when.EXACT, RefinementOfShares(), "the second mesh mostly settles the objective"),
-    _rule("refinement", when.PROVED, Equidistribute(), "the order of the scheme predicts the mesh"),
+    _rule("refinement", when.PROVED, RefinementOfStates(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),

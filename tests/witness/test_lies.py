@@ -166,6 +166,18 @@ def test_wrong_controls_of_a_small_system_are_noticed(factor: float) -> None:
     assert not rt.validate(lying(plan("oscillator of 1 um"), u=lambda t, x: factor * x)).passed
 
 
+def test_a_state_of_a_system_that_is_wrong_between_two_knots_is_noticed() -> None:
+    """By two percent, in the middle of one interval alone, where no window of the simulation ends."""
+    solution = plan("oscillator of 1 um")
+    begin, end = solution.knots[len(solution.knots) // 2 :][:2]
+    peak = np.abs(solution.at(solution.knots).x["x"]).max()
+
+    def shaken(t: Any, x: Any) -> Any:
+        return x + 0.02 * peak * np.exp(-(((t - 0.5 * (begin + end)) / (0.2 * (end - begin))) ** 2))
+
+    assert not rt.validate(lying(solution, x=shaken)).passed
+
+
 def test_the_claims_name_their_judges_and_what_they_leave_out() -> None:
     report = rt.validate(plan("ur5"))
     assert [claim.name for claim in report.claims] == [claim.name for claim in plan("ur5").claims]

@@ -47,7 +47,7 @@ Coarse meshes of robots that swing often end at other optima than finer ones. Ma
 other, which should be those of a small mesh.
 """
 CLEARLY = 1.4
-"""Least ratio of the numbers of intervals of two meshes whose objectives are compared."""
+"""Least ratio of the errors expected on two meshes whose objectives are compared."""
 SAFETY = 1.5
 """Factor on the growth that the order of the objective predicts.
 
@@ -206,17 +206,19 @@ def measured(
     on_paths = all(part.phase.path is not None for part in parts)
     bending = bending or on_paths
     bent = float(sum(each.sum() for each in bends)) if bending else 0.0
-    coarser = before if bending else _coarser(before, count)
+    order = _order(solution)
+    coarser, alike_meshes = (before, ()) if bending else _coarser(before, count, order)
     left_out = max(abs(solution.objective - true), bent, 0.0 if coarser is None else abs(coarser.objective - true))
     size = size_for(left_out, goals.objective, parts, true)
     coarse = bent / size
-    order = _order(solution)
     unsettled = expected
     if coarser is not None:
-        gained = abs(coarser.objective - true) / size
+        # A motion on another mesh as fine may show that more is to gain.
+        best = min([true, *(each.objective for each in alike_meshes if each.proof.motion_holds)])
+        gained = abs(coarser.objective - best) / size
         finer = max((count / coarser.intervals) ** order, coarser.coarse / coarse if coarse else 0.0)
         # The gain on finer meshes is unknown where this one is no finer than the last.
-        unsettled = gained / (finer - 1.0) if finer > 1.0 else expected
+        unsettled = gained / (finer - 1.0) + (true - best) / size if finer > 1.0 else expected
     if on_paths:
         # The time that lines lose is estimated from this mesh alone, too.
         unsettled = max(unsettled, coarse)
@@ -277,14 +279,15 @@ def _bends(part: PhaseSolution, bending: bool) -> Array:
     return unresolved(part.phase, part.trajectory, part.mesh.schemes, part.inputs)
 
 
-def _coarser(before: Measured | None, count: int) -> Measured | None:
-    """Return the last measures on a mesh coarser by ``CLEARLY``, or those on the coarsest mesh without one.
+def _coarser(before: Measured | None, count: int, order: float) -> tuple[Measured | None, tuple[Measured, ...]]:
+    """Return the last measures on a mesh with an error larger by ``CLEARLY``, and those on meshes since, about as fine.
 
-    The change of the objective from there bounds its remaining error.
+    Without one they are those on the coarsest mesh. The change of the objective from there bounds its remaining error.
     """
-    while before is not None and before.before is not None and CLEARLY * before.intervals > count:
-        before = before.before
-    return before if before is not None and before.intervals < count else None
+    since: tuple[Measured, ...] = ()
+    while before is not None and before.before is not None and (count / before.intervals) ** order < CLEARLY:
+        before, since = before.before, (*since, before)
+    return (before if before is not None and before.intervals < count else None), since
 
 
 def _assessment(part: PhaseSolution, errors: Array, broken: Array, growth: float) -> Assessment:

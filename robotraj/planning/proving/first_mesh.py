@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import field
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -35,6 +35,8 @@ STEP = 4
 """Intervals of the longest phase of a motion with contacts, by Lobatto IIIA with four points."""
 FEWEST = 2
 """Intervals of its shortest phases."""
+VALUES = 12 * 640
+"""Values of the states on the finest mesh of a system: those of an arm of six joints on 640 intervals."""
 CROWDING = 0.8
 """Concentration of the knots at the ends, from 0 for equal intervals to 1."""
 
@@ -71,6 +73,20 @@ class RefinementOfShares(OfProblem):
     def of(self, problem: Problem) -> Equidistribute:
         """Return the refinement of all phases."""
         return Equidistribute(second=SECOND + (NEXT - SECOND) * _ends(problem))
+
+
+@dataclass(frozen=True)
+class RefinementOfStates(OfProblem):
+    """Equidistribution whose finest mesh has ``VALUES`` values of the states, since small systems are solved quickly.
+
+    A mesh of 640 intervals is never too fine: an oscillation of many periods needs a dozen intervals for each.
+    """
+
+    def of(self, problem: Problem) -> Equidistribute:
+        """Return the refinement of all phases."""
+        own = Equidistribute()
+        states = max(1, *(len(phase.dae.states) for phase in problem.phases))
+        return replace(own, finest=max(own.finest, VALUES // states))
 
 
 def _ends(problem: Problem) -> float:

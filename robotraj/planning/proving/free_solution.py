@@ -39,7 +39,7 @@ CLEAR = 1.5e-3
 REACH = 0.03
 """Distance of links up to which a motion that overlaps has rows; those of a free motion reach everywhere [m]."""
 GAIN = 1e-2
-"""Least relative gain of the objective for which rows are fixed anew."""
+"""Least relative gain of the objective, or of the depth of overlaps, for which rows are fixed anew."""
 
 
 @dataclass(frozen=True, eq=False)

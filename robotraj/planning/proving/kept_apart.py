@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
-from robotraj.planning.proving.free_solution import SHALLOW, FreeSearch
+from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
 from robotraj.planning.proving.soft_friction import softest
 from robotraj.planning.solve import solve
@@ -47,9 +47,10 @@ PUSHES = 2
 LEAST_ITERATIONS = 100
 """Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
 NONE_YET = (np.inf, np.inf)
-"""Depths of overlaps, in sum, of the last two plans with rows; a further one is made while one of them is deeper.
+"""Depths of overlaps, in sum, of the last two plans with rows.
 
-Rows that push one pair out may push another one in, which the next rows then push out.
+A further one is made while one of them is deeper by a share of ``GAIN``. Rows that push one pair out may push another
+one in, which the next rows then push out.
 """
 STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""
@@ -209,7 +210,7 @@ class KeptApart:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
         depths = self._overlaps.depths_at(found, self._open)
         deep = sum(depth for each in depths for depth in each.values())
-        if deep >= max(self._deep):
+        if deep > (1.0 - GAIN) * max(self._deep):
             return None
         self._deep = (self._deep[1], deep)
         self._search = search.overlapped([motion_of(part) for part in found.phases], depths)

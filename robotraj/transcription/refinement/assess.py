@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+STILL = 1e-8
+"""Values of a state on an interval below this share of its largest one in the phase are rounding."""
+
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
     """Assess every interval of a phase; jumps of the control at moving knots are ignored."""
@@ -121,12 +124,14 @@ def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
 def _decays(trajectory: PhaseTrajectory) -> Array:
     """Return the least decay -d log10 |c_n| / dn of the Legendre coefficients of the states (K,)."""
     decays = []
+    least = STILL * np.abs(np.vstack(list(trajectory.x.values))).max(axis=0)
     for sites, values in zip(trajectory.x.sites, trajectory.x.values, strict=True):
         degree = len(sites) - 1
         coefficients = np.abs(np.polynomial.legendre.legfit(2 * sites - 1, values, degree))
-        scale = np.maximum(np.abs(values).max(axis=0), 1e-8)
+        scale = np.maximum(np.abs(values).max(axis=0), least)
         # Coefficients below round-off do not measure smoothness.
-        logs = np.log10(np.maximum(coefficients / scale, 1e-14))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            logs = np.log10(np.maximum(np.nan_to_num(coefficients / scale), 1e-14))
         slopes = np.polyfit(np.arange(1, degree + 1), logs[1:], 1)[0] if degree > 1 else logs[1] - logs[0]
         moving = coefficients[1:].max(axis=0) > 1e-10 * scale
         decays.append(float(np.min(-slopes[moving], initial=np.inf)))

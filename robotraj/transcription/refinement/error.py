@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj.dynamics.rigid_body import InverseRigidBody
-from robotraj.robot.size.state_sizes import state_sizes
+from robotraj.robot.size.state_sizes import ROUNDING, state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -46,7 +46,9 @@ Indices = NDArray[np.int_]
 NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
 SOLVED = 1e-9
-"""Largest relative residual of a solution of the linear equations; above it they are singular."""
+"""Largest relative residual of a solution of the linear equations; above it they are singular.
+
+A Newton step is the last one if it changes no algebraic variable by more than this share of its largest value."""
 RANK = 1e-13
 """Singular values of singular equations below this, relative to the largest, count as zero."""
 DEPENDENT = 1e-5
@@ -192,7 +194,8 @@ def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Ar
             independent = None if held is None else _independent_rows(slopes, *held)
             change = _least_change(slopes, rows) if independent is None else _solved_least(independent, rows)
             z = z - change
-            if np.max(np.abs(change)) <= 1e-12 * (1.0 + np.max(np.abs(z))):
+            largest = np.abs(z).max(axis=0)
+            if np.all(np.abs(change) <= SOLVED * np.maximum(largest, ROUNDING * largest.max())):
                 break
     return equations.rates(t, x, z, u, p)
 

@@ -2,7 +2,8 @@
 
 A small error of an unstable motion grows without bound in an open-loop simulation, but not over a short window. The
 local error therefore decides whether the plan is a motion of the robot. It does not depend on the mesh: intervals
-longer than a window are simulated in equal parts, and shorter ones are joined.
+longer than a window are simulated in equal parts, and shorter ones are joined. Simulation and plan are compared at
+every step, so that a state that is wrong inside a window is seen, too.
 """
 
 from __future__ import annotations
@@ -25,9 +26,15 @@ from robotraj.witness.simulation.short_events import cut_at_events
 from robotraj.witness.simulation.spans import Span, Stopped
 from robotraj.witness.simulation.steps import Stepper
 
+INSIDE = 0.382
+"""Share of an interval of a System at which it is cut in two: no node of a collocation scheme."""
 
-def windows_of(knots: Array, longest: float) -> list[list[Span]]:
-    """Cut a phase into windows no longer than ``longest`` [s], each a list of spans without a knot inside."""
+
+def windows_of(knots: Array, longest: float, inside: bool = False) -> list[list[Span]]:
+    """Cut a phase into windows no longer than ``longest`` [s], each a list of spans without a knot inside.
+
+    An interval that would be one span becomes two where it is also compared ``inside``.
+    """
     windows: list[list[Span]] = []
     current: list[Span] = []
     for k, (begin, end) in enumerate(zip(knots[:-1], knots[1:], strict=True)):
@@ -39,6 +46,8 @@ def windows_of(knots: Array, longest: float) -> list[list[Span]]:
             windows.append(current)
             current = []
         cuts = np.linspace(begin, end, count + 1)
+        if inside and count == 1:
+            cuts = np.array([begin, begin + INSIDE * (end - begin), end])
         spans = [Span(float(a), float(b), k) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
         if count > 1:
             windows += [[span] for span in spans]
@@ -66,7 +75,8 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
         if before is not None:
             handed = handed_on(solution, i, plant, own, before)
             found.append(_seam(plant, handed, own, sizes[i], float(knots[0]), phase))
-        windows = cut_at_events(planned, windows_of(knots, longest), plant.names, sizes[i])
+        # Inside the intervals of robots, inverse dynamics are compared (``checks.torques``).
+        windows = cut_at_events(planned, windows_of(knots, longest, robot is None), plant.names, sizes[i])
         found.append(local_error_of(plant, windows, phase, sizes[i], rtol, atol, clock))
         image = None if mirror is None else mirror_image(realised(planned), mirror)
         if image is not None:
@@ -90,31 +100,36 @@ def local_error_of(
     Returns
     -------
     tuple of DriftRow
-        By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is the
-        size of the state in the plan. Infinite where a simulation stopped.
+        By state: largest |simulated - planned| at the end of any step of a window, or jump of the plan at a knot. Its
+        scale is the size of the state in the plan. Infinite where a simulation stopped.
     """
     begins = _ends(plant, windows, 0)
-    ends = _ends(plant, windows, -1)
     stepper = Stepper(plant, [span for window in windows for span in window], plant.spread(sizes), rtol, atol, clock)
-    reached = np.full_like(ends, np.nan)
-    for i, window in enumerate(windows):
+    times, states, intervals = [], [], []
+    for x, window in zip(begins, windows, strict=True):
         clock()
-        x = begins[i]
-        try:
-            for span in window:
-                _, states = stepper.through(x, span)
-                x = states[-1]
-        except Stopped:
-            continue
-        reached[i] = x
-    gaps = np.nan_to_num(np.abs(plant.gaps(reached, ends)), nan=np.inf)
+        for span in window:
+            try:
+                at, found = stepper.through(x, span)
+            except Stopped:
+                at, found = np.array([window[-1].end]), np.full((1, len(x)), np.nan)
+            # The first state is that of the window, or the last one of the span before.
+            later = slice(0 if len(at) == 1 or span is not window[0] else 1, None)
+            times.append(at[later])
+            states.append(found[later])
+            intervals.append(np.full(len(at[later]), span.interval))
+            x = found[-1]
+            if not np.isfinite(x).all():
+                break
+    seen, every = np.concatenate(times), np.concatenate(intervals)
+    gaps = np.nan_to_num(np.abs(plant.gaps(np.concatenate(states), plant.states(seen, every))), nan=np.inf)
     if len(windows) > 1:
-        # A jump of the plan at a knot is an error too.
-        jumps = np.abs(plant.gaps(begins[1:], ends[:-1]))
-        gaps[:-1] = np.maximum(gaps[:-1], np.nan_to_num(jumps, nan=np.inf))
-    times = np.array([window[-1].end for window in windows])
+        # A jump of the plan between two windows is an error too.
+        jumps = np.abs(plant.gaps(begins[1:], _ends(plant, windows, -1)[:-1]))
+        gaps = np.vstack([np.nan_to_num(jumps, nan=np.inf), gaps])
+        seen = np.append([window[-1].end for window in windows[:-1]], seen)
     return tuple(
-        _row(name, unit, gaps[:, j], float(sizes[j]), times, phase)
+        _row(name, unit, gaps[:, j], float(sizes[j]), seen, phase)
         for j, (name, unit) in enumerate(zip(plant.gap_names, plant.gap_units, strict=True))
     )
 

@@ -77,3 +77,21 @@ def test_a_mesh_that_is_no_finer_says_nothing_of_the_objective(bending: bool) ->
     again = measured(solution, first, rt.solution.Goals(), bending)
     assert first.proof.unsettled == again.proof.unsettled == np.inf
     assert measured(solution, first, rt.solution.Goals(), bending, expected=0.5).proof.unsettled == 0.5
+
+
+def test_a_better_motion_on_another_mesh_as_fine_is_still_to_gain() -> None:
+    """Objectives 1.2 and 1.01 on 20 and 40 intervals: by the order 2 a third of the change is left."""
+    block = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
+    phase = rt.Phase(block, 1.0, rt.State([0.0, 0.0]), rt.State([1.0, 0.0]), rt.Effort())
+    solution = rt.plan(phase, rt.Mesh(40, rt.HermiteSimpson()))
+    fine = measured(solution, None, rt.solution.Goals())
+    coarse = replace(fine, objective=1.2 * fine.objective, meshes=(rt.Mesh(20),), before=fine)
+    better = replace(fine, objective=0.99 * fine.objective, before=coarse)
+
+    def unsettled(before: object) -> float:
+        return measured(solution, before, rt.solution.Goals()).proof.unsettled
+
+    assert unsettled(coarse) == pytest.approx(0.2 / 3, rel=1e-3)
+    assert unsettled(better) == pytest.approx(0.21 / 3 + 0.01, rel=1e-3)
+    # A mesh whose solution is no motion shows nothing.
+    assert unsettled(replace(better, proof=replace(better.proof, error=1.0))) == pytest.approx(0.2 / 3, rel=1e-3)

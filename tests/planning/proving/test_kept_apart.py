@@ -9,7 +9,9 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.kept_apart import LEAST_ITERATIONS
+from robotraj.planning.proving.free_solution import FreeSearch
+from robotraj.planning.proving.kept_apart import LEAST_ITERATIONS, KeptApart
+from robotraj.planning.proving.own_overlaps import motion_of
 from robotraj.robot.collision.own_body import own_body
 from robotraj.solvers.status import Status
 
@@ -146,3 +148,16 @@ def test_a_plan_from_a_solution_that_rows_keep_apart_has_these_rows_at_once() ->
     assert warm.iterations <= 0.4 * cold.iterations
     # Either optimum is one along rows that are fixed on a motion near it.
     assert warm.objective == pytest.approx(cold.objective, rel=2e-3)
+
+
+def test_rows_that_gain_nothing_but_rounding_are_not_fixed_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The depth falls by 1e-12 of itself from plan to plan: without a limit of time the plans would have no end."""
+    phase = rt.Phase(rt.load("ur5"), 1.0, wrist(0.6), wrist(2.4), rt.Effort(), self_collision=False)
+    solution, problem = rt.plan(phase), rt.Problem([phase.with_(self_collision=True)])
+    apart = KeptApart(problem, solution.settings)
+    apart._patience = LEAST_ITERATIONS
+    pairs, motion = apart._overlaps.of(0, solution.phases[0]), motion_of(solution.phases[0])
+    search = FreeSearch.begin(problem, apart._overlaps.bodies, [motion], False, [pairs], solution)
+    depths = iter([0.03 * (1.0 - 1e-12) ** k for k in range(9)])
+    monkeypatch.setattr(apart._overlaps, "depths_at", lambda *_: [dict.fromkeys(pairs, next(depths))])
+    assert pairs and sum(apart._further(solution, search) is not None for _ in range(9)) == 2

@@ -85,3 +85,23 @@ def test_an_oscillator_is_brought_to_rest_alike_at_every_amplitude(amplitude: fl
     assert solution.objective == pytest.approx(start @ np.linalg.solve(gramian, start), rel=1e-3)
     assert solution.proof is not None and solution.proof.holds
     assert rt.validate(solution).passed
+
+
+@pytest.mark.parametrize(("amplitude", "frequency"), [(1.0, 200.0), (1e-6, 200.0), (1e-3, 400.0)])
+def test_the_effort_that_stills_an_oscillator_of_many_periods_is_that_by_its_gramian(
+    amplitude: float, frequency: float
+) -> None:
+    """x'' = u - w^2 x from (a, 0) to rest in 1 s: J = a^2 e' W^-1 e with W the Gramian, for 30 to 60 periods.
+
+    With e = (cos w, -w sin w) the integrals of s^2 / w^2, s c / w and c^2 over the second make W.
+    """
+    w = frequency
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"] - w**2 * p.x["x"]])
+    phase = rt.Phase(system, 1.0, rt.State([amplitude, 0]), rt.State([0, 0]), rt.Effort())
+    twice = np.sin(2 * w) / (4 * w)
+    mixed = np.sin(w) ** 2 / (2 * w**2)
+    gramian = np.array([[(0.5 - twice) / w**2, mixed], [mixed, 0.5 + twice]])
+    end = amplitude * np.array([np.cos(w), -w * np.sin(w)])
+    solution = rt.plan(phase, progress=False)
+    assert solution.objective == pytest.approx(end @ np.linalg.solve(gramian, end), rel=1e-3)
+    assert solution.proof is not None and solution.proof.holds

@@ -41,6 +41,12 @@ def test_decay_is_the_slope_of_the_legendre_coefficients(coefficients: list[floa
     np.testing.assert_allclose(found.decays, decay, rtol=1e-5)
 
 
+@pytest.mark.parametrize("unit", [1e-12, 1e6])
+def test_a_decay_is_the_same_in_any_unit(unit: float) -> None:
+    found = seen(lambda s: unit * np.polynomial.legendre.legval(2 * s - 1, [0.0, 1.0, 0.1, 0.01]), lambda k, s: 0.0 * s)
+    np.testing.assert_allclose(found.decays, 1.0, rtol=1e-5)
+
+
 def test_a_jump_is_a_share_of_the_controls_range() -> None:
     """u falls by 1 in the first interval, by 1 before the second, by 2 before the third; its range is 4."""
     levels = [[4.0, 3.0], [2.0, 2.0], [0.0, 0.0]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -10,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
+from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.error import interval_errors
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
@@ -185,3 +187,21 @@ def test_smoothness_and_switches_are_seen() -> None:
     assert assess(smooth.phase, smooth.trajectory, smooth.mesh, settled=True).decays.min() > 0.8
     rough = planned(rt.schemes.RadauIIA(8), 1)
     assert assess(rough.phase, rough.trajectory, rough.mesh, settled=True).decays.min() < 0.5
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e6])
+def test_the_estimate_of_a_dae_is_the_same_in_any_unit_of_its_algebraic_variable(unit: float) -> None:
+    """z^3 + z = sin 3t, with z in another unit: Newton's steps end by the variable's own size."""
+
+    def phase(unit: float) -> rt.Phase:
+        def residual(point: Any) -> list[Any]:
+            z = point.z["z"] / unit
+            return [z**3 + z - ca.sin(3 * point.t)]
+
+        system = rt.System(["x"], [], lambda p: [p.z["z"] / unit], algebraic=["z"], residual=residual)
+        return rt.Phase(system, 2.0, rt.State([0.0]))
+
+    motion = rt.plan(phase(1.0), rt.Mesh(4, rt.HermiteSimpson())).phases[0].trajectory
+    z = PiecewisePolynomial(motion.z.breaks, motion.z.sites, [unit * np.asarray(values) for values in motion.z.values])
+    found, right = (interval_errors(phase(u), replace(motion, z=own)) for u, own in ((unit, z), (1.0, motion.z)))
+    np.testing.assert_allclose(found, right, rtol=1e-6)
