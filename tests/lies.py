@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 import robotraj as rt
+from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.variable import Named
 from robotraj.solution.phase_solution import PhaseSolution
 
@@ -54,6 +55,17 @@ def lying(solution: rt.Solution, **changes: Change) -> rt.Solution:
     """Change the samples of all phases."""
     told = tuple(changes.items())
     return replace(solution, phases=tuple(Liar(p.phase, p.mesh, p.trajectory, told) for p in solution.phases))
+
+
+def stored(solution: rt.Solution, which: str, change: Callable[[Array], Array]) -> rt.Solution:
+    """Change the values (k, n) that every interval stores of ``"x"``, ``"z"`` or ``"u"``."""
+
+    def other(part: PhaseSolution) -> PhaseSolution:
+        kept = getattr(part.trajectory, which)
+        values = PiecewisePolynomial(kept.breaks, kept.sites, [change(np.asarray(each)) for each in kept.values])
+        return PhaseSolution(part.phase, part.mesh, replace(part.trajectory, **{which: values}))
+
+    return replace(solution, phases=tuple(map(other, solution.phases)))
 
 
 def elsewhere(solution: rt.Solution, change: Callable[[rt.Phase], rt.Phase]) -> rt.Solution:

@@ -205,7 +205,7 @@ def validate(
     over = within("links over the ground", lambda: link_depths_of(solution, swings or (), few, clock), True)
     depths, oversized = over or ((), ())
     tracked = within("tracking", lambda: closed_loop_of(solution, LOCAL_RTOL, LOCAL_ATOL, clock), tracking is not None)
-    loads = within("torques", lambda: torque_error(phases, clock), torques is not None)
+    loads = within("torques", lambda: torque_error(phases, clock, solution.proof is not None), torques is not None)
     rates = within("rates", lambda: rate_error(phases, sizes_of(solution)), torques is not None)
     rough = within("model", lambda: coulomb_drift(solution, clock), friction is not None)
     cost = within("objective", lambda: objective_check(solution, clock), objective is not None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from tests.lies import axis, elsewhere, lying, with_model
+from tests.lies import axis, elsewhere, lying, stored, with_model
 
 Lie = Callable[[rt.Solution], rt.Solution]
 
@@ -176,6 +177,12 @@ def test_a_state_of_a_system_that_is_wrong_between_two_knots_is_noticed() -> Non
         return x + 0.02 * peak * np.exp(-(((t - 0.5 * (begin + end)) / (0.2 * (end - begin))) ** 2))
 
     assert not rt.validate(lying(solution, x=shaken)).passed
+
+
+@pytest.mark.parametrize(("name", "which"), [*product(QUICK, "xzu"), ("hopper", "x"), ("hopper", "z")])
+def test_what_a_plan_stores_is_that_of_its_motion(name: str, which: str) -> None:
+    """States, accelerations, contact forces and torques at the collocation points, each two percent too large."""
+    assert not rt.validate(stored(plan(name), which, lambda values: 1.02 * values)).passed
 
 
 def test_the_claims_name_their_judges_and_what_they_leave_out() -> None:

@@ -11,6 +11,8 @@ force that gives the joint its momentum (M v)_i within the time of the phase. It
 among joints of the same unit. A machine that is slow or light has small loads, and its force
 is judged by these.
 
+What a plan stores at its collocation points is compared with its motion (``stored_inputs``), relative to s_i too.
+
 Positions are compared with velocities by the same measure, and inside each window too, since a position that is wrong
 between two ends of windows is seen there alone:
 
@@ -35,6 +37,7 @@ from robotraj.robot.size.error_window import error_window
 from robotraj.robot.tangent import velocities
 from robotraj.witness.checks.joint_error import JointError
 from robotraj.witness.checks.residual import TORQUE_UNITS
+from robotraj.witness.checks.stored_inputs import stored_off
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.plants.plant import RATE_UNITS
@@ -87,13 +90,17 @@ class RateError(JointError):
 
 @dataclass(frozen=True)
 class _Missing(OneLine):
-    """Missing impulses of the intervals (K, nv) with their ends (K,), and the largest loads (nv,) of one phase."""
+    """Missing impulses of the intervals (K, nv) with their ends (K,), and the largest loads (nv,) of one phase.
+
+    ``stored`` (nv,) is how far what the phase stores is off its motion (``stored_inputs``).
+    """
 
     planned: PhaseSolutionLike
     begins: Array
     ends: Array
     impulses: Array
     loads: Array
+    stored: Array
 
 
 def rate_error(phases: Sequence[PhaseSolutionLike], sizes: Sequence[Array]) -> RateError | None:
@@ -155,12 +162,15 @@ def _windows(begins: Array, ends: Array, window: float) -> Iterator[tuple[int, i
         first = last + 1
 
 
-def torque_error(phases: Sequence[PhaseSolutionLike], clock: Callable[[], None] = lambda: None) -> TorqueError | None:
+def torque_error(
+    phases: Sequence[PhaseSolutionLike], clock: Callable[[], None] = lambda: None, stored: bool = False
+) -> TorqueError | None:
     """Return the worst error of torques and contact forces over all robots' phases; None without a robot.
 
-    Phases with the same joints share their loads.
+    Phases with the same joints share their loads. What they have ``stored`` is compared, too, where it is that of a
+    proved plan: on a coarse mesh of one's own it differs from the motion between its points.
     """
-    parts = [_missing(planned, clock) for planned in phases if planned.phase.robot is not None]
+    parts = [_missing(planned, clock, stored) for planned in phases if planned.phase.robot is not None]
     found = [row for part in parts for row in _errors(part, parts)]
     return max(found, key=lambda row: row.relative, default=None)
 
@@ -175,7 +185,7 @@ def _errors(part: _Missing, parts: Sequence[_Missing]) -> list[TorqueError]:
     sizes = np.array([max(own[i], SHARE * own[units == unit].max(), least) for i, unit in enumerate(units)])
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     sums = np.vstack([np.zeros(len(names)), np.cumsum(part.impulses, axis=0)])
-    worst = np.zeros(len(names))
+    worst = part.stored
     times = np.full(len(names), part.begins[0] if len(part.begins) else 0.0)
     for first, last, length in _windows(part.begins, part.ends, error_window(robot)):
         with np.errstate(invalid="ignore"):
@@ -190,7 +200,7 @@ def _errors(part: _Missing, parts: Sequence[_Missing]) -> list[TorqueError]:
     ]
 
 
-def _missing(planned: PhaseSolutionLike, clock: Callable[[], None]) -> _Missing:
+def _missing(planned: PhaseSolutionLike, clock: Callable[[], None], stored: bool) -> _Missing:
     """Integrate the missing forces of every interval by Clenshaw and Curtis's rule."""
     robot = realised(planned)
     model, data = robot.model, robot.model.createData()
@@ -225,8 +235,15 @@ def _missing(planned: PhaseSolutionLike, clock: Callable[[], None]) -> _Missing:
         begins.append(part.begins)
         ends.append(part.ends)
     if not begins:
-        return _Missing(planned, np.zeros(0), np.zeros(0), np.zeros((0, model.nv)), loads)
-    return _Missing(planned, np.concatenate(begins), np.concatenate(ends), np.vstack(impulses), loads)
+        return _Missing(planned, np.zeros(0), np.zeros(0), np.zeros((0, model.nv)), loads, still)
+    return _Missing(
+        planned,
+        np.concatenate(begins),
+        np.concatenate(ends),
+        np.vstack(impulses),
+        loads,
+        stored_off(planned) if stored else still,
+    )
 
 
 def _weights(count: int) -> Array:

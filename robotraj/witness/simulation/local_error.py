@@ -2,8 +2,11 @@
 
 A small error of an unstable motion grows without bound in an open-loop simulation, but not over a short window. The
 local error therefore decides whether the plan is a motion of the robot. It does not depend on the mesh: intervals
-longer than a window are simulated in equal parts, and shorter ones are joined. Simulation and plan are compared at
-every step, so that a state that is wrong inside a window is seen, too.
+longer than a window are simulated in equal parts, and shorter ones are joined.
+
+Simulation and plan of a System are also compared at every knot and once inside every interval, where no window ends.
+Inside the windows of robots inverse dynamics are compared (``checks.torques``): the speed of a light joint with damping
+may differ for a moment there, and moves nothing.
 """
 
 from __future__ import annotations
@@ -75,9 +78,8 @@ def local_errors(solution: SolutionLike, rtol: float, atol: float, clock: Callab
         if before is not None:
             handed = handed_on(solution, i, plant, own, before)
             found.append(_seam(plant, handed, own, sizes[i], float(knots[0]), phase))
-        # Inside the intervals of robots, inverse dynamics are compared (``checks.torques``).
         windows = cut_at_events(planned, windows_of(knots, longest, robot is None), plant.names, sizes[i])
-        found.append(local_error_of(plant, windows, phase, sizes[i], rtol, atol, clock))
+        found.append(local_error_of(plant, windows, phase, sizes[i], rtol, atol, clock, robot is None))
         image = None if mirror is None else mirror_image(realised(planned), mirror)
         if image is not None:
             half = RobotPlant(planned, robot=image)
@@ -94,14 +96,15 @@ def local_error_of(
     rtol: float,
     atol: float,
     clock: Callable[[], None],
+    inside: bool = False,
 ) -> tuple[DriftRow, ...]:
-    """Simulate the windows of a phase and compare each with the plan at its end.
+    """Simulate the windows of a phase and compare each with the plan at its end, and ``inside`` at the ends of spans.
 
     Returns
     -------
     tuple of DriftRow
-        By state: largest |simulated - planned| at the end of any step of a window, or jump of the plan at a knot. Its
-        scale is the size of the state in the plan. Infinite where a simulation stopped.
+        By state: largest |simulated - planned| at the end of any window, or jump of the plan there. Its scale is the
+        size of the state in the plan. Infinite where a simulation stopped.
     """
     begins = _ends(plant, windows, 0)
     stepper = Stepper(plant, [span for window in windows for span in window], plant.spread(sizes), rtol, atol, clock)
@@ -113,23 +116,26 @@ def local_error_of(
                 at, found = stepper.through(x, span)
             except Stopped:
                 at, found = np.array([window[-1].end]), np.full((1, len(x)), np.nan)
-            # The first state is that of the window, or the last one of the span before.
-            later = slice(0 if len(at) == 1 or span is not window[0] else 1, None)
-            times.append(at[later])
-            states.append(found[later])
-            intervals.append(np.full(len(at[later]), span.interval))
             x = found[-1]
-            if not np.isfinite(x).all():
+            stopped = not np.isfinite(x).all()
+            if inside or stopped or span is window[-1]:
+                # The plan may jump at the begin of a span, too.
+                seen = [0, -1] if inside and span is not window[0] else [-1]
+                times.append(at[seen])
+                states.append(found[seen])
+                intervals.append(np.full(len(seen), span.interval))
+            if stopped:
                 break
-    seen, every = np.concatenate(times), np.concatenate(intervals)
-    gaps = np.nan_to_num(np.abs(plant.gaps(np.concatenate(states), plant.states(seen, every))), nan=np.inf)
+    compared = np.concatenate(times)
+    planned = plant.states(compared, np.concatenate(intervals))
+    gaps = np.nan_to_num(np.abs(plant.gaps(np.concatenate(states), planned)), nan=np.inf)
     if len(windows) > 1:
         # A jump of the plan between two windows is an error too.
         jumps = np.abs(plant.gaps(begins[1:], _ends(plant, windows, -1)[:-1]))
         gaps = np.vstack([np.nan_to_num(jumps, nan=np.inf), gaps])
-        seen = np.append([window[-1].end for window in windows[:-1]], seen)
+        compared = np.append([window[-1].end for window in windows[:-1]], compared)
     return tuple(
-        _row(name, unit, gaps[:, j], float(sizes[j]), seen, phase)
+        _row(name, unit, gaps[:, j], float(sizes[j]), compared, phase)
         for j, (name, unit) in enumerate(zip(plant.gap_names, plant.gap_units, strict=True))
     )
 
