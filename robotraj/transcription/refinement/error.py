@@ -58,6 +58,8 @@ Of legs in nearly parallel planes, these values are 1e-8 to 1e-6, others above 1
 
 CLOSELY = 2**13
 """Points of a System's phase at which its equations are searched for short events."""
+PANEL = 64
+"""Largest number of points of one rule of Gauss."""
 EVENT = 2.0
 """Ratio of the errors at many and at few points of an interval above which an event lies between the few."""
 
@@ -100,7 +102,7 @@ def _residuals_at(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | No
     times: list[Array] = []
     weights: list[Array] = []
     for k, count in enumerate(counts):
-        points, w = gauss(count)
+        points, w = _rule(count)
         length = breaks[k + 1] - breaks[k]
         times.append(breaks[k] + 0.5 * length * (points + 1.0))
         weights.append(0.5 * length * w)
@@ -109,8 +111,19 @@ def _residuals_at(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs | No
     z, u = (inputs or PlannedInputs(trajectory)).at(t)
     p = np.array(list(trajectory.parameters.values()), dtype=float)
     values = xdot - _rates(phase, t, x, z, u, p)
-    interval = np.repeat(np.arange(len(counts)), counts)
+    interval = np.repeat(np.arange(len(counts)), [len(each) for each in weights])
     return Residuals(interval, np.concatenate(weights), values, _decay(phase, t, x, z, u, p))
+
+
+def _rule(count: int) -> tuple[Array, Array]:
+    """Return at least ``count`` points of [-1, 1] with their weights: Gauss's rule, of ``PANEL`` points on equal parts.
+
+    The points of one rule are eigenvalues, whose time grows with the cube of their number.
+    """
+    parts = -(-count // PANEL)
+    points, weights = gauss(min(count, PANEL))
+    begins = -1.0 + 2.0 * np.arange(parts)[:, None] / parts
+    return (begins + (points + 1.0) / parts).ravel(), np.tile(weights / parts, parts)
 
 
 def interval_errors(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from time import process_time
 from typing import Any
 
 import casadi as ca
@@ -205,3 +206,17 @@ def test_the_estimate_of_a_dae_is_the_same_in_any_unit_of_its_algebraic_variable
     z = PiecewisePolynomial(motion.z.breaks, motion.z.sites, [unit * np.asarray(values) for values in motion.z.values])
     found, right = (interval_errors(phase(u), replace(motion, z=own)) for u, own in ((unit, z), (1.0, motion.z)))
     np.testing.assert_allclose(found, right, rtol=1e-6)
+
+
+def test_one_long_interval_is_estimated_without_a_rule_of_thousands_of_points() -> None:
+    """Their eigenvalues took minutes. The estimate of x' = cos 40 t by a line from 0 to sin 40 is the integral of its
+    residual |sin 40 - cos 40 t| over the second, relative to the range of x."""
+    phase = rt.Phase(rt.System(["x"], [], lambda p: [ca.cos(40 * p.t)]), 1.0, rt.State([0.0]))
+    motion = rt.plan(phase, rt.Mesh(1, rt.schemes.Trapezoidal())).phases[0].trajectory
+    ends = np.array([[0.0], [np.sin(40.0)]])
+    line = replace(motion, x=PiecewisePolynomial(motion.x.breaks, [np.array([0.0, 1.0])], [ends]))
+    t = (np.arange(100_000) + 0.5) / 100_000
+    right = np.abs(np.sin(40.0) - np.cos(40.0 * t)).mean() / np.sin(40.0)
+    begin = process_time()
+    np.testing.assert_allclose(interval_errors(phase, line), right, rtol=1e-3)
+    assert process_time() - begin < 1.0
