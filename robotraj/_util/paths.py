@@ -33,7 +33,8 @@ def input_path(path: object, what: str) -> Path:
         found.exists()
     except (TypeError, ValueError, OSError, RuntimeError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise InputError(f"{what} is {brief(path)}, which is no path of a file: {reason[:100]}.") from error
+        named = brief(str(path) if isinstance(path, os.PathLike) else path)
+        raise InputError(f"{what} is {named}, which is no path of a file: {reason[:100]}.") from error
     return found
 
 

@@ -57,3 +57,16 @@ def test_what_is_no_path_of_a_file_is_an_error_that_says_so(
     with pytest.raises(rt.InputError) as error:
         READERS[reader](path)
     assert len(str(error.value)) < 1500
+
+
+def test_a_path_is_named_in_the_message() -> None:
+    with pytest.raises(
+        rt.InputError, match=r"The saved solution is 'n{10,}\.\.\.', which is no path of a file: File name"
+    ):
+        rt.load_solution(Path("n" * 300))
+
+
+@pytest.mark.parametrize("reader", ["robot", "solution", "problem file"])
+def test_a_device_is_named_as_what_it_is(reader: str) -> None:
+    with pytest.raises(rt.InputError, match="is no regular file"):
+        READERS[reader]("/dev/zero")

@@ -52,8 +52,10 @@ def contents(path: str | os.PathLike[str], most: int, what: str = "The file") ->
 
 
 def near_files(path: str | os.PathLike[str]) -> str:
-    """Return a sentence, after a space, on where a file that does not exist may be; empty without a near name."""
+    """Return a sentence, after a space, on a path that is no file: what it is, or a near name; empty without one."""
     missing = Path(path)
+    if os.path.exists(missing):
+        return " It is no regular file."
     try:
         if not missing.parent.is_dir():
             return f" Neither does the folder {str(missing.parent)!r}."
