@@ -24,6 +24,8 @@ ROUNDING = 1e-9
 """Relative excess over a bound that counts as round-off."""
 MILLI = 1e-3
 """Milliseconds in place of seconds: a duration that the speed limits allow in this unit too."""
+LONG = 100.0
+"""Least duration relative to what the speed limits need above which its unit is doubtful."""
 GREATEST = 1e9
 """Largest acceleration [rad/s^2, m/s^2] that a message names as sufficient."""
 
@@ -120,7 +122,7 @@ def check_durations(
             first, last = float(start.lower[at]), float(end.lower[at])
             speeds = float(start.lower[rate]), float(end.lower[rate])
             _check_travel(phase, _Travel(joint, unit, first, last, *speeds, speed, acceleration), longest)
-    if 0.0 < least <= MILLI * shortest:
+    if 0.0 < least <= MILLI * longest < np.inf and LONG * least <= shortest:
         warn(
             f"Phase {phase!r}: it takes at least {shortest:g} s, {shortest / least:.3g} times as long as its speed "
             f"limits need. The unit is s: {shortest:g} ms are {MILLI * shortest:g} s."

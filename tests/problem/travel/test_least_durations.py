@@ -57,6 +57,8 @@ def test_a_fixed_duration_that_seems_to_be_in_milliseconds_is_doubted() -> None:
     slow = rt.load("cartpole").limits.with_(velocity=2.0)
     with pytest.warns(UserWarning, match="The unit is s: 2000 ms are 2 s"):
         rt.Phase(rt.load("cartpole"), 2000.0, *ends, limits=slow)
+    with pytest.warns(UserWarning, match="The unit is s: 100 ms are 0.1 s"):
+        rt.Phase(rt.load("cartpole"), (100.0, 10000.0), *ends, limits=slow)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for duration in (2.0, (0.1, 2000.0)):  # an upper bound is no duration
