@@ -632,3 +632,9 @@ def test_braces_in_the_name_of_a_phase_are_letters(name: str, tmp_path: Path) ->
     swing = rt.Phase(rt.load("pendulum"), 1.0, *ends, rt.Effort(), [rt.GroundClearance("tip", -3.0)], name=name)
     solution = rt.plan(swing, mesh=rt.Mesh(4), check=False)
     assert rt.load_solution(solution.save(tmp_path / "named.npz")).phases[0].phase.name == name
+
+
+def test_a_problem_file_is_no_solution_but_has_one(tmp_path):
+    (tmp_path / "p.toml").write_text("[robot]")
+    with pytest.raises(rt.InputError, match=r"it is a problem file: robotraj plan .*p.toml --save motion.npz"):
+        rt.load_solution(tmp_path / "p.toml")

@@ -239,7 +239,9 @@ def _arrays(source: Path) -> tuple[dict[str, NDArray[np.generic]], Mapping[str, 
         about = _json(arrays, "about")
         kind, number = about["format"], about["version"]
     except (OSError, *REFUSALS) as error:
-        raise InputError(f"{str(source)!r} holds no robotraj solution: {error}; {ADVICE}") from error
+        of_problem = str(source).endswith(".toml")
+        advice = f"it is a problem file: robotraj plan {source} --save motion.npz solves it." if of_problem else ADVICE
+        raise InputError(f"{str(source)!r} holds no robotraj solution: {error}; {advice}") from error
     if kind != FORMAT:
         raise InputError(f"{str(source)!r} holds a {kind!r:.{WORD}}, not a {FORMAT!r}; {ADVICE}")
     if number != VERSION:
