@@ -1,10 +1,11 @@
-"""Plan 300 drawn problems again and compare: `python benchmarks/frozen/run.py [--kind KIND ...] [--every 10]`.
+"""Plan 300 drawn problems again and compare: `python benchmarks/frozen/run.py [--kind KIND ...] [--each 5]`.
 
 The problems are drawn from a fixed seed and are never changed or tuned to. Each is planned once, in one process, within
 ``SECONDS`` of processor time. ``RESULTS.csv`` holds the results of a past commit, which ``--write`` replaces for the
 kinds that were run. A comparison prints the problems that are no longer proved, objectives that rose by more than their
 goal, causes that no longer name the conflicting row, and processor seconds by kind. It fails where there are any of the
-first three.
+first three. To judge one change, write a table of the commit before it with ``--table FILE --write``, and compare with
+that: a plan is the same if its iterations and its objective are.
 """
 
 from __future__ import annotations
@@ -58,10 +59,13 @@ KINDS: Mapping[str, tuple[int, Draw]] = {
 Row = dict[str, str]
 
 
-def places(kinds: Iterable[str], every: int) -> list[tuple[str, int]]:
-    """Return kind and number of the problems that are run."""
-    whole = [(kind, number) for kind, (count, _) in KINDS.items() for number in range(count)]
-    return [place for place in whole[::every] if place[0] in kinds]
+def places(kinds: Iterable[str], every: int, each: int | None = None) -> list[tuple[str, int]]:
+    """Return kind and number of the problems that are run: every n-th, and of each kind so many, evenly spread."""
+    chosen = []
+    for kind, (count, _) in KINDS.items():
+        spread = np.arange(count) if each is None else np.linspace(0, count - 1, min(each, count)).round()
+        chosen += [(kind, int(number)) for number in spread]
+    return [place for place in chosen[::every] if place[0] in kinds]
 
 
 def drawn(kind: str, number: int) -> Drawn:
@@ -109,19 +113,19 @@ def _yes(holds: bool) -> str:
     return "yes" if holds else "no"
 
 
-def known() -> dict[tuple[str, int], Row]:
-    """Return the rows of the table by kind and number."""
-    if not TABLE.exists():
+def known(table: Path) -> dict[tuple[str, int], Row]:
+    """Return the rows of a table by kind and number."""
+    if not table.exists():
         return {}
-    with TABLE.open(newline="") as file:
+    with table.open(newline="") as file:
         return {(row["kind"], int(row["number"])): row for row in csv.DictReader(file)}
 
 
-def write(rows: Iterable[Row]) -> None:
-    """Write rows into the table in the order of the kinds, and keep the others."""
-    every = known() | {(row["kind"], int(row["number"])): row for row in rows}
+def write(rows: Iterable[Row], table: Path) -> None:
+    """Write rows into a table in the order of the kinds, and keep the others."""
+    every = known(table) | {(row["kind"], int(row["number"])): row for row in rows}
     order = [place for place in places(KINDS, 1) if place in every]
-    with TABLE.open("w", newline="") as file:
+    with table.open("w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(every[place] for place in order)
@@ -144,9 +148,9 @@ def worse(old: Row, new: Row) -> Iterator[str]:
         yield f"{where}: the cause no longer names the row ({new['cause']})"
 
 
-def compare(rows: list[Row]) -> int:
+def compare(rows: list[Row], table: Path) -> int:
     """Print the table by kind and what is worse; return the number of the latter."""
-    before = known()
+    before = known(table)
     pairs = [(before[place], row) for row in rows if (place := (row["kind"], int(row["number"]))) in before]
     print("| kind | problems | proved | before | seconds | before | ratio | iterations | before |")
     print("|---|" + "---:|" * 8)
@@ -156,7 +160,9 @@ def compare(rows: list[Row]) -> int:
             print(_summary(kind, own))
     found = [text for old, new in pairs for text in worse(old, new)]
     gained = [f"{new['kind']} {new['number']}" for old, new in pairs if old["proved"] == "no" != new["proved"]]
-    print(f"\n{len(found)} worse", *found, f"{len(gained)} newly proved: {', '.join(gained)}", sep="\n")
+    others = [f"{b['kind']} {b['number']}" for a, b in pairs if any(a[k] != b[k] for k in ("iterations", "objective"))]
+    print(f"\n{len(others)} of {len(pairs)} plans differ: {', '.join(others)}")
+    print(f"{len(found)} worse", *found, f"{len(gained)} newly proved: {', '.join(gained)}", sep="\n")
     return len(found)
 
 
@@ -177,20 +183,22 @@ def main() -> int:
     parser.add_argument("--kind", nargs="+", choices=KINDS, default=list(KINDS))
     parser.add_argument("--number", type=int, nargs="+", help="numbers within the kinds")
     parser.add_argument("--every", type=int, default=1, help="run every n-th problem")
+    parser.add_argument("--each", type=int, help="run so many problems of each kind")
+    parser.add_argument("--table", type=Path, default=TABLE, help="table of results, RESULTS.csv by default")
     parser.add_argument("--write", action="store_true", help="replace rows of the table instead of comparing")
     given = parser.parse_args()
     warnings.simplefilter("ignore")
     rt.plan(rt.Phase(rt.load("pendulum"), 1.0, rt.State(q=0, v=0), rt.State(q=1, v=0), rt.Effort()))  # imports
     rows = []
-    for kind, number in places(given.kind, given.every):
+    for kind, number in places(given.kind, given.every, given.each):
         if given.number is not None and number not in given.number:
             continue
         rows.append(planned(kind, number))
         gc.collect()
         print(*(rows[-1][name] for name in COLUMNS), sep="  ", flush=True)
         if given.write:
-            write(rows[-1:])
-    return 0 if given.write else int(compare(rows) > 0)
+            write(rows[-1:], given.table)
+    return 0 if given.write else int(compare(rows, given.table) > 0)
 
 
 if __name__ == "__main__":
