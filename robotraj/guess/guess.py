@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
 from robotraj.guess.along_path import check_no_path
 from robotraj.guess.ends import default_parameters
@@ -29,8 +30,6 @@ Array = NDArray[np.float64]
 
 ROBOT = ("q", "v", "a", "tau", "forces")
 SYSTEM = ("states", "controls", "algebraic")
-ROUNDING = 1e-6
-"""Relative difference of the times' span from the bounds of a duration that counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +176,7 @@ class Guess(InitialGuess):
 
     def _duration(self, phase: Phase) -> float:
         span, (low, high) = float(self._times[-1] - self._times[0]), phase.duration_bounds
-        if not low - ROUNDING * span <= span <= high + ROUNDING * span:
+        if not low - MET * span <= span <= high + MET * span:
             raise InputError(
                 f"times of rt.Guess span {span:g} s, but the duration of phase {phase.name!r} lies between {low:g} and "
                 f"{high:g} s. Scale the times and the velocities, or change the duration."

@@ -22,6 +22,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ Array = NDArray[np.float64]
 
 PLACES = 9
 """Number of points of the line at which torques are evaluated."""
-ROUND_OFF = 1e-9
-"""Lengths of lines relative to their ends, and torques relative to the largest, that count as zero."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +160,7 @@ class LineLimits:
         The second is 0 or less if the motors cannot hold the robot on the line, and infinite without limits. Both are 0
         for a line of length 0.
         """
-        moved = np.abs(line) > ROUND_OFF * np.max(np.abs([first, first + line]), initial=0.0)
+        moved = np.abs(line) > SAME * np.max(np.abs([first, first + line]), initial=0.0)
         if not moved.any():
             return 0.0, 0.0
         lower, upper = self.speeds
@@ -177,7 +176,7 @@ class LineLimits:
         springs = np.array([self.robot.resistance(q, zero) for q in places])
         held = gravity + springs + self.robot.friction * np.sign(line)
         reserve = np.minimum(upper - held, held - lower)
-        least = ROUND_OFF * np.max(inertia)
+        least = SAME * np.max(inertia)
         loaded = (inertia > least) | (reserve < 0)
         slopes = reserve[loaded] / np.maximum(inertia[loaded], max(least, np.finfo(float).tiny))
         return fastest, min(slope, float(np.min(slopes, initial=np.inf)))

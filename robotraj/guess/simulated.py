@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import MET, SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration, middle_of
 from robotraj.problem.constraints.bounds import Bounds
@@ -21,10 +22,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SAMPLES = 101
-"""Times of a simulated motion."""
-TOLERANCE = 1e-6
-"""Relative tolerance of the integration, and the absolute one in the states' units."""
 LARGEST = 1e6
 """Growth of a state, relative to its value at the start and at least 1, at which a simulation ends."""
 
@@ -102,7 +99,7 @@ def _simulated(rates: Callable[..., ca.DM], first: Array, controls: Array, param
         return float(np.min(most - np.abs(x)))
 
     within.terminal = True  # type: ignore[attr-defined]
-    tolerances = {"rtol": TOLERANCE, "atol": TOLERANCE}
+    tolerances = {"rtol": MET, "atol": MET}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         # LSODA warns of states that grow without limit.
         warnings.simplefilter("ignore")

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from robotraj._util.lazy_values import LazySequence
+from robotraj._util.precision import MET
 from robotraj.planning.proving.nlp_violations import violations
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.phase_solution import PhaseSolution
@@ -18,9 +19,6 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.extract import extract
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.refinement.objective_quadrature import smoothing_cost, surplus
-
-ROW_TOLERANCE = 1e-6
-"""Largest violation of a scaled row or bound that counts as met, when rows are evaluated outside the solver."""
 
 
 def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Solution:
@@ -41,7 +39,7 @@ def checked_solution(nlp: Nlp, outcome: Outcome, times: dict[str, float]) -> Sol
         ``Status.OVERDETERMINED`` where an infeasible NLP has more equations than unknowns.
     """
     outputs = nlp.outputs(outcome.w)
-    broken = violations(nlp, outcome.w, ROW_TOLERANCE, outputs)
+    broken = violations(nlp, outcome.w, MET, outputs)
     status = outcome.status
     if status is Status.SOLVED and broken:
         status = Status.ROWS_VIOLATED

@@ -51,8 +51,6 @@ VARIATION = "variation of the guess, which did not converge"
 
 UNRELAXED = 2
 """Largest number of variations from which the problem itself is solved, although its relaxed form has conflicts."""
-PATIENCE = 300
-"""Largest number of iterations of such a solve, which has no second opinion: most end without a motion."""
 
 Solve = Callable[[Problem, InitialGuess | Solution | None], Solution]
 """(problem, guess) -> Solution, on the same mesh."""
@@ -86,7 +84,7 @@ def restarted(
     solve : callable
         ``solve(problem, guess)`` solves on the same mesh.
     solve_briefly : callable
-        The same in at most ``PATIENCE`` iterations of one solver.
+        The same in few iterations of one solver: it has no second opinion, and most end without a motion.
     restarts : Restarts
     solve_coarse : callable
         ``solve_coarse(problem, guess)`` solves the relaxed problem on a coarse mesh.

@@ -11,13 +11,14 @@ from robotraj._util.system.interrupts import stop_if_noted
 from robotraj._util.time_left import used_time
 from robotraj.guess.default import as_guess, default_guess
 from robotraj.planning.diagnosis.exclusions.work_budgets import limits_work
-from robotraj.planning.diagnosis.relaxation.coarse_settings import coarse_settings
+from robotraj.planning.diagnosis.relaxation.coarse_settings import BRIEFLY, coarse_settings
 from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.clearing import Clearing
 from robotraj.planning.proving.limits_between import Posed, limited_between, with_surfaces
 from robotraj.planning.sizes.slack_powers import with_slack_powers
 from robotraj.planning.solve_nlp import solve_nlp
 from robotraj.planning.warm_start import (
+    PATIENCE,
     earlier_multipliers,
     earlier_program,
     earlier_rows,
@@ -44,9 +45,6 @@ from robotraj.transcription.transcribe import transcribe
 if TYPE_CHECKING:
     from robotraj.planning.diagnosis.infeasibility_check import InfeasibilityCheck
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
-
-STATED, TWICE = 200, 2.0
-"""Largest number of iterations of a solve with stated values, and the growth of the mesh for the second one."""
 
 
 def solve(
@@ -170,7 +168,6 @@ def _restarted(
     lower: bool,
 ) -> Solution:
     """Solve a problem that could not be solved from its guess from other ones."""
-    from robotraj.planning.restarts import PATIENCE as PATIENCE_OF_VARIATIONS
     from robotraj.planning.restarts import restarted
 
     def solve_again(
@@ -182,7 +179,7 @@ def _restarted(
             problem, start, replace(settings, solver=solver, restarts=Restarts(0)), progress, needs_rounds, lower
         )
 
-    briefly = partial(solve_again, solver=settings.solver.at_most(PATIENCE_OF_VARIATIONS))
+    briefly = partial(solve_again, solver=settings.solver.at_most(2 * PATIENCE))
     solve_coarse = partial(solve_relaxed, settings=settings, progress=progress)
     return restarted(solution, posed.nlp, guess, solve_again, briefly, settings.restarts, solve_coarse)
 
@@ -227,12 +224,12 @@ def has_motion(problem: Problem, settings: Settings, progress: Progress | None =
         for phase, is_free in zip(problem.phases, free, strict=True)
     ]
     problem = Problem(fastest, problem.links)
-    own = replace(settings, solver=settings.solver.at_most(STATED), restarts=Restarts(0))
+    own = replace(settings, solver=settings.solver.at_most(BRIEFLY), restarts=Restarts(0))
     found = solve(problem, None, own, progress, _no_rounds)
     if not found.success:
         return False
-    finer = tuple(evenly_finer(part.mesh, TWICE) for part in found.phases)
-    near = settings.solver.from_nearby().at_most(STATED)
+    finer = tuple(evenly_finer(part.mesh, 2.0) for part in found.phases)
+    near = settings.solver.from_nearby().at_most(BRIEFLY)
     return solve(problem, found, replace(own, mesh=finer, solver=near), progress, _no_rounds).success
 
 

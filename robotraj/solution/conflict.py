@@ -9,6 +9,8 @@ import numpy as np
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
+NOTICED = 1e-3
+"""Relative excess or relaxation that is reported, and difference of two results that agree."""
 CLEAR = 2e-2
 """Relative relaxation on a coarse mesh below which a finer mesh may still have a motion."""
 ROOM, ROOM_OF_DURATION = 1.5e-2, 4e-2

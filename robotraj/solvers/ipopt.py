@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import ROUND_OFF
 from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Origin, Outcome, Progress, Solver
@@ -47,10 +48,8 @@ LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"p
 NO_FILE: Mapping[str, object] = {"option_file_name": ""}
 """Without it IPOPT reads ``ipopt.opt`` of the working folder, which may load a library or overwrite a file."""
 
-ROUND_OFF = 1e-8
+ACCEPTED = 1e-8
 """Optimality error at which IPOPT may end where round-off keeps it above the tolerance."""
-LEAST = 1e-13
-"""Product of a multiplier and its distance from the bound that is round-off, in scaled units."""
 
 
 @dataclass(frozen=True)
@@ -132,14 +131,14 @@ class Ipopt(Solver):
         """Return this solver with a smaller last barrier, unless ``options`` set ``compl_inf_tol``."""
         if "compl_inf_tol" in self.options:
             return self
-        return replace(self, options={"compl_inf_tol": max(factor * self.tolerance, LEAST), **self.options})
+        return replace(self, options={"compl_inf_tol": max(factor * self.tolerance, ROUND_OFF), **self.options})
 
     def _options(self, warm: bool) -> dict[str, object]:
         options: dict[str, object] = {
             "tol": self.tolerance,
             "constr_viol_tol": self.tolerance,
             # IPOPT's own level of 1e-6 lets a motion pass that is a third longer than the optimum.
-            "acceptable_tol": max(10.0 * self.tolerance, ROUND_OFF),
+            "acceptable_tol": max(10.0 * self.tolerance, ACCEPTED),
             "max_iter": self.max_iterations,
             "mu_strategy": self.barrier,
             "mu_init": self.initial_barrier,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import ROUND_OFF
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.schemes.mesh import MovingMesh
 
@@ -26,8 +27,6 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 DIGITS = 6
 """Digits of the place in an interval by which rows of two meshes are compared."""
-ROUND_OFF = 1e-12
-"""Distance from a knot, as a fraction of the phase, within which a place counts as on it."""
 
 
 def interpolated(known: Formulation, lam: Array, new: Formulation) -> tuple[Array, Array] | None:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.collocation.symbols import phase_scalars
@@ -36,12 +37,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
-NEGLIGIBLE = 1e-12
-"""Entries of M that are round-off, relative to the largest."""
 SMALL = 1e-3
 """Change of a number that finds its column of M, relative to its scale. A larger one may exceed its bounds."""
-AGREEMENT = 1e-9
-"""Largest error of the affine offsets at an independent change, relative to the offsets."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,12 +216,12 @@ def parametric(formulation: Formulation, columns: Indices, scalars: Sequence[int
         moved[j] += step
         parts.append((_offsets(_refreshed(formulation, numbers, moved)) - offsets) / step)
     matrix = np.stack(parts, axis=1)
-    matrix[np.abs(matrix) < NEGLIGIBLE * np.max(np.abs(matrix), initial=0.0)] = 0.0
+    matrix[np.abs(matrix) < ROUND_OFF * np.max(np.abs(matrix), initial=0.0)] = 0.0
     found = Parametric(formulation, numbers, base, offsets, csr_array(matrix))
     other = base + steps * np.cos(np.arange(base.size))
     expected = _offsets(_refreshed(formulation, numbers, other))
     error = np.max(np.abs(_offsets(found.at(other)) - expected), initial=0.0)
-    if error > AGREEMENT * max(1.0, float(np.max(np.abs(expected), initial=0.0))):
+    if error > SAME * max(1.0, float(np.max(np.abs(expected), initial=0.0))):
         raise InputError("This problem is not affine in its ends, time and parameters: plan each start with rt.plan.")
     return found
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import MET
 from robotraj._util.values import dataclass, own
 from robotraj.guess.from_solution import FromSolution, SolvedProblem
 from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
@@ -16,9 +17,6 @@ from robotraj.problem.phase import Phase
 from robotraj.robot.root import QUATERNION
 
 Array = NDArray[np.float64]
-
-TOTAL = 1e-6
-"""Greatest distance of the sum of the weights from 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +50,7 @@ class Blend(InitialGuess):
                 f"rt.guess.Blend takes one weight for each of one or more solutions, got {len(self.solutions)} "
                 f"solutions and weights of the shape {weights.shape}."
             )
-        if not abs(float(weights.sum()) - 1.0) <= TOTAL:
+        if not abs(float(weights.sum()) - 1.0) <= MET:
             raise InputError(f"The sum of the weights of rt.guess.Blend is {float(weights.sum()):g}; it must be 1.")
         object.__setattr__(self, "weights", own(weights))
 

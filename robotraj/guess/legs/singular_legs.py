@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.precision import DIFFERENCE, MET
 from robotraj.guess.legs.stance import ROOT_FREEDOMS, BalancedStance
 
 Array = NDArray[np.float64]
@@ -20,10 +21,6 @@ FLAT = 1e-2
 """Slope of a foot's height, relative to the robot's reach, below which a leg is singular."""
 BEND = 0.6
 """Largest change of a joint: [rad], or of the reach."""
-STEP = 1e-4
-"""Finite difference of joints [rad, or of the reach]."""
-SMALL = 1e-6
-"""Slopes and curvatures below this times the reach count as zero."""
 PREFERRED = np.array([1.0, 0.1, 10.0])
 """Weights of the motion of a leg's middle (forwards, outwards, upwards) that choose between two bends of equal room."""
 
@@ -60,7 +57,7 @@ def bent(stance: BalancedStance, q: Array, feet: Mapping[str, float], rows: list
         motions = _motions(stance, slope, row)
         values, vectors = np.linalg.eigh(motions.T @ hessian @ motions)
         best = int(np.argmax(values if up else -values))
-        if (values[best] if up else -values[best]) > SMALL * stance.size:
+        if (values[best] if up else -values[best]) > MET * stance.size:
             result[joints] += _to_one_side(stance, q, motions @ vectors[:, best])
     return stance.inside(result)
 
@@ -76,12 +73,12 @@ def _motions(stance: BalancedStance, slope: Array, row: int) -> Array:
     """Return an orthonormal basis (joints, k) of the motions of a foot's joints that keep its other rows."""
     contact = next(c for c in stance.feet if row in stance.columns([c.name]))
     own = stance.columns([contact.name])
-    moving = np.flatnonzero(np.abs(slope[own]).max(axis=0) > SMALL * stance.size)
+    moving = np.flatnonzero(np.abs(slope[own]).max(axis=0) > MET * stance.size)
     others = slope[[each for each in own if each not in stance.upward]][:, moving]
     if not moving.size:
         return np.zeros((slope.shape[1], 0))
     _, sizes, right = np.linalg.svd(others, full_matrices=True)
-    rank = int(np.sum(sizes > SMALL * stance.size))
+    rank = int(np.sum(sizes > MET * stance.size))
     basis = np.zeros((slope.shape[1], moving.size - rank))
     basis[moving] = right[rank:].T
     return basis
@@ -92,8 +89,8 @@ def _hessians(stance: BalancedStance, q: Array, feet: Mapping[str, float], rows:
     robot, n = stance.robot, ROOT_FREEDOMS[stance.robot.root]
     columns = []
     for unit in np.diag(stance.scales(robot.units))[n:]:
-        ahead, behind = (pin.integrate(robot.model, q, sign * STEP * unit) for sign in (1.0, -1.0))
-        columns.append((_slope(stance, ahead, feet)[rows] - _slope(stance, behind, feet)[rows]) / (2.0 * STEP))
+        ahead, behind = (pin.integrate(robot.model, q, sign * DIFFERENCE * unit) for sign in (1.0, -1.0))
+        columns.append((_slope(stance, ahead, feet)[rows] - _slope(stance, behind, feet)[rows]) / (2.0 * DIFFERENCE))
     found = np.stack(columns, axis=2)
     return 0.5 * (found + found.transpose(0, 2, 1))
 
@@ -103,7 +100,7 @@ def _to_one_side(stance: BalancedStance, q: Array, motion: Array) -> Array:
     lower, upper = stance.bounds
     joints, scales = q[len(q) - len(lower) :], stance.scales(stance.robot.units[-len(lower) :])
     motion = BEND * motion / np.abs(motion).max() * scales
-    moving = np.abs(motion) > SMALL * scales
+    moving = np.abs(motion) > MET * scales
 
     def room(sign: float) -> float:
         free = np.where(sign * motion > 0.0, upper - joints, joints - lower)[moving]

@@ -35,6 +35,8 @@ FOOT, MASS, TILT, JOINT = 100.0, 10.0, 3.0, 0.3
 
 Angles are in rad. Lengths are divided by the reach of the robot, so that robots of all sizes stand alike.
 """
+SHORT = 0.05
+"""Length relative to the reach of the robot that is short: half a sole, the lowest pendulum, a joint near a bound."""
 STEPS = 60
 """Largest number of damped steps."""
 TOLERANCE = 1e-10

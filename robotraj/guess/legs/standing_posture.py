@@ -9,9 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.precision import MET
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.guess.legs.singular_legs import bent, singular_legs
-from robotraj.guess.legs.stance import ROOT_FREEDOMS, BalancedStance
+from robotraj.guess.legs.singular_legs import BEND, bent, singular_legs
+from robotraj.guess.legs.stance import ROOT_FREEDOMS, SHORT, BalancedStance
 from robotraj.robot.neutral import amid
 from robotraj.robot.root import QUATERNION
 
@@ -22,16 +23,8 @@ Array = NDArray[np.float64]
 
 REPEATS = 5
 """Number of repetitions with the last solution as posture, for a given height."""
-BEND = 0.6
-"""Distance by which a joint at a bound is bent inwards, at most to the middle of its range: [rad], or of the reach."""
-AT_BOUND = 0.05
-"""Distance of a joint from a bound below which it is bent inwards: [rad], or of the robot's reach."""
-MOVING = 1e-6
-"""Least speed of a foot, relative to that of a joint, with which the joint moves it, relative to the reach."""
 NEAR_HEIGHT = 1e-3
 """Distance of the centre of mass from a given height beyond which other bends of the knees are tried, of the reach."""
-LEAST_HEIGHT = 0.05
-"""Least height of an inverted pendulum, relative to the reach."""
 ONE_SIDED = 0.1
 """Fraction of a joint's range: a joint that is nearer to a bound bends to the other side, as knees do."""
 
@@ -67,7 +60,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     model, data = robot.model, robot.model.createData()
     if n:
         q = _grounded(stance, q, feet)
-        if _com_height(stance, q) < mean_ground(stance, feet) + LEAST_HEIGHT * stance.size:
+        if _com_height(stance, q) < mean_ground(stance, feet) + SHORT * stance.size:
             unfolded = amid(q, robot.limits)
             feet = min(feet, stance.locate(unfolded), key=_spread)
             q = _grounded(stance, unfolded, feet)
@@ -86,7 +79,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     ground = float(com[2] - height_above(stance, feet, com))
     target = height if height is not None else (0.95 if straight else 1.0) * (com[2] - ground)
     if straight:
-        start = _bent(stance, start, AT_BOUND * stance.scales(robot.units[n:]))
+        start = _bent(stance, start, SHORT * stance.scales(robot.units[n:]))
     if rows_flat := singular_legs(stance, start, feet):
         start = bent(stance, start, feet, rows_flat, up=target < com[2] - ground)
         straight = True
@@ -124,14 +117,14 @@ def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
     """Whether a joint that moves the feet is at a bound, so that a leg cannot extend, or bend to one side."""
     lower, upper = stance.bounds
     scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
-    near = np.minimum(joints - lower, upper - joints) < AT_BOUND * scales
+    near = np.minimum(joints - lower, upper - joints) < SHORT * scales
     return bool(np.any(_move_feet(stance, slope) & near))
 
 
 def _move_feet(stance: BalancedStance, slope: Array) -> NDArray[np.bool_]:
     """Return which joints move the feet, from the slopes (m, joints) of the feet's rows."""
     scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
-    return np.asarray(scales * np.max(np.abs(slope), axis=0, initial=0.0) > MOVING * stance.size)
+    return np.asarray(scales * np.max(np.abs(slope), axis=0, initial=0.0) > MET * stance.size)
 
 
 def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com: Array, home: Array) -> Array:
@@ -184,7 +177,7 @@ def pendulum_height(stance: BalancedStance, above: float) -> float:
 
     A mass at or below the height of the contacts gets a pendulum of a twentieth of the reach.
     """
-    return max(above, LEAST_HEIGHT * stance.size)
+    return max(above, SHORT * stance.size)
 
 
 def height_above(stance: BalancedStance, feet: Mapping[str, float], com: Array) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.guess.legs.stance import BalancedStance
+from robotraj.guess.legs.stance import SHORT, BalancedStance
 
 if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LEVER = 0.05
-"""Length that weighs moments against forces, relative to the reach of the robot: the order of half a sole."""
 SHARE = 0.1
 """Least normal force of a standing foot, relative to an equally shared weight."""
 INSIDE = 0.7
@@ -50,7 +48,7 @@ def support(stance: BalancedStance, held: Sequence[str], q: Array, v: Array, a: 
     forces = np.zeros(len(columns))
     if columns:
         idle = ~robot.actuation.any(axis=1)
-        weights = np.array([1.0 if f.unit == "N" else LEVER * stance.size for f in _forces(stance, held)])
+        weights = np.array([1.0 if f.unit == "N" else SHORT * stance.size for f in _forces(stance, held)])
         # Moments on the root are divided by the size of the robot.
         rows = stance.scales(["rad" if unit == "m" else "m" for unit in np.array(robot.units)[idle]])[:, None]
         balance = jacobian[idle] * weights / rows
@@ -75,7 +73,7 @@ def inside(stance: BalancedStance, held: Sequence[str], forces: Array, least: fl
         axes = [force.name.rsplit(".", 1)[-1] for force in contact.forces]
         if contact.contact.ground is not None:
             own = forces[first : first + len(axes)]
-            _shrink(contact, as_ground(contact.contact.ground), axes, own, least, LEVER * stance.size)
+            _shrink(contact, as_ground(contact.contact.ground), axes, own, least, SHORT * stance.size)
         first += len(axes)
     return forces
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
@@ -24,8 +25,6 @@ Array = NDArray[np.float64]
 Motion = Callable[[Array], Array]
 """From fractions of a phase (m,) to configurations (m, nq)."""
 
-SAMPLES = 101
-"""Number of configurations of a motion, at equal steps of time."""
 BESIDE = 4
 """Number of free configurations before and after an overlap from which a path leads around it."""
 ROUNDED = 7

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
 from robotraj.guess.least_time import LineLimits, Trapezoid
 
@@ -21,8 +22,6 @@ ROUNDING = 0.05
 """Largest deviation of a motion from a corner [rad, m]."""
 NEARBY = 1e-3
 """Length of the line on which the acceleration at a corner is computed [rad, m]."""
-SHORTEST = 1e-6
-"""Lines that are shorter [rad, m] are removed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +70,7 @@ class TimedPath:
 def timed_path(limits: LineLimits, corners: Array) -> TimedPath | None:
     """Return the motion from rest to rest on a path (m, nv); None where no limit bounds the accelerations on a line."""
     steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-    corners = corners[np.concatenate([[True], steps > SHORTEST])]
+    corners = corners[np.concatenate([[True], steps > MET])]
     if len(corners) < 2:
         return None
     lines = np.diff(corners, axis=0)

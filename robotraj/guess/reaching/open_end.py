@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
 from robotraj.guess.reaching.position_rows import values_at_rest
 from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
@@ -34,8 +35,6 @@ STEPS = 60
 """Largest number of damped steps from each."""
 PULLED, PULLS, PULL, CORRECTIONS = 12, 15, 0.4, 3
 """Number of configurations that are moved towards the given one, number and share of these moves, steps after each."""
-TOLERANCE = 1e-6
-"""Largest violation of a row [its unit] at a solution."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +75,7 @@ class OpenEnd:
         low, high = np.minimum(low, self.upper), np.maximum(high, self.lower)
         seeds = np.vstack([near, rng.uniform(low, np.maximum(low, high), (SEEDS - 1, len(near)))])
         q, missed = self._descended(np.clip(seeds, self.lower, self.upper), STEPS)
-        found = q[missed < TOLERANCE]
+        found = q[missed < MET]
         if not len(found):
             return found
         found = self._turned(found, near)
@@ -120,7 +119,7 @@ class OpenEnd:
             lost = np.linalg.solve(square, np.einsum("mrq,mq->mr", slopes, wish)[..., None])[..., 0]
             moved = q + PULL * (wish - np.einsum("mrq,mr->mq", slopes, lost))
             moved, left = self._descended(np.clip(moved, self.lower, self.upper), CORRECTIONS)
-            better = (left < TOLERANCE) & (self.seconds(near, moved) < self.seconds(near, q))
+            better = (left < MET) & (self.seconds(near, moved) < self.seconds(near, q))
             if not better.any():
                 break
             q = np.where(better[:, None], moved, q)
@@ -148,7 +147,7 @@ class OpenEnd:
         damping, eye = np.full(len(q), 1e-3), np.eye(missed.shape[1])
         for _ in range(steps):
             size = np.linalg.norm(missed, axis=1)
-            if (size < 1e-3 * TOLERANCE).all() or (damping > 1e8).all():
+            if (size < 1e-3 * MET).all() or (damping > 1e8).all():
                 break
             along = np.einsum("mrq,mr->mq", slopes, missed)
             held = (q <= self.lower) & (along < 0) | (q >= self.upper) & (along > 0)
@@ -172,7 +171,7 @@ class OpenEnd:
             least, most = np.ceil((self.lower - q) / turns), np.floor((self.upper - q) / turns)
             count = np.where(turns > 0, np.clip(np.round((near - q) / turns), least, most), 0.0)
         nearer = np.where(np.isfinite(count), q + count * turns, q)
-        return np.where((self._descended(nearer, 0)[1] < TOLERANCE)[:, None], nearer, q)
+        return np.where((self._descended(nearer, 0)[1] < MET)[:, None], nearer, q)
 
     @cached_property
     def _function(self) -> ca.Function:

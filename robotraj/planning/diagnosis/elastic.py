@@ -36,15 +36,13 @@ from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.objectives.expressions import Mayer
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.solution.conflict import ROOM_OF_DURATION, Conflict, with_room
+from robotraj.solution.conflict import NOTICED, ROOM_OF_DURATION, Conflict, with_room
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
 Solve = Callable[[Problem, "InitialGuess | Solution | None"], Solution]
 """(problem, guess) -> Solution, on a mesh and with a solver of the caller's choice."""
 
-SMALL = 1e-3
-"""Slacks, relative to the row's scale, that count as zero."""
 LONGEST = 30.0
 """Longest duration that is tried, relative to the longest allowed one."""
 ALONE, TOGETHER = "alone suffices", "the stated durations alone suffice"
@@ -84,7 +82,7 @@ def relaxed_motion(
         return None, ()
     if not found.success and not _meets_rows(found, slacks):
         return (found if found.status is Status.INTERRUPTED else None), ()
-    if sum(value > SMALL for value in slacks.values()) > 1:
+    if sum(value > NOTICED for value in slacks.values()) > 1:
         again, _, fewer = _least_relaxed(problem, solve, found, slacks, own)
         if again.success or _meets_rows(again, fewer):
             found, slacks = again, fewer
@@ -113,7 +111,7 @@ def _conflicts(
         entry.conflict(found.phases[i], slacks[entry.name])
         for i, of_phase in enumerate(entries)
         for entry in of_phase
-        if slacks[entry.name] > SMALL
+        if slacks[entry.name] > NOTICED
     ]
     return tuple(sorted(listed, key=lambda conflict: -conflict.relative))
 
@@ -157,7 +155,7 @@ def sufficient_durations(problem: Problem, solve: Solve, motion: Solution | None
     given_way = [
         (phase.name, least, part.duration)
         for phase, least, part in zip(problem.phases, longest, found.phases, strict=True)
-        if part.duration / least - 1.0 >= SMALL
+        if part.duration / least - 1.0 >= NOTICED
     ]
     reason = ALONE if len(given_way) == 1 else TOGETHER
     listed = []
@@ -181,7 +179,7 @@ def _demands_first(
         if asked[0].success or asked[0].status in ENDED:
             return True, *asked
     found, entries, slacks = _least_relaxed(problem, solve, guess, {})
-    given_way = found.success and any(slacks[entry.name] > SMALL for entry in _of_robots(problem, entries))
+    given_way = found.success and any(slacks[entry.name] > NOTICED for entry in _of_robots(problem, entries))
     if given_way and not legs and _asks_for_more(problem):
         asked = _least_relaxed(problem, solve, guess, {}, own=True)
         if asked[0].success:
@@ -232,7 +230,7 @@ def _asks_for_more(problem: Problem) -> bool:
 def _meets_rows(found: Solution, slacks: Mapping[str, float]) -> bool:
     """Whether a solve has come to a motion without slacks, even if it ended at its iteration limit."""
     ended = found.success or (found.status is Status.ITERATION_LIMIT and not found.violation_list)
-    return ended and all(value <= SMALL for value in slacks.values())
+    return ended and all(value <= NOTICED for value in slacks.values())
 
 
 def _relaxed(problem: Problem, before: Mapping[str, float], own: bool) -> tuple[Problem, list[list[Relaxed]]]:
@@ -264,7 +262,7 @@ def _relaxed(problem: Problem, before: Mapping[str, float], own: bool) -> tuple[
                 wrapped.append(bound.source)
         entries: list[Relaxed] = [*slacks] if friction is None else [*slacks, friction]
         names = [entry.name for entry in entries]
-        sizes = [entry.weight * (SMALL / (before[entry.name] + SMALL) if before else 1.0) for entry in entries]
+        sizes = [entry.weight * (NOTICED / (before[entry.name] + NOTICED) if before else 1.0) for entry in entries]
         cost: Objective = Mayer(partial(_total, names=names, weights=sizes))
         phases.append(
             phase.with_(

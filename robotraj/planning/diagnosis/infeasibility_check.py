@@ -22,11 +22,12 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Iteration, Progress
 from robotraj.transcription.extract import PhaseTrajectory, extract
 
-ITERATIONS, ITERATIONS_FAR = 100, 50
-"""Number of iterations after which conflicts are looked for, and that of iterates which violate a row by ``FAR``."""
-ITERATIONS_NARROWED = 300
-"""Number of iterations after which speed limits are narrowed. Solves that converge mostly take less, and several solves
-with wider limits take longer than a hundred iterations."""
+ITERATIONS = 100
+"""Number of iterations after which conflicts are looked for; half as many where an iterate violates a row by ``FAR``.
+
+After three times as many speed limits are narrowed. Solves that converge mostly take less, and several solves with
+wider limits take longer than a hundred iterations.
+"""
 FAR = 0.1
 """Violation of a scaled row above which an iterate is far from any motion.
 
@@ -85,12 +86,12 @@ class InfeasibilityCheck:
         self._last = iteration.number
         if not self._contacts:
             return
-        longest = ITERATIONS_FAR if iteration.infeasibility > FAR else ITERATIONS
+        longest = ITERATIONS // 2 if iteration.infeasibility > FAR else ITERATIONS
         if self._find is not None and (again or iteration.number >= longest):
             find, self._find = self._find, None
             origin = None if iteration.read is None else iteration.read()
             self._exclude(find(() if origin is None else extract(origin.nlp, origin.w)))
-        if self._count == ITERATIONS_NARROWED:
+        if self._count == 3 * ITERATIONS:
             self._narrow()
 
     def _narrow(self) -> None:

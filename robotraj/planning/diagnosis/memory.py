@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from resource import RUSAGE_SELF, getrusage
 
+import numpy as np
+
 from robotraj._util.errors import OutOfMemory
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.shooting import SingleShooting
 
-NUMBER = 8
-"""Size of a number [bytes]."""
 MATRICES = 2
 """Least number of dense blocks for each point: its derivatives and their factor."""
 MB = 1e6
@@ -62,4 +62,4 @@ def least_memory(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
             total += float(own.count * others) ** 2
         else:
             total += own.count * float(states + others) ** 2
-    return MATRICES * NUMBER * total / MB
+    return MATRICES * np.dtype(float).itemsize * total / MB

@@ -26,17 +26,13 @@ from robotraj.transcription.transcribe import meshes_of
 
 LONG = 60.0
 """Seconds above which a plan counts as long."""
-OPERATIONS = 380
-"""Operations of the articulated-body algorithm for each joint."""
-STAGES = 4
-"""Evaluations in a step of Runge-Kutta."""
-ITERATIONS, ITERATIONS_SINGLE = 50, 100
-"""Iterations of multiple and of single shooting without a good guess. Some motions of a ur5 took over 400 by single
-shooting with ten intervals."""
-ENDS = 2
-"""Number of control sites of a line."""
-SECONDS = 5e-8
-"""Processor time of an operation, its derivatives and interpretation [s]; measured with a ur5."""
+ITERATIONS = 50
+"""Iterations of multiple shooting without a good guess, and half of those of single shooting.
+
+Some motions of a ur5 took over 400 by single shooting with ten intervals.
+"""
+SECONDS = 1.9e-5
+"""Processor time of the forward dynamics of a joint and their derivatives [s]; measured with a ur5."""
 
 
 def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
@@ -46,11 +42,12 @@ def shooting_seconds(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> float:
         scheme = own.schemes[0]
         if phase.robot is None or not isinstance(scheme, Shooting):
             continue
-        evaluations = STAGES * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
+        # A step of Runge and Kutta evaluates the dynamics four times.
+        evaluations = 4 * (scheme.integrator.substeps if isinstance(scheme.integrator, RungeKutta4) else 1)
         nu, nx = phase.robot.nu, 2 * phase.robot.nv
         variables = own.count * nu if isinstance(scheme, SingleShooting) else nx + nu
-        iterations = ITERATIONS_SINGLE if isinstance(scheme, SingleShooting) else ITERATIONS
-        total += iterations * own.count * variables * evaluations * OPERATIONS * phase.robot.nv
+        iterations = 2 * ITERATIONS if isinstance(scheme, SingleShooting) else ITERATIONS
+        total += iterations * own.count * variables * evaluations * phase.robot.nv
     return SECONDS * total
 
 
@@ -95,4 +92,5 @@ def _minimises_work(phase: Phase) -> bool:
 
 
 def _has_free_inner_controls(scheme: Scheme) -> bool:
-    return isinstance(scheme, Collocation) and len(scheme.control_sites) > ENDS
+    """Whether controls are more than lines, which have two sites."""
+    return isinstance(scheme, Collocation) and len(scheme.control_sites) > 2

@@ -20,6 +20,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.precision import MET
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
@@ -33,8 +34,6 @@ from robotraj.solution.conflict import Conflict
 
 Array = NDArray[np.float64]
 
-NOTICED = 1e-6
-"""Excess relative to a limit that is reported."""
 UNLIMITED = 1e12
 """Torque [N m, N] in place of an infinite limit."""
 
@@ -70,7 +69,7 @@ def _unheld(phase: Phase) -> list[Conflict]:
             # Limits of one magnitude are stated as that.
             over, limit = (abs(over), high) if low == -high else (over, high if over > 0.0 else low)
             largest = max(-low, high)
-            if abs(over) > NOTICED * largest:
+            if abs(over) > MET * largest:
                 found.append(
                     Conflict(
                         phase.name,
@@ -138,7 +137,7 @@ def _excess_without_contacts(robot: Robot, state: Array, allowed: Bounds, fricti
     gravity = gravity + robot.resistance(state[: robot.nq], np.zeros(robot.nv))
     torques = robot.actuation.T @ gravity
     left = float(np.abs(robot.actuation @ torques - gravity).max(initial=0.0))
-    if left >= NOTICED * max(1.0, float(np.abs(gravity).max(initial=0.0))):
+    if left >= MET * max(1.0, float(np.abs(gravity).max(initial=0.0))):
         return np.zeros(robot.nu)
     held = robot.actuation.T @ friction
     above, below = torques - held - allowed.upper, torques + held - allowed.lower
@@ -171,6 +170,6 @@ def _held_easily(load: Array, by_torques: Array, by_forces: Array, relative: Bou
     columns = np.hstack([by_torques * size, by_forces * weight])
     found = np.linalg.lstsq(columns, -load, rcond=1e-10)[0]
     nu = by_torques.shape[1]
-    balanced = float(np.abs(columns @ found + load).max(initial=0.0)) < NOTICED * weight
+    balanced = float(np.abs(columns @ found + load).max(initial=0.0)) < MET * weight
     within = np.all(found[:nu] >= relative.lower) and np.all(found[:nu] <= relative.upper)
     return balanced and bool(within and np.all(found[nu:] >= np.where(least < 0.0, -np.inf, 0.0)))

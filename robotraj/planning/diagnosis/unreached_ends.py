@@ -36,7 +36,7 @@ from robotraj.planning.diagnosis.end_rows import (
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.root import QUATERNION
-from robotraj.solution.conflict import Conflict
+from robotraj.solution.conflict import CLEAR, NOTICED, Conflict
 from robotraj.solvers.ipopt import NO_FILE
 from robotraj.transcription.extract import PhaseTrajectory
 
@@ -55,10 +55,6 @@ NEARNESS = 1e-6
 """Weight of the squared distance from the start, which makes the minimum unique."""
 SMALL = 1e-2
 """Slacks relative to the scale of their row that the reweighted sum counts fully."""
-BINDING = 2e-2
-"""Multipliers relative to the largest one above which a row takes part in a conflict."""
-AGREEING = 1e-3
-"""Relative difference of the least sums of two starts that agree."""
 NAMED = 3
 """Largest number of rows that are named as the other side of a conflict."""
 
@@ -141,7 +137,7 @@ def _least_slacks(
     moving = _moves(problem)
 
     def agree() -> bool:
-        return best is not None and sum(total <= (1.0 + AGREEING) * best[0] for total in sums) > 1
+        return best is not None and sum(total <= (1.0 + NOTICED) * best[0] for total in sums) > 1
 
     for start in chain(_ends_of_motion(problem, near_motion), _starts(problem)):
         found = solved(start, weights)
@@ -178,7 +174,7 @@ def _conflicts(
 ) -> tuple[Conflict, ...]:
     """Describe rows with slacks, and the rows that they conflict with."""
     giving = [k for k in np.argsort(-left) if left[k] > REACHED]
-    binding = [k for k in np.argsort(-multipliers) if multipliers[k] > BINDING * multipliers.max() and k not in giving]
+    binding = [k for k in np.argsort(-multipliers) if multipliers[k] > CLEAR * multipliers.max() and k not in giving]
     # Components of a contact or a frame share a name.
     kept = {"duration", *(rows[sides[k][0]].name for k in giving)}
     named = [rows[sides[k][0]] for k in binding if rows[sides[k][0]].name not in kept]

@@ -18,6 +18,7 @@ from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
+from robotraj.transcription.refinement.linear_controls import HARDLY
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors, surplus
 from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
@@ -52,9 +53,6 @@ SAFETY = 1.5
 """Factor on the growth that the order of the objective predicts.
 
 With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again."""
-
-STAGNATION = 0.7
-"""Ratio of a phase's largest errors on two meshes above which its error stagnates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,12 +143,12 @@ class Measured:
         knots = self.before.meshes[phase].knots
         before, now = self.before.local[phase], self.local[phase][worst]
         there = before[(knots[:-1] < end) & (knots[1:] > begin)].max()
-        return phase if there > goal and now > STAGNATION * before.max() else None
+        return phase if there > goal and now > HARDLY * before.max() else None
 
     @property
     def settles(self) -> bool:
         """Whether what the objective may still gain fell clearly on the last mesh."""
-        return self.before is not None and self.proof.unsettled < STAGNATION * self.before.proof.unsettled
+        return self.before is not None and self.proof.unsettled < HARDLY * self.before.proof.unsettled
 
     @property
     def wanders(self) -> bool:
@@ -159,7 +157,7 @@ class Measured:
         if before is None or before.before is None or self.proof.error <= self.proof.goals.error:
             return False
         last, first = before.proof.error, before.before.proof.error
-        return self.proof.error > STAGNATION * last and last > STAGNATION * first
+        return self.proof.error > HARDLY * last and last > HARDLY * first
 
     @property
     def growth(self) -> float:

@@ -17,7 +17,6 @@ from robotraj.planning.loop.measures import Measured, measured
 from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.plan_limits import PlanLimits
-from robotraj.planning.proving.soft_friction import CHANGE_STICKING
 from robotraj.planning.proving.softer_guess import solved_softer
 from robotraj.planning.solve import solve
 from robotraj.planning.warm_start import PATIENCE
@@ -36,23 +35,9 @@ if TYPE_CHECKING:
 Surfaces = Sequence["NearSurfaces | None"]
 """For each phase, links of the robot that rows keep apart."""
 
-PATIENCE_STICKING = 300
-"""``PATIENCE`` where joints stick and slide."""
-CHANGE_FLAT = 1e-4
-"""Relative change of the objective within eight iterations below which a solve ends where objectives are flat.
-
-Times at which powers change their sign move from point to point. They gain 1e-4 in a hundred iterations, and the next
-mesh moves them again.
-"""
-CHANGE_OF_POWERS = 3e-3
-"""The same where joints stick and slide and the objective has kinks: hundreds of iterations gain a percent.
-
-Most of that gain is power between the points, which the sum that is minimised does not see."""
 BARRIER_OF_POWERS = 1e-4
 """First barrier parameter there on a later mesh. A larger one raises the objective by a fifth, and takes a hundred
 iterations to lower it again."""
-BEYOND = 1.0
-"""Excess over a limit, relative to its bound, above which no lower limit helps: the motion needs a finer mesh."""
 
 
 def run(
@@ -132,7 +117,7 @@ def solved(state: PlanState, progress: Progress | None = None, surfaces: Surface
         return _again(state, progress)
     settings, best = replace(state.settings, mesh=state.meshes, solver=_solver(state)), state.best
     if best is not None and best.measures.only_unsettled:
-        patience = PATIENCE_STICKING if state.traits.patient else PATIENCE
+        patience = 2 * PATIENCE if state.traits.patient else PATIENCE
         settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
     if best is None and not state.approximates and not state.afresh:
         # Other guesses were tried on the first mesh.
@@ -149,7 +134,8 @@ def solved(state: PlanState, progress: Progress | None = None, surfaces: Surface
         measures = _measures(state, solution)
         proof = measures.proof
         fine = proof.error <= proof.goals.error and measures.growth <= 1.0
-        settled = (fine or state.traits.full_friction) and proof.excess <= BEYOND
+        # Twice a limit is no motion that lower limits correct: it needs a finer mesh.
+        settled = (fine or state.traits.full_friction) and proof.excess <= 1.0
         known[:] = [(solution, measures, settled)]
         return settled
 
@@ -203,13 +189,18 @@ def _again(state: PlanState, progress: Progress | None) -> Found:
 
 
 def _cold(state: PlanState) -> Solver:
-    """Return the solver of a solve from a guess. Where the objective is flat, iterations move kinks between points."""
-    traits = state.traits
+    """Return the solver of a solve from a guess, which ends where its objective is flat.
+
+    Times at which joints reverse and powers change their sign move from point to point. That gains little in hundreds
+    of iterations, and the next mesh moves them again. With both, most of the gain is power between the points, which
+    the sum that is minimised does not see. Powers alone gain a tenth of the goal in a hundred iterations.
+    """
+    traits, goals = state.traits, state.settings.goals
+    assert goals is not None
     if not (traits.sticking or traits.kinked):
         return state.settings.solver
-    if traits.sticking_powers:
-        return state.settings.solver.until_settled(CHANGE_OF_POWERS)
-    return state.settings.solver.until_settled(CHANGE_STICKING if traits.sticking else CHANGE_FLAT)
+    share = 3.0 if traits.sticking_powers else 1.0 if traits.sticking else 0.1
+    return state.settings.solver.until_settled(share * goals.objective)
 
 
 def _solver(state: PlanState) -> Solver:

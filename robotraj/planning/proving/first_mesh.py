@@ -25,12 +25,8 @@ COARSE, NEXT = 28, 2.5
 """Both for motions in least time, which converge by a lower order: from 16 and 48 intervals they needed a third mesh.
 
 Where integrals and ends both count, the numbers lie between in proportion to their sizes."""
-KINKED = 32
-"""Intervals of the first mesh of an arm whose objective has kinks, such as the absolute power, by ``LINES``."""
 SYSTEM = 30
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
-PATH = 48
-"""Intervals of the first mesh of a motion on a path, which has two states and one control."""
 STEP = 4
 """Intervals of the longest phase of a motion with contacts, by Lobatto IIIA with four points."""
 FEWEST = 2
@@ -123,21 +119,22 @@ class ProportionalMeshes(OfProblem):
 
 @dataclass(frozen=True)
 class MeshesOnPaths(OfProblem):
-    """Meshes of phases of which some are on a path: those on a path have ``PATH`` intervals with ``LINES``.
+    """Meshes of phases of which some are on a path: those on a path have lines.
 
-    Rows are imposed at three points of such an interval, on which s'' is a line.
+    They have ``3 FEW`` intervals, since there are two states and one control. Rows are imposed at three points of such
+    an interval, on which s'' is a line.
     """
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
         """Return the mesh of each phase."""
-        return tuple(graded(FEW) if phase.path is None else graded(PATH, LINES) for phase in problem.phases)
+        return tuple(graded(FEW) if phase.path is None else graded(3 * FEW, LINES) for phase in problem.phases)
 
 
 @dataclass(frozen=True)
 class MeshesOfLines(OfProblem):
-    """Meshes whose controls are lines on every interval, so that no power is hidden between the points."""
+    """Meshes of ``2 FEW`` intervals whose controls are lines, so that no power is hidden between the points."""
 
-    intervals: int = KINKED
+    intervals: int = 2 * FEW
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
         """Return the mesh of each phase."""

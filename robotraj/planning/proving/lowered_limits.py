@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from robotraj._util.lazy_values import LazySequence
+from robotraj._util.precision import MET
 from robotraj.planning.proving.nlp_violations import between_points
 from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
@@ -22,8 +23,6 @@ from robotraj.transcription.interval_limits.row_places import LimitedInterval
 
 MORE = 1.1
 """Ratio of a margin to the excess; above 1, since the motion changes with the margin."""
-ROOM = 1e-6
-"""Further margin of a path row, relative to its bound, so that an excess of this size needs no further solve."""
 
 
 class LoweredLimits:
@@ -67,7 +66,7 @@ class LoweredLimits:
         """Lower the limits that were exceeded by a little more than the excess."""
         for violation in self.found:
             place = LimitedInterval(violation.phase, violation.interval, violation.row.number)
-            of_bound = ROOM * violation.row.greatest_bound if violation.row.kind is Kind.PATH else 0.0
+            of_bound = MET * violation.row.greatest_bound if violation.row.kind is Kind.PATH else 0.0
             room = max(EXACT * min(1.0, violation.size), of_bound)
             self.amounts[place] = self.amounts.get(place, 0.0) + MORE * violation.amount + room
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import MET, SAMPLES
 from robotraj.guess.paths.around_itself import Motion
 from robotraj.problem.clearance.own_shapes import own_shapes
 from robotraj.problem.problem import Problem
@@ -18,14 +19,10 @@ from robotraj.solution.violation import Violation
 
 Array = NDArray[np.float64]
 
-SAMPLES = 121
-"""Number of configurations at which a solution on the coarse mesh is compared."""
 RESERVE = 1.2
 """Factor on the joint speeds at the points of an interval, for those between them."""
 TOUCHING = 2e-3
 """Distance up to which the links of a free solution count as kept apart by rows, whose margin is half of it [m]."""
-LEAST = 1e-6
-"""Least depth of an overlap [m]; where edges cross, no point lies inside."""
 
 
 class Overlap(NamedTuple):
@@ -80,7 +77,7 @@ class OwnOverlaps:
             for each in self._near(number, part, every=True):
                 if each.overlaps and body is not None and part.phase.robot is not None:
                     depth, time = deepest_overlap(part.phase.robot, body, in_time(part), each)
-                    overlaps.append(Overlap(number, each.pair, max(depth, LEAST), time))
+                    overlaps.append(Overlap(number, each.pair, max(depth, MET), time))
         return overlaps
 
     def depths_at(self, found: Solution, known: Sequence[Mapping[int, float]]) -> list[dict[int, float]]:
@@ -97,7 +94,7 @@ class OwnOverlaps:
             robot = part.phase.robot
             if body is not None and robot is not None:
                 at = {pair: in_time(part)(np.array([time]))[0] for pair, time in times.items()}
-                depths = {pair: max(body.depth(robot, q, pair), LEAST) for pair, q in at.items()}
+                depths = {pair: max(body.depth(robot, q, pair), MET) for pair, q in at.items()}
                 overlaps += [Overlap(number, pair, depth, times[pair]) for pair, depth in depths.items()]
         return overlaps
 

@@ -42,11 +42,6 @@ With larger steps fewer plans are proved, smaller ones take longer (``benchmarks
 """
 SMALLEST_FALL = 1.2
 """Least ratio of one factor to the next one after a failed solve; below it, no nearer factor is tried."""
-CHANGE_STICKING = 1e-3
-"""Relative change of the objective within eight iterations below which a solve ends where joints stick and slide.
-
-Times at which joints reverse move from point to point, and the next mesh or less soft friction moves them again.
-"""
 AVERAGED = 0.1
 """Half the time over which soft friction is averaged, relative to the mean interval of the mesh."""
 

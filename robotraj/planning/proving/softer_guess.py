@@ -10,11 +10,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robotraj.planning.proving.soft_friction import CHANGE_STICKING, averaging_times, nearer, softened, softening_of
+from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened, softening_of
 from robotraj.planning.solve import solve
 from robotraj.planning.warm_start import PATIENCE, separated_form
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.proof import Goals
 from robotraj.solution.records import started_from, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
@@ -39,7 +40,7 @@ def solved_softer(
         settings,
         restarts=Restarts(0),
         interval_limits=replace(settings.interval_limits, rounds=0),
-        solver=settings.solver.at_most(PATIENCE).until_settled(CHANGE_STICKING),
+        solver=settings.solver.at_most(PATIENCE).until_settled((settings.goals or Goals()).objective),
     )
     last = guess if isinstance(guess, Solution) else None
     soft = softened(problem, factor, averaging_times(problem, meshes, last))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj.planning.refining.duality_gap import SolverAccuracy
-from robotraj.planning.refining.finer_meshes import GROWTH, finer_meshes, split_where_broken
+from robotraj.planning.refining.finer_meshes import finer_meshes, split_where_broken
 from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -20,8 +20,8 @@ from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment
-from robotraj.transcription.refinement.equidistribution import Equidistribute
-from robotraj.transcription.refinement.linear_controls import ENDLESS, on_lines
+from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH, Equidistribute
+from robotraj.transcription.refinement.linear_controls import ENDLESS, HARDLY, on_lines
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -44,8 +44,8 @@ FALL = 0.25
 
 An excess of a smooth control falls faster. Where a control switches inside an interval, its excess does not fall.
 """
-FAR_MORE, HARDLY = 1.5, 0.7
-"""Ratios of points and of errors of successive meshes that show that the error does not follow the mesh."""
+FAR_MORE = 1.5
+"""Ratio of the points of successive meshes whose errors show whether the error follows the mesh."""
 CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
 ENDING = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -129,7 +129,7 @@ class _Adaptation:
                     finer = split_where_broken(solution, assessments, self.refinement, self.tolerance)
                 else:
                     grown = self._compared[-3:]
-                    barely = len(grown) == 3 and grown[2].points < GROWTH * grown[0].points
+                    barely = len(grown) == 3 and grown[2].points < LEAST_GROWTH * grown[0].points
                     finer = finer_meshes(solution, assessments, self.refinement, self.tolerance, settled, barely)
                 if self._ends_before(finer, worst):
                     return solution if accurate and self.adding_rows else self._not_reached(solution)

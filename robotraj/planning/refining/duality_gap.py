@@ -6,9 +6,8 @@ import numpy as np
 
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
+from robotraj.transcription.refinement.equidistribution import SAFETY
 
-SHARE = 0.25
-"""Largest duality gap of a solution, relative to the allowed error of the objective."""
 MARGIN = 0.1
 """Ratio of the duality gap of the next solver to that limit."""
 
@@ -47,13 +46,13 @@ class SolverAccuracy:
         ----------
         solution : Solution
         allowed : float
-            Allowed error of the objective, in its unit. The gap may be ``SHARE`` of it.
+            Allowed error of the objective, in its unit. The gap may be ``SAFETY`` of it.
         """
         own, factor = self._own, self._factor
         # A solver at its smallest gap returns itself.
         if not solution.success or not factor or own.with_smaller_gap(factor) == own.with_smaller_gap(MARGIN * factor):
             return False
-        ratio = duality_gap(solution) / (SHARE * allowed)
+        ratio = duality_gap(solution) / (SAFETY * allowed)
         if ratio <= 1.0:
             return False
         self._factor *= MARGIN / ratio

@@ -7,19 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj._util.precision import ROUND_OFF
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.transcription.refinement.base import Assessment, Refinement
+from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 
 ROOM = 0.1
 """Largest relative change of the length of a moving interval from one mesh to the next."""
-GROWTH = 1.1
-"""Ratio of the numbers of points over two meshes below which the next one grows by as much at once."""
-ROUND_OFF = 1e-13
-"""Error below which a mesh is not refined."""
 
 
 def finer_meshes(
@@ -68,9 +66,9 @@ def _is_finer(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
 
 
 def _has_grown(before: Sequence[Mesh], after: Sequence[Mesh]) -> bool:
-    """Whether meshes have ``GROWTH`` times as many points; true where all knots move."""
+    """Whether meshes have ``LEAST_GROWTH`` times as many points; true where all knots move."""
     pairs = [(a, b) for a, b in zip(before, after, strict=True) if not isinstance(a, MovingMesh)]
-    return sum(_points(b) for _, b in pairs) >= GROWTH * sum(_points(a) for a, _ in pairs)
+    return sum(_points(b) for _, b in pairs) >= LEAST_GROWTH * sum(_points(a) for a, _ in pairs)
 
 
 def _points(mesh: Mesh) -> int:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
+from robotraj._util.precision import DIFFERENCE
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import as_rows
@@ -42,8 +43,6 @@ STICKING = 0.01
 
 What sticking gains is of second order in it: below, less than 1e-4, a tenth of the default goal of the objective.
 """
-STEP = 1e-4
-"""Step of central differences, as a fraction of a phase."""
 PLACES, WEIGHTS = 0.5 * (gauss(16)[0] + 1.0), 0.5 * gauss(16)[1]
 """Gauss's rule along a phase: kinks leave an error of about one percent."""
 
@@ -189,7 +188,9 @@ def _values(phase: Phase) -> Array:
 def _controls(phase: Phase, motion: PhaseGuess) -> Array:
     """Return the controls at ``PLACES``; those that are rates of states, such as jerks, by central differences."""
     values = np.array(motion.controls(PLACES))
-    slopes = (motion.states(PLACES + STEP) - motion.states(PLACES - STEP)) / (2.0 * STEP * motion.duration)
+    slopes = (motion.states(PLACES + DIFFERENCE) - motion.states(PLACES - DIFFERENCE)) / (
+        2.0 * DIFFERENCE * motion.duration
+    )
     t, x, z, u, p = phase.rows.symbols
     slope = ca.jacobian(phase.dae.rates(phase.rows.point), u)
     for state, control in zip(*ca.Sparsity(slope.sparsity()).get_triplet(), strict=True):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import MET, SAME
 from robotraj.solvers.stagewise.form import Form, Mask
 from robotraj.solvers.stagewise.matrices import entries
 from robotraj.transcription.assembly.block import Block
@@ -21,11 +22,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
 Array = NDArray[np.float64]
-
-SATISFIED = 1e-6
-"""Largest violation of a row of fixed columns that counts as satisfied, in scaled units."""
-SAME = 1e-9
-"""Relative difference of values at random points below which two rows are the same."""
 
 
 def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:
@@ -46,7 +42,7 @@ def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:
     if not settled.any():
         return form
     values = _values(form, settled, np.where(fixed, form.lower, 0.0))
-    held = settled & (values >= form.row_lower - SATISFIED) & (values <= form.row_upper + SATISFIED)
+    held = settled & (values >= form.row_lower - MET) & (values <= form.row_upper + MET)
     return _without_bounds(form, held)
 
 

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
+from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.robot.size.state_sizes import ROUNDING, state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
@@ -44,13 +45,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
 
 NEWTON_STEPS = 4
-"""Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies."""
-SOLVED = 1e-9
-"""Largest relative residual of a solution of the linear equations; above it they are singular.
+"""Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies.
 
-A Newton step is the last one if it changes no algebraic variable by more than this share of its largest value."""
-RANK = 1e-13
-"""Singular values of singular equations below this, relative to the largest, count as zero."""
+A step is the last one if it changes no algebraic variable by more than ``SAME`` of its largest value.
+"""
 DEPENDENT = 1e-5
 """Singular values of contact Jacobians below this, relative to the largest, belong to dependent rows.
 
@@ -208,7 +206,7 @@ def _rates(phase: Phase, t: Array, x: Array, z: Array, u: Array, p: Array) -> Ar
             change = _least_change(slopes, rows) if independent is None else _solved_least(independent, rows)
             z = z - change
             largest = np.abs(z).max(axis=0)
-            if np.all(np.abs(change) <= SOLVED * np.maximum(largest, ROUNDING * largest.max())):
+            if np.all(np.abs(change) <= SAME * np.maximum(largest, ROUNDING * largest.max())):
                 break
     return equations.rates(t, x, z, u, p)
 
@@ -253,11 +251,11 @@ def _least_change(slopes: Array, rows: Array) -> Array:
             pass
         else:
             left = np.abs(slopes @ change - rows[:, :, None])
-            if np.max(left, initial=0.0) <= SOLVED * np.max(np.abs(rows), initial=1e-300):
+            if np.max(left, initial=0.0) <= SAME * np.max(np.abs(rows), initial=1e-300):
                 return np.asarray(change[:, :, 0])
     return _solved_least(slopes, rows)
 
 
 def _solved_least(slopes: Array, rows: Array) -> Array:
     """Return the change of least norm that solves singular equations best, (m, nz)."""
-    return np.asarray((np.linalg.pinv(slopes, rcond=RANK) @ rows[:, :, None])[:, :, 0])
+    return np.asarray((np.linalg.pinv(slopes, rcond=ROUND_OFF) @ rows[:, :, None])[:, :, 0])

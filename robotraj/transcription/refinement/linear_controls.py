@@ -19,6 +19,8 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 LINES = HermiteSimpson(control=LinearControl())
 """Hermite-Simpson with controls that are lines on every interval."""
+HARDLY = 0.7
+"""Ratio of the errors of successive meshes above which an error hardly falls: controls may alternate."""
 ENDLESS = 1000
 """Iterations without a solution on a first mesh after which controls become lines: free ones may exploit it."""
 

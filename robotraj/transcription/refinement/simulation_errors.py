@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss, integrals
+from robotraj._util.precision import SAME
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.error import Residuals
 
@@ -36,8 +37,6 @@ SHARE = 0.2
 """Factor on the error of a window to compare it with the error of an interval.
 
 At the default goal of 1e-4 it allows half the error that ``rt.validate`` allows a window."""
-ROUNDING = 1e-9
-"""Relative length by which a window may be longer, so that round-off cuts no interval of its length in two."""
 SHARE_OF_SPEEDS = 2e-3
 """Factor on the deviation of a speed to compare it with the error of an interval.
 
@@ -79,7 +78,7 @@ def window_errors(trajectory: PhaseTrajectory, residuals: Residuals, longest: fl
     """
     breaks = trajectory.x.breaks
     lengths = np.diff(breaks)
-    parts = np.maximum(1, np.ceil(lengths / longest * (1.0 - ROUNDING))).astype(int)
+    parts = np.maximum(1, np.ceil(lengths / longest * (1.0 - SAME))).astype(int)
     owners = np.repeat(np.arange(len(lengths)), parts)
     ends = np.concatenate(
         [np.linspace(a, b, n + 1)[1:] for a, b, n in zip(breaks[:-1], breaks[1:], parts, strict=True)]
@@ -89,7 +88,7 @@ def window_errors(trajectory: PhaseTrajectory, residuals: Residuals, longest: fl
     sums = np.vstack([np.zeros(eta.shape[1]), np.cumsum(eta, axis=0)])
     errors = np.zeros(len(lengths))
     for first, begin in enumerate(begins):
-        last = max(first + 1, int(np.searchsorted(ends, begin + longest * (1.0 + ROUNDING), side="right")))
+        last = max(first + 1, int(np.searchsorted(ends, begin + longest * (1.0 + SAME), side="right")))
         window = slice(first, last)
         of_window = np.abs(sums[last] - sums[first]) / sizes
         own = np.abs(eta[window])

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
+from robotraj._util.precision import ROUND_OFF
 from robotraj._util.values import dataclass
 from robotraj.transcription.refinement.base import Assessment, Refinement, error_order
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
@@ -23,8 +24,6 @@ BULK = 0.8
 """Share of the controls' coarseness that one refinement removes."""
 SHARE = 1e-2
 """Tolerance of an adaptive integrator, relative to that of the mesh."""
-LEAST = 1e-13
-"""Least tolerance of an adaptive integrator."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,7 @@ def _tightened(scheme: Scheme, tolerance: float) -> Scheme:
     """Return the same scheme with an adaptive integrator whose error is far below the tolerance."""
     if not isinstance(scheme, Shooting) or not isinstance(scheme.integrator, Adaptive):
         return scheme
-    asked = max(SHARE * tolerance, LEAST)
+    asked = max(SHARE * tolerance, ROUND_OFF)
     if scheme.integrator.tolerance <= asked:
         return scheme
     return replace(scheme, integrator=replace(scheme.integrator, tolerance=asked))

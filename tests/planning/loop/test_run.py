@@ -15,7 +15,7 @@ from robotraj.planning.loop import run as loop
 from robotraj.planning.loop.respond import ENOUGH_OF_POWERS, NEARLY, is_guess
 from robotraj.planning.loop.state import Task, begin
 from robotraj.planning.proving import limits_between
-from robotraj.planning.proving.soft_friction import CHANGE_STICKING, softened
+from robotraj.planning.proving.soft_friction import softened
 from robotraj.planning.settings import resolve
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solvers.interior_point import NEARBY_BARRIER
@@ -86,10 +86,10 @@ def test_solves_end_with_their_rows_met_where_the_objective_hardly_falls() -> No
         soft = softened(rt.Problem([reach().phases[0].with_(duration=duration)]), 40.0, [0.1 * duration / 24])
         settings = resolve(soft, {"mesh": mesh, "solver": solver})
         whole = one_solve.solve(soft, None, settings)
-        early = one_solve.solve(soft, None, replace(settings, solver=solver.until_settled(CHANGE_STICKING)))
+        early = one_solve.solve(soft, None, replace(settings, solver=solver.until_settled(Goals().objective)))
         assert early.status is Status.SOLVED
         assert 8 <= early.iterations <= whole.iterations
-        assert abs(early.objective - whole.objective) < 20 * CHANGE_STICKING * whole.objective
+        assert abs(early.objective - whole.objective) < 20 * Goals().objective * whole.objective
         counts.append((early.iterations, whole.iterations))
     # A single solve may end at the same iteration, as its last ones may gain much.
     assert np.sum(counts, axis=0)[0] < np.sum(counts, axis=0)[1]

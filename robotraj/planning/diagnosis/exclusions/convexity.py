@@ -13,6 +13,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
+from robotraj._util.precision import SAME
 from robotraj.planning.diagnosis.elastic import Solve, relaxed_motion
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.continuity import Continuity
@@ -21,9 +22,6 @@ from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import are_clear
 from robotraj.solution.solution import Solution
-
-AT_REST = 1e-9
-"""Largest residual of a state at which a system waits."""
 
 
 def excluded_on_finer_mesh(problem: Problem, solve_finer: Solve, guess: Solution) -> bool:
@@ -96,10 +94,10 @@ def _waits(phase: Phase) -> bool:
 def _is_solvable(slopes: np.ndarray, low: np.ndarray, high: np.ndarray, ranges: Sequence[tuple[float, float]]) -> bool:
     """Whether low <= A w <= high has a solution w within its ranges."""
     if not ranges:
-        return bool(np.all(low <= AT_REST) and np.all(high >= -AT_REST))
+        return bool(np.all(low <= SAME) and np.all(high >= -SAME))
     from scipy.optimize import linprog
 
     above, below = np.isfinite(high), np.isfinite(low)
     rows = np.vstack([slopes[above], -slopes[below]])
-    sides = np.append(high[above], -low[below]) + AT_REST
+    sides = np.append(high[above], -low[below]) + SAME
     return bool(linprog(np.zeros(len(ranges)), rows, sides, bounds=ranges).status == 0)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
+from robotraj._util.precision import MET
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.problem import Problem
@@ -18,8 +19,6 @@ from robotraj.solution.conflict import Conflict
 
 VALUES = 2001
 """Number of values between the start and the end at which rows are evaluated."""
-VIOLATED = 1e-6
-"""Violation relative to the size of the row that counts."""
 
 
 def crossed_zones(problem: Problem) -> tuple[Conflict, ...]:
@@ -63,7 +62,7 @@ def _crossing(phase: Phase, row: PhaseRow, state: int) -> Conflict | None:
     excess = np.maximum(row.lower - found, found - row.upper)
     worst = int(np.argmax(np.where(np.isfinite(excess), excess, -np.inf)))
     size = row.size_in(float(np.ptp(found)))
-    if not excess[worst] > VIOLATED * size:
+    if not excess[worst] > MET * size:
         return None
     variable = phase.body.states[state]
     bound = row.upper if found[worst] > row.upper else row.lower

@@ -23,6 +23,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.precision import MET, SAMPLES
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import ForwardRigidBody, InverseRigidBody
 from robotraj.guess.ends import default_parameters
@@ -34,7 +35,7 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.coupling.dynamics import kinetic_energy, potential_energy
 from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import difference
-from robotraj.solution.conflict import Conflict, with_room
+from robotraj.solution.conflict import NOTICED, ROOM_OF_DURATION, Conflict, with_room
 
 Array = NDArray[np.float64]
 
@@ -42,16 +43,8 @@ SIZES = (1e-2, 1.0, 1e2)
 """Sizes of the speeds and torques that are drawn [SI]."""
 DRAWN = 64
 """Number of states with all joints moving that are drawn for each size."""
-ALIKE = 1e-6
-"""Relative difference of ratios that are equal."""
-EXCEEDED = 1e-3
-"""Excess relative to the budget or to the work that counts."""
 SMOOTHED = 0.27847
 """Largest value of x (1 - tanh(x))."""
-ROOM_OF_WORK = 4e-2
-"""What a stated value leaves beyond that of the straight motion, since tight ones need fine meshes."""
-TIMES = 201
-"""Number of times at which the straight motion is evaluated."""
 
 
 def exceeded_budgets(problem: Problem) -> tuple[Conflict, ...]:
@@ -93,14 +86,14 @@ def _exceeded_budget(
     assert robot is not None
     for sign, bound in ((1.0, row.upper), (-1.0, -row.lower)):
         low, high = _ratios(phase, row, sign) if np.isfinite(bound) else (np.nan, np.nan)
-        if not low <= high + ALIKE * abs(high):
+        if not low <= high + MET * abs(high):
             continue
         # Every factor between both ratios bounds the rate; losses above their least need one above zero.
         factor = high if gain + losses > 0.0 else low
         if factor < 0.0 and np.any((robot.damping, robot.friction)):
             continue
         least = factor * (gain + losses)
-        if least - bound > EXCEEDED * max(abs(bound), abs(least)):
+        if least - bound > NOTICED * max(abs(bound), abs(least)):
             times, rates = _straight(phase, (row,), begin, end)
             along = sign * np.trapezoid(rates[:, 0], times) if len(times) else -np.inf
             enough = sign * max(least, float(along))
@@ -113,9 +106,9 @@ def _exceed_powers(robot: Robot, rows: Sequence[PhaseRow], gain: float, losses: 
     each = sum(of_joints[joint] for joint in robot.actuated) if set(robot.actuated) <= set(of_joints) else np.inf
     together = min((row.upper for row in rows if row.joint is None), default=np.inf)
     work = gain + losses
-    too_much = work - min(each, together) * longest > EXCEEDED * abs(work)
+    too_much = work - min(each, together) * longest > NOTICED * abs(work)
     lossless = not np.any((robot.damping, robot.friction))
-    return bool(too_much or (lossless and -gain - each * longest > EXCEEDED * abs(gain)))
+    return bool(too_much or (lossless and -gain - each * longest > NOTICED * abs(gain)))
 
 
 def _needed_powers(
@@ -135,14 +128,14 @@ def _needed_powers(
 
 def _reason(gain: float, losses: float) -> str:
     """State the energy that both ends differ by, and the losses."""
-    lost = f", and friction takes at least {losses:.4g} J" if losses > EXCEEDED * abs(gain) else ""
+    lost = f", and friction takes at least {losses:.4g} J" if losses > NOTICED * abs(gain) else ""
     return f"the end has {abs(gain):.4g} J {'more' if gain >= 0.0 else 'less'} energy than the start{lost}"
 
 
 def _conflict(phase: Phase, row: PhaseRow, time: float, bound: float, enough: float, reason: str) -> Conflict:
     """Describe a row, and a bound that suffices."""
-    needed = with_room(bound, enough, ROOM_OF_WORK)
-    relative = abs(needed - bound) / max(abs(bound), EXCEEDED * abs(needed))
+    needed = with_room(bound, enough, ROOM_OF_DURATION)
+    relative = abs(needed - bound) / max(abs(bound), NOTICED * abs(needed))
     return Conflict(phase.name, row.label, time, bound, needed, row.unit, relative, False, reason, True)
 
 
@@ -190,7 +183,7 @@ def _ratios(phase: Phase, row: PhaseRow, sign: float) -> tuple[float, float]:
             return np.nan, np.nan
         found.append((ratio[work < 0.0].max(), ratio[work > 0.0].min()))
     low, high = np.array(found).T
-    alike = all(np.ptp(each) <= ALIKE * np.abs(each).max() for each in (low, high))
+    alike = all(np.ptp(each) <= MET * np.abs(each).max() for each in (low, high))
     return (float(low[0]), float(high[0])) if alike else (np.nan, np.nan)
 
 
@@ -210,6 +203,6 @@ def _straight(phase: Phase, rows: Sequence[PhaseRow], begin: Array, end: Array) 
 
     parameters = default_parameters(phase)
     guess = joint_motion(phase, duration, cubic, parameters)
-    s = np.linspace(0.0, 1.0, TIMES)
+    s = np.linspace(0.0, 1.0, SAMPLES)
     values = (guess.states(s), guess.algebraic(s), guess.controls(s))
     return duration * s, phase.rows.sample(rows, duration * s, *values, np.array(list(parameters.values())))

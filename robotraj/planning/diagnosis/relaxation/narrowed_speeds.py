@@ -21,7 +21,7 @@ from robotraj.problem.constraints.joint_limits import JointVelocity
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
-from robotraj.solution.conflict import Conflict, with_room
+from robotraj.solution.conflict import NOTICED, Conflict, with_room
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 
@@ -29,8 +29,6 @@ Array = NDArray[np.float64]
 
 WIDTHS = (np.inf, 4.0, 2.0, 1.5, 1.2, 1.1, 1.05, 1.0)
 """Factors on the speed limits, one after the other."""
-EXCEEDED = 1e-3
-"""Relative excess over a speed limit that is reported."""
 
 
 def narrowed_speeds(problem: Problem, solve: Solve) -> tuple[tuple[Conflict, ...], Solution | None]:
@@ -113,7 +111,7 @@ def _of(phase: Phase, part: PhaseSolution) -> list[Conflict]:
         for bound, along in kinds:
             place = int(np.argmax(along))
             excess = float(along[place]) / abs(bound) - 1.0 if bound else 0.0
-            if np.isfinite(bound) and excess > EXCEEDED:
+            if np.isfinite(bound) and excess > NOTICED:
                 needed = with_room(bound, float(np.copysign(along[place], bound)))
                 unit = "rad/s" if robot.units[i] == "rad" else "m/s"
                 time, name = float(part.points[place]), f"velocity limit, {joint}"

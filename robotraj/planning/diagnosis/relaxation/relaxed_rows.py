@@ -17,6 +17,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
+from robotraj.planning.diagnosis.end_rows import CONSTRAINT_WEIGHT, QUATERNION_WEIGHT
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.constraints.motors.own_limits import own_limits
 from robotraj.problem.phase import Phase
@@ -24,12 +25,6 @@ from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.solution.conflict import Conflict, with_room
 from robotraj.solution.phase_solution import PhaseSolution
-
-AT_AN_END, SIGN, ROOT = 5.0, 5.0, 100.0
-"""Weights of slacks of rows at one end, of bounds of zero beside another bound, and of rows that select a root.
-
-Limits are relaxed before the goals of the motion, and sizes before signs.
-"""
 
 
 @dataclass(frozen=True)
@@ -62,12 +57,12 @@ class RelaxedRow:
 
     @property
     def weight(self) -> float:
-        """Weight of the slack in the sum."""
+        """Weight of the slack in the sum: limits give before the goals of the motion, and sizes before signs."""
         if self.row.selects_root:
-            return ROOT
+            return QUATERNION_WEIGHT
         if self.row.where in (Where.START, Where.END):
-            return AT_AN_END
-        return SIGN if self.row.greatest_bound > 0.0 and 0.0 in (self.lower, self.upper) else 1.0
+            return CONSTRAINT_WEIGHT
+        return CONSTRAINT_WEIGHT if self.row.greatest_bound > 0.0 and 0.0 in (self.lower, self.upper) else 1.0
 
     def relaxation(self, slack: ca.SX | float) -> ca.SX | float:
         """Return what a slack adds to the bounds, in the row's unit."""
