@@ -11,7 +11,6 @@ import robotraj as rt
 from robotraj.planning.diagnosis.infeasibility_check import (
     FAR,
     ITERATIONS,
-    ITERATIONS_FAR,
     Excluded,
     InfeasibilityCheck,
 )
@@ -61,7 +60,7 @@ def test_conflicts_are_looked_for_once_where_iterations_begin_again(monkeypatch:
     assert len(looked) == 1 and not check.conflicts
 
 
-@pytest.mark.parametrize(("violation", "number"), [(0.5 * FAR, ITERATIONS), (2.0 * FAR, ITERATIONS_FAR)])
+@pytest.mark.parametrize(("violation", "number"), [(0.5 * FAR, ITERATIONS), (2.0 * FAR, ITERATIONS // 2)])
 def test_conflicts_are_looked_for_earlier_far_from_any_motion(
     monkeypatch: pytest.MonkeyPatch, violation: float, number: int
 ) -> None:
@@ -87,11 +86,13 @@ def test_a_motion_that_is_found_ends_the_solve_and_starts_the_next(monkeypatch: 
     problem = rising(0.02)
     motion = rt.plan(problem, rt.Mesh(4))
     monkeypatch.setattr(f"{MODULE}.narrowed_speeds", lambda *_: ((), motion))
-    monkeypatch.setattr(f"{MODULE}.ITERATIONS_NARROWED", 1)
     check = InfeasibilityCheck(problem, unsolved, unsolved, None)
+    for _ in range(3 * ITERATIONS - 1):
+        check(Iteration(1, 0.0, 1.0))
     with pytest.raises(Excluded):
         check(Iteration(1, 0.0, 1.0))
     assert check.motion is motion and not check.conflicts
+    monkeypatch.setattr(f"{MODULE}.ITERATIONS", 1)
     solution = rt.plan(problem, rt.Mesh(6))
     assert solution.success and solution.iterations < 15
 
