@@ -185,6 +185,14 @@ def test_what_a_plan_stores_is_that_of_its_motion(name: str, which: str) -> None
     assert not rt.validate(stored(plan(name), which, lambda values: 1.02 * values)).passed
 
 
+@pytest.mark.parametrize("bounds", [(0.0102, 0.0102), (0.0102, 200.0)])
+def test_another_duration_is_noticed_however_short_it_is(bounds: tuple[float, float]) -> None:
+    """Two percent of 10 ms are 2e-4 s, and a millionth of what the bounds let it be."""
+    solution = slide(0.01, 1e-6, mass=1.0)
+    assert rt.validate(solution).passed
+    assert not rt.validate(elsewhere(solution, lambda phase: phase.with_(duration=bounds))).passed
+
+
 def test_the_claims_name_their_judges_and_what_they_leave_out() -> None:
     report = rt.validate(plan("ur5"))
     assert [claim.name for claim in report.claims] == [claim.name for claim in plan("ur5").claims]

@@ -213,11 +213,14 @@ def _scalars(planned: PhaseSolutionLike) -> list[Watch]:
     phase, knots = planned.phase, np.asarray(planned.knots, dtype=float)
     rows = [Row("duration", "s", *phase.duration_bounds)]
     values = [float(knots[-1] - knots[0])]
+    # A duration is judged by itself, not by a second or by the range that it may have.
+    sizes: list[float | None] = [values[0] if values[0] > 0.0 else None]
     bounds = phase.parameter_bounds
     for name, lower, upper in zip(phase.parameter_names, bounds.lower, bounds.upper, strict=True):
         rows.append(Row("parameter", "", float(lower), float(upper), name))
         values.append(float(planned.parameters[name]))
-    watches = [Watch(row) for row in rows]
+        sizes.append(None)
+    watches = [Watch(row, size) for row, size in zip(rows, sizes, strict=True)]
     for watch, value in zip(watches, values, strict=True):
         watch.see(knots[-1:], np.array([value]))
     return watches
