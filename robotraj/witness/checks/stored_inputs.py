@@ -17,9 +17,11 @@ from robotraj.witness.protocols import Array, PhaseSolutionLike
 
 
 def stored_off(planned: PhaseSolutionLike) -> Array:
-    """Return the largest generalised force by which what a robot's phase stores differs from its motion, (nv,).
+    """Return the generalised force (nv,) by which what a robot's phase stores differs from its motion.
 
-    Zero on a given path, whose variables are those of the path, and for plans that store nothing.
+    It is the largest mean over the points of an interval: at one end of it a motion may need other torques, while the
+    plan is right as a whole. Zero on a given path, whose variables are those of the path, and for plans that store
+    nothing.
     """
     robot, phase = realised(planned), planned.phase
     model, data = robot.model, robot.model.createData()
@@ -49,4 +51,6 @@ def stored_off(planned: PhaseSolutionLike) -> Array:
                 for contact in contacts
             }
             off[i] += np.abs(stance.torques(q, told) - stance.torques(q, forces))
-    return np.asarray(np.nan_to_num(off, nan=np.inf).max(axis=0, initial=0.0))
+    off = np.nan_to_num(off, nan=np.inf)
+    means = [off[interval == k].mean(axis=0) for k in np.unique(interval)]
+    return np.max(means, axis=0) if means else np.zeros(model.nv)
