@@ -172,7 +172,8 @@ class Figures(OneLine):
     unguarded : tuple of str
         What could not be judged, such as links whose shapes were not read or that have none, each with the reason.
     left_out : tuple of str
-        Pairs of links that may overlap, each with the reason. Neighbours in the tree of links are not listed.
+        Pairs of links that may overlap or need not keep a margin, and links that are not compared with the ground, each
+        with the reason. Neighbours in the tree of links are not listed.
     """
 
     local: Drift | None

@@ -124,7 +124,7 @@ def _clearances(figures: Figures) -> list[str]:
         least = min(figures.own_distances, key=lambda each: each.distance)
         lines += wrapped(f"own links: nearest are {least.label}, {1e3 * least.distance:.3g} mm, t = {least.time:.4g} s")
     lines += [line for each in figures.unguarded for line in wrapped(f"not judged: {each}")]
-    lines += [line for each in figures.left_out for line in wrapped(f"may overlap: {each}")]
+    lines += [line for each in figures.left_out for line in wrapped(f"left out: {each}")]
     return [*lines, ""] if lines else []
 
 

@@ -195,7 +195,7 @@ def validate(
     )
     distances = within("distances", lambda: [clearance_of(p, clock) for p in robots], True) or []
     bodies = within("self-collision", lambda: [own_body_of(p, clock) for p in robots], True) or []
-    broken = [*(broken or ()), *(violation for _, short in distances for violation in short)]
+    broken = [*(broken or ()), *(violation for _, short, _ in distances for violation in short)]
     locally = within("local error", lambda: local_errors(solution, LOCAL_RTOL, LOCAL_ATOL, clock), local is not None)
     holdings = within("contacts", lambda: [h for p in robots for h in holding_of(p, samples, clock)], True)
     impacts = within("impacts", lambda: impacts_of(solution), True)
@@ -257,11 +257,19 @@ def validate(
         moves_robot=bool(robots),
         has_friction=any(map(has_dry_friction, phases)),
         avoids_collisions=any(each.avoids_collisions for p in robots for each in p.phase.constraints),
-        clearances=tuple(each for nearest, _ in distances for each in nearest),
+        clearances=tuple(each for nearest, _, _ in distances for each in nearest),
         self_collisions=tuple(each for body in bodies for each in body.overlaps),
         own_distances=tuple(body.nearest for body in bodies if body.nearest is not None),
         unguarded=tuple(dict.fromkeys(each for body in bodies for each in body.unjudged)),
-        left_out=tuple(dict.fromkeys([*(each for body in bodies for each in body.left_out), *oversized])),
+        left_out=tuple(
+            dict.fromkeys(
+                [
+                    *(each for body in bodies for each in body.left_out),
+                    *(each for *_, exempt in distances for each in exempt),
+                    *oversized,
+                ]
+            )
+        ),
     )
 
 

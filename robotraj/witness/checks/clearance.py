@@ -38,6 +38,7 @@ RESERVE = 1.2
 """Factor on sampled speeds."""
 SIZE = 1e-2
 """Penetration that counts as a relative violation of 1 [m]."""
+NO_MARGIN = "apart, without the margin: spheres around them are always nearer"
 PER_INTERVAL = 9
 """Samples of speeds in every interval."""
 
@@ -75,32 +76,34 @@ class _Shape(NamedTuple):
 
 def clearance_of(
     planned: PhaseSolutionLike, clock: Callable[[], None] = lambda: None
-) -> tuple[list[Clearance], list[Violation]]:
-    """Return the smallest distance for every ``CollisionFree`` of a phase, and violations of the margin."""
+) -> tuple[list[Clearance], list[Violation], list[str]]:
+    """Return the smallest distance for every ``CollisionFree`` of a phase, violations, and pairs without the margin."""
     phase = planned.phase
     nearest: list[Clearance] = []
     broken: list[Violation] = []
+    left_out: list[str] = []
     if not isinstance(phase, Phase) or phase.robot is None:
-        return nearest, broken
+        return nearest, broken, left_out
     for free in phase.constraints:
         if isinstance(free, CollisionFree):
             shapes, pairs = _pairs(phase.robot, free)
             least = _least(planned, phase.robot, shapes, pairs, float(free.margin), clock)
             near = [pair for pair, (distance, _) in zip(pairs, least, strict=True) if 0.0 <= distance < free.margin]
-            always_near = _always_near(phase.robot, shapes, near, float(free.margin))
+            exempt = _without_margin(phase.robot, free, shapes, near)
+            left_out += [f"{shapes[a].label} and {shapes[b].label}: {NO_MARGIN}" for a, b in exempt]
             found = [
                 Clearance(
                     phase.name,
                     f"{shapes[a].label} and {shapes[b].label}",
                     distance,
-                    0.0 if (a, b) in always_near else float(free.margin),
+                    0.0 if (a, b) in exempt else float(free.margin),
                     time,
                 )
                 for (a, b), (distance, time) in zip(pairs, least, strict=True)
             ]
             nearest += sorted(found, key=lambda each: each.distance - each.margin)[:1]
             broken += _violations(found)
-    return nearest, broken
+    return nearest, broken, left_out
 
 
 def _violations(found: Sequence[Clearance]) -> list[Violation]:
@@ -148,13 +151,19 @@ def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[
     return shapes, pairs
 
 
-def _always_near(
-    robot: Robot, shapes: Sequence[_Shape], pairs: Sequence[tuple[int, int]], margin: float
+def _without_margin(
+    robot: Robot, free: CollisionFree, shapes: Sequence[_Shape], near: Sequence[tuple[int, int]]
 ) -> set[tuple[int, int]]:
-    """Return the pairs of links, or of links and carried obstacles, that are never further apart than a margin."""
-    own = [(a, b) for a, b in pairs if shapes[a].obstacle is None and shapes[b].obstacle is None]
-    exact = [ExactShape(*shape[:4]) for shape in shapes]
-    return set(own) - set(sometimes_apart(robot, exact, own, margin))
+    """Return the pairs of links, or of links and carried obstacles, that need not keep the margin.
+
+    They are nearer than the margin in every sampled configuration, or the spheres around them are.
+    """
+    own = [(a, b) for a, b in near if shapes[a].obstacle is None and shapes[b].obstacle is None]
+    spheres = free.pairs(robot).spheres if own else None
+    if spheres is None:
+        return set()
+    kept = {frozenset((spheres.links[i], spheres.links[j])) for i, j in spheres.link_pairs.tolist()}
+    return {(a, b) for a, b in own if frozenset((shapes[a].label, shapes[b].label)) not in kept}
 
 
 def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[coal.Transform3s]:
