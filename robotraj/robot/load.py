@@ -12,6 +12,7 @@ from robotraj._util.errors import InputError
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.assembly import assemble
+from robotraj.robot.loading.planning_model import has_free_flyer
 from robotraj.robot.loading.source import describe
 from robotraj.robot.mounting import Base, mounted, placed
 from robotraj.robot.robot import Robot
@@ -25,7 +26,7 @@ def load(
     trust_paths: bool = False,
     actuated: Iterable[str] | None = None,
     locked: Mapping[str, float | Sequence[float]] | None = None,
-    root: str = "fixed",
+    root: str | None = None,
     limits: Limits | Mapping[str, PositionLimits | RateLimits] | None = None,
     gravity: ArrayLike | None = None,
     base: Base | None = None,
@@ -51,10 +52,11 @@ def load(
     locked : mapping, optional
         Joints locked at a position, ``{"wrist": 0.0}`` [rad, m]; q and v do not contain them. A joint of several
         degrees of freedom has one number for each, ``{"drive": (x, y, yaw)}``, or 0 for all.
-    root : str
-        ``"fixed"``: the URDF's root link does not move. ``"planar"``: it moves in the vertical plane y = 0 and turns
-        about y. ``"floating"``: it moves freely, with a quaternion. A moving root has no motors, limits or damping; see
-        ``Robot``. A model whose first joint is a free-flyer needs ``"floating"``. A base that drives on level ground is
+    root : str, optional
+        ``"fixed"``, the default: the URDF's root link does not move. ``"planar"``: it moves in the vertical plane y = 0
+        and turns about y. ``"floating"``: it moves freely, with a quaternion; the default and the only choice for a
+        model whose first joint is free, as in MJCF files of legged robots. A moving root has no motors, limits or
+        damping; see ``Robot``. A base that drives on level ground is
         a planar joint of the URDF, or ``rt.robot.on_wheels(robot, mass, inertia)``.
     limits : mapping or Limits, optional
         Overrides by quantity: ``{"position": {"elbow": (-1, 1)}, "velocity": 3.0, "effort": {"elbow":
@@ -101,6 +103,8 @@ def load(
             f"rt.load got {source.name!r}, a robot that is loaded. Load its file or name with all options."
         )
     about = describe(source, package_dirs, trust_paths)
+    if root is None:
+        root = "floating" if has_free_flyer(about.model) else "fixed"
     robot = assemble(about if base is None else placed(about, base), actuated, locked, limits, root)
     if gravity is not None or rotors is not None:
         robot = mounted(robot, gravity, rotors)

@@ -160,8 +160,8 @@ def _named(model: pin.Model, root: str) -> pin.Model:
     own = model.names[1]
     if root != "floating":
         raise InputError(
-            f"The model starts with the free-flyer {own!r}, but root={root!r}. Load it with root='floating', or give a "
-            "model with a fixed root, which pin.buildModelFromUrdf builds without a root joint."
+            f"The model starts with the free joint {own!r}, but root={root!r}. Load it with root='floating', the "
+            "default of such a model, or take the free joint out of the file."
         )
     about = ROOTS[root]
     _check_names(model, about, root, own)

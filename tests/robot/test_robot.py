@@ -302,8 +302,8 @@ BAD_LOADS = {
         ["'elbow'", "elbow_joint"],
     ),
     "free-flyer": (
-        lambda path: rt.load(wide_model(pin.JointModelFreeFlyer())),
-        ["free-flyer 'hip'", "root='floating'"],
+        lambda path: rt.load(wide_model(pin.JointModelFreeFlyer()), root="fixed"),
+        ["free joint 'hip'", "root='floating'"],
     ),
     "ellipsoid": (lambda path: rt.load(wide_model(pin.JointModelEllipsoid(0.1, 0.2, 0.3))), ["'hip'", "Ellipsoid"]),
     "planar joint": (lambda path: rt.load(write(path, "planar")), ["'elbow'", "planar", "0 0 1"]),

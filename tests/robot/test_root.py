@@ -268,12 +268,12 @@ BAD = {
     "floating joint taken": (lambda urdf: rt.load(taken(urdf, "root_joint"), root="floating"), ["'root_joint'"]),
     "floating velocity taken": (lambda urdf: rt.load(taken(urdf, "root_wx"), root="floating"), ["'root_wx'"]),
     "flies and fixed": (
-        lambda urdf: rt.load(pin.buildSampleModelHumanoidRandom()),
+        lambda urdf: rt.load(pin.buildSampleModelHumanoidRandom(), root="fixed"),
         ["'root_joint'", "root='floating'"],
     ),
     "flies and planar": (
         lambda urdf: rt.load(pin.buildSampleModelHumanoidRandom(), root="planar"),
-        ["'root_joint'", "root='planar'", "fixed root"],
+        ["'root_joint'", "root='planar'", "free joint"],
     ),
     "locked root": (lambda urdf: rt.load("cartpole", root="planar", locked={"root_z": 0}), ["'root_z'", "slider"]),
     "locked free-flyer": (

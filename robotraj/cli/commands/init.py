@@ -19,8 +19,12 @@ def write_problem(
     robot: RobotArgument,
     out: Annotated[Path, typer.Argument(metavar="[OUT.toml]", help="Where to.")] = Path("problem.toml"),
     root: Annotated[
-        str, typer.Option(help="fixed: a motion from rest to rest; planar or floating: a gait, or a jump on one foot.")
-    ] = "fixed",
+        str | None,
+        typer.Option(
+            help="fixed: a motion from rest to rest; planar or floating: a gait, or a jump on one foot. By default "
+            "fixed, or floating where the file's first joint is free."
+        ),
+    ] = None,
     package_dirs: PackageDirsOption = None,
     trust_paths: TrustPathsOption = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,

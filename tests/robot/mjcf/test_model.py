@@ -219,3 +219,22 @@ def test_elements_inside_a_frame_are_refused(tmp_path):
     (tmp_path / "arm.xml").write_text(text.replace(ram, f'<frame pos="0 0 1">{ram}</frame>'), encoding="utf-8")
     with pytest.raises(rt.InputError, match="inside <frame>.*: body, geom, joint. Give them the frame's pose"):
         rt.load(tmp_path / "arm.xml")
+
+
+FREE = """<mujoco model="hopping box"><worldbody><body name="base" pos="0 0 1"><freejoint/>
+<inertial pos="0 0 0" mass="2" diaginertia="0.1 0.1 0.1"/>
+<body name="leg"><joint name="hip" type="hinge" axis="0 1 0" range="-1 1" limited="true"/>
+<inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/></body></body></worldbody>
+<actuator><motor joint="hip" ctrlrange="-5 5"/></actuator></mujoco>"""
+
+
+def test_a_free_joint_of_the_file_is_a_floating_root(tmp_path):
+    """The file says that its base moves freely; another root is refused with the remedy."""
+    path = tmp_path / "box.xml"
+    path.write_text(FREE)
+    robot = rt.load(path)
+    assert (robot.root, robot.nq, robot.nv, robot.nu) == ("floating", 8, 7, 1)
+    np.testing.assert_array_equal(robot.neutral, rt.load(path, root="floating").neutral)
+    for root in ("fixed", "planar"):
+        with pytest.raises(rt.InputError, match="take the free joint out of the file"):
+            rt.load(path, root=root)
