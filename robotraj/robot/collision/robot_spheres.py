@@ -102,6 +102,9 @@ class RobotSpheres(OneLine):
         return np.asarray(np.minimum.reduceat(apart, np.cumsum(counts) - counts, axis=1))
 
 
+UNBOUNDED = ("Halfspace", "Plane")
+"""Shapes of coal that no sphere encloses."""
+
 _KNOWN: WeakKeyDictionary[Robot, dict[frozenset[frozenset[str]], RobotSpheres]] = WeakKeyDictionary()
 
 
@@ -109,7 +112,8 @@ def robot_spheres(robot: Robot, disabled: Collection[tuple[str, str]] = ()) -> R
     """Return the spheres of a robot; they are computed once per robot.
 
     Spheres of the URDF are used unchanged. Capsules, boxes, cylinders and meshes are enclosed by spheres, which are
-    cached on disk (``fit_cache``).
+    cached on disk (``fit_cache``). The floor of an MJCF file has none: it is compared exactly, as links are
+    (``own_body``).
 
     Parameters
     ----------
@@ -135,6 +139,8 @@ def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> RobotSpheres:
     link, joint, fits = [], [], []
     centres, radii = [np.zeros((0, 3))], [np.zeros(0)]
     for shape in robot.collision_model.geometryObjects:
+        if type(shape.geometry).__name__ in UNBOUNDED:
+            continue
         name = robot.model.frames[shape.parentFrame].name
         own, sizes, protrusion, excess = spheres_of(shape)
         if name not in links:

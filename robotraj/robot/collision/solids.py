@@ -28,6 +28,8 @@ MOST_BALLS = 8
 """Largest number of balls around a shape."""
 UNBOUNDED = 1e6
 """Extent from which a shape counts as unbounded [m]."""
+FAR = 1e100
+"""Largest coordinate of an unbounded shape's points [m]."""
 CELL = 0.01
 """Side of the cells of which each has one point of a surface [m]."""
 WIDE_CELL = 0.025
@@ -65,7 +67,8 @@ class Solid(OneLine):
         """Points (n, 3) whose convex hull encloses the shape [m]: a mesh's own, or the corners of its box."""
         if self.is_mesh:
             return np.array(self.geometry.vertices())
-        return np.array(np.meshgrid(*np.transpose(self.box), indexing="ij")).reshape(3, -1).T
+        # The square of a floor's largest coordinate would overflow.
+        return np.array(np.meshgrid(*np.clip(np.transpose(self.box), -FAR, FAR), indexing="ij")).reshape(3, -1).T
 
     @cached_property
     def hull(self) -> coal.CollisionGeometry:

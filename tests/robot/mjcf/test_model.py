@@ -221,6 +221,13 @@ def test_elements_inside_a_frame_are_refused(tmp_path):
         rt.load(tmp_path / "arm.xml")
 
 
+FLOOR = """<mujoco model="arm"><compiler angle="radian"/><worldbody><geom type="plane" size="1 1 0.1"/>
+<body name="upper" pos="0 0 0.3"><joint name="shoulder" type="hinge" axis="0 1 0" range="-2 2"/>
+<geom type="capsule" size="0.03" fromto="0 0 0.08 0 0 0.4" mass="1"/>
+<body name="fore" pos="0 0 0.4"><joint name="elbow" type="hinge" axis="0 1 0" range="-2.5 2.5"/>
+<inertial pos="0 0 0.1" mass="0.5" diaginertia="0.01 0.01 0.002"/>
+<geom type="capsule" size="0.03" fromto="0 0 0.08 0 0 0.3"/></body></body></worldbody>
+<actuator><motor joint="shoulder" ctrlrange="-30 30"/><motor joint="elbow" ctrlrange="-30 30"/></actuator></mujoco>"""
 FREE = """<mujoco model="hopping box"><worldbody><body name="base" pos="0 0 1"><freejoint/>
 <inertial pos="0 0 0" mass="2" diaginertia="0.1 0.1 0.1"/>
 <body name="leg"><joint name="hip" type="hinge" axis="0 1 0" range="-1 1" limited="true"/>
@@ -238,3 +245,22 @@ def test_a_free_joint_of_the_file_is_a_floating_root(tmp_path):
     for root in ("fixed", "planar"):
         with pytest.raises(rt.InputError, match="take the free joint out of the file"):
             rt.load(path, root=root)
+
+
+def test_the_floor_of_a_file_is_kept_beside_other_obstacles(tmp_path):
+    """Between two postures the straight way passes through the floor of the file; the plan stays above it."""
+    path = tmp_path / "floor.xml"
+    path.write_text(FLOOR)
+    robot, ball = rt.load(path), rt.obstacles.Sphere(0.05, position=(0, 0, 1.4))
+    first, last = np.array([2.0, -0.15]), np.array([1.3, 2.4])
+
+    def height(q):
+        return 0.3 + 0.4 * np.cos(q[:, 0]) + 0.3 * np.cos(q[:, 0] + q[:, 1])
+
+    ends = rt.State(q=first, v=0), rt.State(q=last, v=0)
+    plan = rt.plan(rt.Phase(robot, 1.0, *ends, rt.Effort(), [rt.CollisionFree([ball])]))
+    share = np.linspace(0.0, 1.0, 201)
+    assert height(first + share[:, None] * (last - first)).min() < 0.0
+    assert plan.proved
+    assert height(plan.at(share).q).min() >= 0.03 - 1e-6
+    assert rt.validate(plan).passed
