@@ -19,6 +19,7 @@ from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_names, check_numbers
 from robotraj.robot.mjcf.defaults import Attributes, Defaults, placed
+from robotraj.robot.mjcf.includes import with_includes
 from robotraj.robot.mjcf.meshes import PlainCopy
 from robotraj.robot.mjcf.springs import joint_springs
 from robotraj.robot.urdf.lenient import parsed
@@ -82,12 +83,11 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     Raises
     ------
     InputError
-        Pinocchio's reader refuses it or drops elements of it, it includes other files, a mesh lies elsewhere, or a mesh
-        cannot be read within the limits of meshes.
+        Pinocchio's reader refuses it or drops elements of it, an included file or a mesh lies elsewhere, or cannot be
+        read within the limits of such files.
     """
     root = _root(path)
-    if root.find(".//include") is not None:
-        raise InputError(f"{str(path)!r} includes other files; load the one with the bodies of the robot, or a URDF.")
+    with_includes(root, path, folders)
     check_numbers(repr(str(path)), root)
     check_names(repr(str(path)), root)
     inside = {each.tag for frame in root.iter("frame") for each in frame.iter() if each.tag in FRAMED}

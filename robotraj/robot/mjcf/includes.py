@@ -1,0 +1,97 @@
+"""Files that an MJCF file includes, in its place.
+
+Source: the section *include* of MuJoCo's documentation of its XML format. Paths are relative to the folder of the main
+file, and a file is included once. Sections of one kind are one section, as MuJoCo reads them and Pinocchio does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from robotraj._util.errors import InputError
+from robotraj._util.system.regular_files import contents
+from robotraj.robot.loading.packages import is_inside
+from robotraj.robot.urdf.lenient import parsed
+from robotraj.robot.urdf.xml import MAX_BYTES
+
+MOST = 30
+"""Largest number of files that are included."""
+TOPS = ("mujoco", "mujocoinclude")
+"""Top elements of files that can be included."""
+
+
+def with_includes(root: Element, path: Path, folders: Sequence[Path] | None) -> None:
+    """Put the elements of included files in place of each ``<include file="...">`` of a file.
+
+    Parameters
+    ----------
+    root : Element
+        The file, which is changed.
+    path : Path
+        Its place.
+    folders : sequence of Path or None
+        Folders whose files are read; None for all.
+
+    Raises
+    ------
+    InputError
+        A file lies elsewhere, is included twice, cannot be read, or is no MJCF; or there are too many.
+    """
+    known = [path.resolve()]
+    if _expand(root, path, folders, known):
+        _merge(root)
+
+
+def _expand(element: Element, path: Path, folders: Sequence[Path] | None, known: list[Path]) -> bool:
+    """Expand the includes below an element; return whether there were any."""
+    found = False
+    children: list[Element] = []
+    for child in element:
+        if child.tag == "include":
+            other = _read(child.get("file", ""), path, folders, known)
+            _expand(other, path, folders, known)
+            children += list(other)
+            found = True
+        else:
+            found |= _expand(child, path, folders, known)
+            children.append(child)
+    element[:] = children
+    return found
+
+
+def _read(name: str, path: Path, folders: Sequence[Path] | None, known: list[Path]) -> Element:
+    file = path.parent / name.replace("\\", "/")
+    if not name:
+        raise InputError(f'{str(path)!r} has an <include> without a file="...".')
+    if folders is not None and not is_inside(file, folders):
+        raise InputError(
+            f"{str(path)!r} includes {str(file)!r}, which lies outside its folder; package_dirs= with that folder or "
+            "trust_paths=True reads it."
+        )
+    if file.resolve() in known:
+        raise InputError(f"{str(path)!r} includes {name!r} twice, or itself; MuJoCo refuses that, too.")
+    if len(known) > MOST:
+        raise InputError(f"{str(path)!r} includes more than {MOST} files.")
+    known.append(file.resolve())
+    try:
+        found = parsed(contents(file, MAX_BYTES, "The included file"))
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"The included file {str(file)!r} is no well-formed XML: {error}.") from error
+    if found.tag not in TOPS:
+        raise InputError(f"The included file {str(file)!r} is no MJCF: its top element is <{found.tag}>.")
+    return found
+
+
+def _merge(root: Element) -> None:
+    """Make one section of all of one kind; later attributes replace earlier ones."""
+    first: dict[str, Element] = {}
+    for section in list(root):
+        known = first.setdefault(section.tag, section)
+        if known is not section:
+            known.attrib.update(section.attrib)
+            known.extend(list(section))
+            root.remove(section)
