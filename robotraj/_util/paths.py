@@ -33,7 +33,9 @@ def input_path(path: object, what: str) -> Path:
         found.exists()
     except (TypeError, ValueError, OSError, RuntimeError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        named = brief(str(path) if isinstance(path, os.PathLike) else path)
+        given = str(path) if isinstance(path, os.PathLike) else path
+        # A disk that fails is no fault of the path, which is then told whole.
+        named = repr(given) if isinstance(error, OSError) and len(str(given)) <= LONGEST else brief(given)
         raise InputError(f"{what} is {named}, which is no path of a file: {reason[:100]}.") from error
     return found
 

@@ -19,7 +19,7 @@ from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.flight import Flight
-from robotraj.gait.posture import gait_objective, posture_objective
+from robotraj.gait.posture import gait_objective, haste, posture_objective
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
@@ -90,7 +90,7 @@ def sequence(
     contacts = {foot: contact_with(foot_contact(terms.contact, foot), margin) for foot in every}
     bound = {foot: contact.bound_to(robot) for foot, contact in contacts.items()}
     posture = standing(BalancedStance(robot, tuple(bound.values())))
-    objective = terms.objective if terms.objective is not None else _default(robot, posture, supports, repeat)
+    costs = _defaults(robot, posture, supports, repeat)
     phases: list[Phase] = []
     for i, support in enumerate(supports):
         swinging = [foot for foot in every if foot not in support.feet]
@@ -114,7 +114,7 @@ def sequence(
                 support.duration,
                 start=(_origin(robot, repeat) if repeat is not None else start) if i == 0 else None,
                 end=end if i == len(supports) - 1 else None,
-                objective=objective,
+                objective=costs[i] if terms.objective is None else terms.objective,
                 constraints=rows,
                 contacts=[contacts[foot] for foot in support.feet],
                 parameters=parameters,
@@ -129,17 +129,20 @@ def sequence(
     return Problem(phases, links)
 
 
-def _default(
+def _defaults(
     robot: Robot, posture: NDArray[np.float64], supports: Sequence[Support], repeat: Mirror | Periodic | None
-) -> Objective:
-    """Return the default objective.
+) -> list[Objective]:
+    """Return the default objective of each phase; phases of free duration pay for haste.
 
-    A robot at rest can balance without torque, so that by effort alone free phases would last as long as they may. A
-    gait that repeats falls from step to step, and its effort is least at a duration in between.
+    A planar robot at rest can balance without torque, so that by effort alone free phases would last as long as they
+    may. A planar gait that repeats falls from step to step, and its effort is least at a duration in between.
     """
     spans = [as_duration(support.duration, support.name) for support in supports]
-    free = any(least < greatest for least, greatest in spans)
-    return posture_objective(robot, posture) if free and repeat is None else gait_objective(robot, posture)
+    free = [least < greatest for least, greatest in spans]
+    if robot.root == "planar" and (repeat is not None or not any(free)):
+        return [gait_objective(robot, posture)] * len(supports)
+    plain = posture_objective(robot, posture)
+    return [plain + haste(robot, posture) if each else plain for each in free]
 
 
 def _link(i: int, before: Sequence[str], after: Sequence[str]) -> Link:

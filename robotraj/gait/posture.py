@@ -74,7 +74,8 @@ def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     """Return the default objective of gaits: effort for planar robots, in space ``posture_objective``.
 
     Motions of planar robots from rest to rest have ``posture_objective``, too, where a duration is free: a robot that
-    balances needs no torque, so that by effort alone its phases last as long as they may.
+    balances needs no torque, so that by effort alone its phases last as long as they may. Where the objective of a gait
+    is not given, phases of free duration pay for ``haste`` besides.
 
     Parameters
     ----------
@@ -86,12 +87,11 @@ def gait_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
 
 
 def posture_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
-    """Return effort, the distance of the joints from a posture, their accelerations, and ``haste``.
+    """Return effort, the distance of the joints from a posture, and their accelerations.
 
     The integral of  sum tau^2 + w [sum (q_j - q_j,standing)^2 + 0.002 (h / g)^2 sum a_j^2],  w = (0.2 m g h)^2, h the
-    height of the centre of mass, and 0.16 w (h / g) / T for a phase of the duration T. The second term keeps legs from
-    stretching, where the equations are singular. The third term suppresses oscillations of humanoids between the
-    collocation points. The last term keeps phases of free duration from their bounds.
+    height of the centre of mass. The second term keeps legs from stretching, where the equations are singular. The
+    third term suppresses oscillations of humanoids between the collocation points.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def posture_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     joints = {name: 1.0 for name in robot.joint_names if name in robot.position_names}
     posture = Tracking(FixedPosture(tuple(float(v) for v in standing)), q=joints)
     calm = Lagrange(SquaredAccelerations(ROOT_FREEDOMS[robot.root]))
-    return Effort() + worth * posture + worth * CALM * pendulum**2 * calm + haste(robot, standing)
+    return Effort() + worth * posture + worth * CALM * pendulum**2 * calm
 
 
 def haste(robot: Robot, standing: NDArray[np.float64]) -> Objective:

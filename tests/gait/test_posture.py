@@ -56,8 +56,17 @@ def test_planar_robots_have_the_price_at_rest_where_a_duration_is_free(biped: rt
         support = gait.Support(feet, duration, "stand")
         return gait.sequence(biped, [support], gait.GaitTerms(objective=own), repeat, ends, ends).phases[0].objective
 
-    assert cost((0.3, 0.9), rest) == gait.posture_objective(biped, gait.stand(biped))
+    posture = gait.stand(biped)
+    assert cost((0.3, 0.9), rest) == gait.posture_objective(biped, posture) + gait.haste(biped, posture)
     assert cost(0.6, rest) == cost((0.3, 0.9), None) == cost((0.3, 0.9), rest, rt.Effort()) == rt.Effort()
+
+
+def test_phases_of_fixed_duration_have_no_price(solo: rt.Robot) -> None:
+    """The objective of a gait with fixed durations has the three terms of ``gait_objective`` alone."""
+    fixed, free = (gait.trot(solo, step_length=0.06, duration=span).phases[0] for span in (0.2, (0.2, 0.4)))
+    plain = gait.gait_objective(solo, gait.stand(solo))
+    assert len(fixed.objective.parts) == len(plain.parts) == 3  # type: ignore[union-attr]
+    assert len(free.objective.parts) == 4  # type: ignore[union-attr]
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,9 @@ from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
-from robotraj.witness.contacts.ground import swings_of
-from robotraj.witness.contacts.links_over_ground import LinkDepth, link_depths_of
-from robotraj.witness.figures import Tolerances
+
+if TYPE_CHECKING:
+    from robotraj.witness.contacts.links_over_ground import LinkDepth
 
 Spot: TypeAlias = "tuple[str, tuple[float, float, float]]"
 """A frame and a point fixed in it [m]."""
@@ -75,10 +75,16 @@ def above_ground(found: Solution, settings: Settings, progress: Progress | None,
 
 def _below(found: Solution) -> list[LinkDepth]:
     """Return the links of a proved plan that are further below the ground than ``rt.validate`` allows."""
-    allowed = Tolerances().ground
-    if allowed is None or found.proof is None or not found.proof.holds:
+    if found.proof is None or not found.proof.holds:
         return []
     if not any(contact.stands for part in found.phases for contact in part.phase.bound_contacts):
+        return []
+    from robotraj.witness.contacts.ground import swings_of
+    from robotraj.witness.contacts.links_over_ground import link_depths_of
+    from robotraj.witness.figures import Tolerances
+
+    allowed = Tolerances().ground
+    if allowed is None:
         return []
     depths, _ = link_depths_of(found, swings_of(found, SAMPLES), SAMPLES)
     return [each for each in depths if each.part > allowed]

@@ -56,7 +56,7 @@ Of legs in nearly parallel planes, these values are 1e-8 to 1e-6, others above 1
 
 CLOSELY = 2**13
 """Points of a System's phase at which its equations are searched for short events."""
-PANEL = 64
+PANEL = 512
 """Largest number of points of one rule of Gauss."""
 EVENT = 2.0
 """Ratio of the errors at many and at few points of an interval above which an event lies between the few."""

@@ -88,7 +88,7 @@ def test_the_stated_bounds_suffice(name: str, end: list[float], duration: float)
 def test_a_swing_too_high_gives_way_before_the_knees_limit() -> None:
     """The robot's own limits are facts, with contacts too; relaxed as well, they were named beside the demand."""
     robot = rt.load("five_link", root="planar")
-    solution = rt.plan(rt.gait.walk(robot, step_length=0.4, duration=0.6, clearance=1.0), check=False)
+    solution = rt.plan(rt.gait.walk(robot, step_length=0.4, duration=0.6, clearance=0.75), check=False)
     assert solution.conflicts
     assert all(conflict.name.startswith("swing apex") for conflict in solution.conflicts)
 
