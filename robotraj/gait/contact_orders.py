@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
-from robotraj.dynamics.terrain.base import Ground
-from robotraj.dynamics.terrain.function import GroundFunction
-from robotraj.gait.bounds.own_sides import OwnSides
-from robotraj.gait.bounds.upright import Upright
 from robotraj.gait.checks import number, positive
-from robotraj.gait.feet import FootKind, feet_of
+from robotraj.gait.feet import feet_of
+from robotraj.gait.supports import GaitOptions
 from robotraj.gait.walks import run, trot, walk
-from robotraj.problem.objectives.base import Objective
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 from robotraj.robot.sides.images import frames_across, places_of
@@ -27,18 +23,6 @@ TOGETHER = 0.2
 """Fraction of a step with all feet on the ground, of orders with such a support."""
 
 Writer = Callable[[], Problem]
-
-
-class GaitOptions(TypedDict, total=False):
-    """Keyword arguments of ``rt.gait.walk`` that every order of contacts has."""
-
-    contact: FootKind
-    clearance: float | None
-    objective: Objective | None
-    upright: Upright | None
-    ground: Ground | GroundFunction
-    sides: OwnSides | None
-    margin: float
 
 
 def orders(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypedDict
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
@@ -35,6 +36,18 @@ class Support(OneLine):
     feet: tuple[str, ...]
     duration: float | Sequence[float] | Between
     name: str
+
+
+class GaitOptions(TypedDict, total=False):
+    """``GaitTerms`` as keyword arguments that gaits pass on."""
+
+    contact: FootKind
+    clearance: float | None
+    objective: Objective | None
+    upright: Upright | None
+    ground: Ground | GroundFunction
+    sides: OwnSides | None
+    margin: float
 
 
 @dataclass(frozen=True)

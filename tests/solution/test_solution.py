@@ -97,7 +97,7 @@ def test_the_cause_of_a_plan_that_is_stopped_is_what_was_not_proved(swing: rt.So
 
 
 def test_the_cause_at_a_time_limit_is_what_the_last_iterate_uses_up(swing: rt.Solution) -> None:
-    """Rows that are not met yet change from iterate to iterate; what is used up says what to ease."""
+    """Rows that are not met yet change from iterate to iterate; the remedy eases what is used up."""
     row = Violation("swing", "continuity", "v.pole", 0.1, 2.0, "rad/s", 0.0, "off")
     torque, cone = (Share(kind, "slider", much, 0.2, 0.1) for kind, much in (("torque", 1.3), ("cone", 0.95)))
 

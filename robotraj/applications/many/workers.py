@@ -140,10 +140,7 @@ def run(
         return results
     packer, first = TaskPacker(), len(results)
     packed = [_packed(packer, task) for task in tasks[first:]]
-    try:
-        common = cloudpickle.dumps((_Sent(work, sent), shared, packer.robots))
-    except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
-        raise InputError(f"The options cannot be sent to workers, because a part cannot be pickled: {error}") from error
+    common = sendable((_Sent(work, sent), shared, packer.robots), "The options")
     own = kept() if executor is None else None
     pool = cast("Executor", own or executor)
 
@@ -166,6 +163,20 @@ def run(
         if own is not None:
             release_kept()
         raise
+
+
+def sendable(value: object, what: str) -> bytes:
+    """Return the pickle of a value; ``what`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        A part cannot be pickled.
+    """
+    try:
+        return cast("bytes", cloudpickle.dumps(value))
+    except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
+        raise InputError(f"{what} cannot be sent to workers, because a part cannot be pickled: {error}") from error
 
 
 def _packed(packer: TaskPacker, task: object) -> bytes | Exception:

@@ -8,11 +8,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import cloudpickle
-
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.applications.many.case_limits import CaseLimits
+from robotraj.applications.many.workers import sendable
 from robotraj.applications.studies.cases import Cases, as_cases
 from robotraj.applications.studies.digest import digest_of
 from robotraj.applications.studies.dispatch import plan_elsewhere, plan_here
@@ -87,12 +86,7 @@ def study(
     recipe = Recipe(
         make, chosen, folder.folder, keep == "all", validate, limits, columns, every.ranges if chain else None
     )
-    try:
-        cloudpickle.dumps(recipe)
-    except (TypeError, AttributeError, RuntimeError, NotImplementedError) as error:
-        raise InputError(
-            f"make or an option cannot be sent to workers, since a part cannot be pickled: {error}"
-        ) from error
+    sendable(recipe, "make or an option")
     mine = part or StudyPart()
     wanted = mine.of(every, folder)
     known = folder.keys()

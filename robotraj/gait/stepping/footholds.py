@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TypedDict, cast
+from typing import cast
 
 import numpy as np
 import pinocchio as pin
@@ -29,7 +29,7 @@ from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.gait.stepping.foothold_arcs import step_clearances
 from robotraj.gait.stepping.root_room import check_root
 from robotraj.gait.stepping.stances import check_footholds
-from robotraj.gait.supports import GaitTerms, Support
+from robotraj.gait.supports import GaitOptions, GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import mean_ground, pendulum_time, standing
 from robotraj.problem.constraints.base import Constraint
@@ -59,20 +59,13 @@ Step = Mapping[str, Sequence[float]]
 """Footholds of the feet that swing together: (x, y) or (x, y, yaw) by frame [m, rad]; in a plane, (x,)."""
 
 
-class StepOptions(TypedDict, total=False):
+class StepOptions(GaitOptions, total=False):
     """Keyword arguments that motions on regular footholds pass to ``steps``."""
 
     swing: float
     support: float
     shift: float
     feet: Sequence[str] | None
-    contact: FootKind
-    clearance: float | None
-    objective: Objective | None
-    upright: Upright | None
-    ground: Ground | GroundFunction
-    sides: OwnSides | None
-    margin: float
 
 
 def steps(

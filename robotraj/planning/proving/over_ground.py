@@ -17,6 +17,7 @@ from robotraj.dynamics.terrain.base import Ground
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
 from robotraj.planning.proving.own_overlaps import in_time
+from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.clearance.link_parts import link_parts
 from robotraj.problem.clearance.swinging_feet import lowest_ground
 from robotraj.problem.constraints.clearance import GroundClearance
@@ -39,8 +40,6 @@ Spot: TypeAlias = "tuple[str, tuple[float, float, float]]"
 
 ROUNDS = 4
 """Largest number of plans with further points; a link that turns rolls onto others."""
-ITERATIONS = 300
-"""Largest number of iterations on one mesh: twice those of a flip."""
 SAMPLES = 9
 """Points of every interval at which heights are compared."""
 NEAR = 0.02
@@ -63,11 +62,11 @@ def above_ground(found: Solution, settings: Settings, progress: Progress | None,
         if not low:
             return found
         # Rows move a motion of several phases far enough that a coarse mesh is the faster start.
-        near = replace(settings, restarts=Restarts(0), solver=settings.solver.at_most(ITERATIONS))
+        near = replace(settings, restarts=Restarts(0), solver=settings.solver.at_most(2 * PATIENCE))
         again = run(_raised(found, low), found, near, progress, apart.surfaces, is_brief=True)
         if again.status in STOPPED:
             return replace(_judged(with_effort_of(again, found), low), status=again.status)
-        if again.proof is None or not again.proof.holds:
+        if again.proof is None or not again.proof.holds or not apart.is_free(again):
             return _judged(with_effort_of(again, found), low)
         found = with_effort_of(found, again)
     return _judged(found, _below(found))
@@ -77,7 +76,7 @@ def _below(found: Solution) -> list[LinkDepth]:
     """Return the links of a proved plan that are further below the ground than ``rt.validate`` allows."""
     if found.proof is None or not found.proof.holds:
         return []
-    if not any(contact.stands for part in found.phases for contact in part.phase.bound_contacts):
+    if lowest_ground(found.problem.phases) is None:
         return []
     from robotraj.witness.contacts.ground import swings_of
     from robotraj.witness.contacts.links_over_ground import link_depths_of

@@ -12,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, warn
+from robotraj._util.precision import SAME
 from robotraj.problem.constraints.base import Constraint, Where
 from robotraj.problem.constraints.frame_pose import AXES
 from robotraj.problem.constraints.task_space.tool_motion import FrameSpeed
@@ -20,9 +21,6 @@ from robotraj.problem.rows import RowTable
 from robotraj.robot.loading.other_units import in_other_unit, seems_other
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reaches
-
-ROUNDING = 1e-9
-"""Relative excess over a bound that counts as round-off."""
 
 
 def check_tool_travel(
@@ -54,7 +52,7 @@ def check_tool_travel(
         if first is None or last is None:
             continue
         way = float(np.linalg.norm(last - first))
-        if way > each.linear * longest * (1 + ROUNDING):
+        if way > each.linear * longest * (1 + SAME):
             raise InputError(
                 f"Phase {table.phase!r}: frame {each.frame!r} must travel {way:.4g} m, but its speed limit of "
                 f"{each.linear:.4g} m/s allows {each.linear * longest:.4g} m in {longest:.4g} s. Allow more than "

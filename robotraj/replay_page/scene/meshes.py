@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from robotraj._util.errors import InputError
@@ -57,10 +58,9 @@ def _read(path: Path, process: LimitedProcess) -> Parts:
         raise ValueError(f"the format {suffix or 'without a suffix'} is none of {', '.join(SUFFIXES)}")
     data = contents(path, LARGEST, "the file")
     kept = cache_folder("parts") / f"{hashlib.sha256(suffix.encode() + data).hexdigest()[:40]}-{VERSION}.npz"
-    try:
+    # An entry that is missing or damaged is read from the mesh again.
+    with suppress(InputError, ValueError):
         return unpacked(contents(kept, MOST_BYTES))[0]
-    except (InputError, ValueError):
-        pass  # An entry that is missing or damaged is read from the mesh again.
     head = json.dumps([suffix, str(path.absolute().parent)]).encode()
     answer = process.ask(head + b"\n" + data, SECONDS + PER_BYTE * len(data))
     parts, alone = unpacked(answer)

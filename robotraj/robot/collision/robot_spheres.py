@@ -18,7 +18,7 @@ from robotraj.robot.collision.enclosing_spheres import EXCESS, union_volume
 from robotraj.robot.collision.fit_cache import fitted
 from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs, too_coarse
 from robotraj.robot.collision.placements import placements
-from robotraj.robot.collision.tessellation import triangles_of
+from robotraj.robot.collision.tessellation import HALF_SPACES, triangles_of
 from robotraj.robot.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -102,9 +102,6 @@ class RobotSpheres(OneLine):
         return np.asarray(np.minimum.reduceat(apart, np.cumsum(counts) - counts, axis=1))
 
 
-UNBOUNDED = ("Halfspace", "Plane")
-"""Shapes of coal that no sphere encloses."""
-
 _KNOWN: WeakKeyDictionary[Robot, dict[frozenset[frozenset[str]], RobotSpheres]] = WeakKeyDictionary()
 
 
@@ -139,7 +136,7 @@ def _made(robot: Robot, disabled: Collection[tuple[str, str]]) -> RobotSpheres:
     link, joint, fits = [], [], []
     centres, radii = [np.zeros((0, 3))], [np.zeros(0)]
     for shape in robot.collision_model.geometryObjects:
-        if type(shape.geometry).__name__ in UNBOUNDED:
+        if type(shape.geometry).__name__ in HALF_SPACES:
             continue
         name = robot.model.frames[shape.parentFrame].name
         own, sizes, protrusion, excess = spheres_of(shape)

@@ -28,8 +28,6 @@ MOST_BALLS = 8
 """Largest number of balls around a shape."""
 UNBOUNDED = 1e6
 """Extent from which a shape counts as unbounded [m]."""
-FAR = 1e100
-"""Largest coordinate of an unbounded shape's points [m]."""
 CELL = 0.01
 """Side of the cells of which each has one point of a surface [m]."""
 WIDE_CELL = 0.025
@@ -68,7 +66,8 @@ class Solid(OneLine):
         if self.is_mesh:
             return np.array(self.geometry.vertices())
         # The square of a floor's largest coordinate would overflow.
-        return np.array(np.meshgrid(*np.clip(np.transpose(self.box), -FAR, FAR), indexing="ij")).reshape(3, -1).T
+        ends = np.clip(np.transpose(self.box), -UNBOUNDED, UNBOUNDED)
+        return np.array(np.meshgrid(*ends, indexing="ij")).reshape(3, -1).T
 
     @cached_property
     def hull(self) -> coal.CollisionGeometry:

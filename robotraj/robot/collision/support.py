@@ -1,4 +1,4 @@
-"""The lowest points of collision shapes along a direction."""
+"""How far collision shapes reach along directions."""
 
 from __future__ import annotations
 

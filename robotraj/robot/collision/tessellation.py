@@ -17,6 +17,8 @@ Array = npt.NDArray[np.float64]
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
+HALF_SPACES = ("Halfspace", "Plane")
+"""Kinds of coal's shapes that are unbounded, such as the floor of an MJCF file."""
 POINTS = 128
 """Corners of a polyhedron in a sphere."""
 
@@ -49,7 +51,7 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
 def surface_of(shape: coal.CollisionGeometry) -> Array:
     """Return triangles (f, 3, 3) [m] near the surface of a bounded shape of coal; none of an unbounded one."""
     kind = type(shape).__name__
-    if kind in ("Halfspace", "Plane"):
+    if kind in HALF_SPACES:
         return np.zeros((0, 3, 3))
     if kind == "Sphere":
         return hull_triangles(float(shape.radius) * sphere_points())

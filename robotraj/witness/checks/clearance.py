@@ -39,6 +39,7 @@ RESERVE = 1.2
 SIZE = 1e-2
 """Penetration that counts as a relative violation of 1 [m]."""
 NO_MARGIN = "apart, without the margin: spheres around them are always nearer"
+"""Why a pair need not keep the margin."""
 PER_INTERVAL = 9
 """Samples of speeds in every interval."""
 

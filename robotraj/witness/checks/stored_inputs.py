@@ -1,8 +1,8 @@
 """Torques, accelerations and contact forces that a plan stores, against those of its motion.
 
 A solution stores the controls and algebraic variables at its collocation points. Its samples are those that the planned
-motion needs, and agree with them there as far as the motion is exact. Where they do not, whoever reads the stored ones,
-such as an export or a further plan, is told something else.
+motion needs, and agree with them there as far as the motion is exact. Where they do not, an export or a further plan,
+which are made from the stored ones, differ from the motion that was judged.
 """
 
 from __future__ import annotations

@@ -59,11 +59,13 @@ class LinkDepth(OneLine):
 class _Lowest(NamedTuple):
     """Least and largest height of a link over the modelled ground in a phase [m], and the time of the least one.
 
-    ``carries`` is whether it carries a foot of some phase, ``holds`` whether that foot holds in this one.
+    ``size`` is the robot's reach [m]; ``carries`` is whether the link carries a foot of some phase, ``holds`` whether
+    that foot holds in this one.
     """
 
     link: str
-    phase: PhaseSolutionLike
+    phase: str
+    size: float
     carries: bool
     holds: bool
     least: float
@@ -74,15 +76,25 @@ class _Lowest(NamedTuple):
 def link_depths_of(
     solution: SolutionLike, swings: Sequence[SwingingFoot], samples: int, clock: Callable[[], None] = lambda: None
 ) -> tuple[tuple[LinkDepth, ...], tuple[str, ...]]:
-    """Measure every link of a robot that stands in some phase, at ``samples`` points of every interval.
+    """Measure every link of a robot that stands in some phase.
+
+    Parameters
+    ----------
+    solution : Solution
+    swings : sequence of SwingingFoot
+        Links of feet that may pass through the ground are not measured.
+    samples : int
+        Points of every interval.
+    clock : callable
+        Called before each link; it raises an error at a limit of time.
 
     Returns
     -------
     depths : tuple of LinkDepth
     left_out : tuple of str
         Links whose shapes lie below the feet in the neutral configuration and below the ground at every time of the
-        plan: they are larger than the links. Neither links of feet that may pass through the ground, by ``swings``, nor
-        those of a robot whose shapes a design moves are named or measured.
+        plan: they are larger than the links. Links of a robot whose shapes a design moves are neither named nor
+        measured.
     """
     robots = [planned for planned in solution.phases if planned.phase.robot is not None]
     ground = lowest_ground([planned.phase for planned in robots])
@@ -94,20 +106,19 @@ def link_depths_of(
     found = [each for planned in robots for each in _measured(planned, ground, feet, passing, samples, clock)]
     standing = [each for each in found if each.holds]
     below = max((-each.largest for each in standing), default=0.0)
-    deepest = {each.link: 0.0 for each in standing}
+    deepest: dict[str, float] = {}
     for each in standing:
-        deepest[each.link] = max(deepest[each.link], -each.least)
+        deepest[each.link] = max(deepest.get(each.link, 0.0), -each.least)
     any_foot = max(deepest.values(), default=0.0)
     oversized = _below_feet(realised(robots[0]), feet) if robots else set()
     oversized -= {each.link for each in found if each.carries or each.largest > -below}
     depths = []
     for each in found:
         if each.link not in oversized:
-            size = reach(realised(each.phase).model)
             allowed = max(below, 0.0, deepest.get(each.link, any_foot) if each.carries else 0.0)
             depth = float(np.nan_to_num(-each.least - allowed, nan=np.inf))
-            part = max(depth, 0.0) / size if size > 0.0 else 0.0
-            depths.append(LinkDepth(each.link, each.phase.phase.name, depth, each.time, part, allowed))
+            part = max(depth, 0.0) / each.size if each.size > 0.0 else 0.0
+            depths.append(LinkDepth(each.link, each.phase, depth, each.time, part, allowed))
     return tuple(depths), tuple(f"{link} over the ground: {OVERSIZED}" for link in sorted(oversized))
 
 
@@ -132,27 +143,27 @@ def _measured(
     clock: Callable[[], None],
 ) -> Iterator[_Lowest]:
     """Yield the heights of every link of a robot, except those whose feet may pass through the ground."""
-    robot = realised(planned)
-    joint_of = {foot: int(robot.model.frames[robot.frame(foot)].parentJoint) for foot in feet}
+    robot, name = realised(planned), planned.phase.name
+    joint_of = {foot: robot.model.frames[robot.frame(foot)].parentJoint for foot in feet}
     carrying = set(joint_of.values())
-    free = {joint for foot, joint in joint_of.items() if (foot, planned.phase.name) in passing}
-    holding = {int(robot.model.frames[robot.frame(c.frame)].parentJoint) for c in planned.phase.bound_contacts}
-    heights: dict[str, tuple[int, list[Array]]] = {}
-    times: list[Array] = []
-    parts = [part for part in link_parts(robot, planned.phase.constraints) if part.joint not in free]
-    for sampled in interval_samples(planned, samples):
-        rotations, origins = placements(robot, robot_sample(planned, sampled.times, sampled.interval).q)
-        times.append(sampled.times)
-        for part in parts:
+    free = {joint for foot, joint in joint_of.items() if (foot, name) in passing}
+    holding = {robot.model.frames[robot.frame(contact.frame)].parentJoint for contact in planned.phase.bound_contacts}
+    sampled = list(interval_samples(planned, samples))
+    if not sampled:
+        return
+    times = np.concatenate([part.times for part in sampled])
+    q = np.concatenate([robot_sample(planned, part.times, part.interval).q for part in sampled])
+    rotations, origins = placements(robot, q)
+    heights: dict[str, Array] = {}
+    joints: dict[str, int] = {}
+    for part in link_parts(robot, planned.phase.constraints):
+        if part.joint not in free:
             clock()
             above = part.heights(rotations[:, part.joint], origins[:, part.joint], ground)
-            joint, known = heights.setdefault(part.link, (part.joint, []))
-            if len(known) == len(times):
-                known[-1] = np.minimum(known[-1], above)
-            else:
-                known.append(above)
-    for link, (joint, found) in heights.items():
-        every = np.concatenate(found)
-        k = int(np.argmin(np.nan_to_num(every, nan=-np.inf)))
-        time = float(np.concatenate(times)[k])
-        yield _Lowest(link, planned, joint in carrying, joint in holding, float(every[k]), float(every.max()), time)
+            heights[part.link] = np.minimum(above, heights.get(part.link, above))
+            joints[part.link] = part.joint
+    size = reach(robot.model)
+    for link, found in heights.items():
+        k, joint = int(np.argmin(np.nan_to_num(found, nan=-np.inf))), joints[link]
+        carries, holds = joint in carrying, joint in holding
+        yield _Lowest(link, name, size, carries, holds, float(found[k]), float(found.max()), float(times[k]))

@@ -234,7 +234,7 @@ FREE = """<mujoco model="hopping box"><worldbody><body name="base" pos="0 0 1"><
 
 
 def test_a_free_joint_of_the_file_is_a_floating_root(tmp_path):
-    """The file says that its base moves freely; another root is refused with the remedy."""
+    """A file with a free joint has a floating root; another root is refused with the remedy."""
     path = tmp_path / "box.xml"
     path.write_text(FREE)
     robot = rt.load(path)

@@ -17,7 +17,7 @@ from tests.robots.bag import bag_robot, crouch
 
 @pytest.mark.slow
 def test_heights_are_those_of_coal() -> None:
-    """At every sampled time no vertex of a link is lower than its depth says, and one is as low."""
+    """At every sampled time no vertex of a link is lower than its depth, and one is as low."""
     robot = rt.load("solo12", root="floating")
     found = rt.plan(rt.gait.trot(robot, step_length=0.08, duration=0.4))
     depths, _ = link_depths_of(found, swings_of(found, 9), 9)
