@@ -1,6 +1,6 @@
 """Where kinks and dry friction begin to matter: `python benchmarks/shares.py`, which writes shares.md.
 
-Each row is a ur5's reach in 2.5 s, with a share of kinks or of friction (``robotraj.planning.sizes.shares``). It is
+Each row is a ur5's reach in 2.5 s, with a share of kinks or of friction (``robotraj.fixed_mesh.sizes.shares``). It is
 planned twice: as a problem in which they matter, and as one in which they do not.
 """
 
@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import robotraj as rt
-from robotraj.planning.sizes import shares
+from robotraj.fixed_mesh.sizes import shares
 
 HEAD = """# Shares from which kinks and dry friction matter
 

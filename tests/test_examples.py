@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning import solve as solving
+from robotraj.fixed_mesh import posed as posing
 from tests.programs import nlp_of
 
 OPTIMA = Path(__file__).with_name("optima.json")
@@ -69,7 +69,7 @@ def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     seen: list[tuple[rt.Problem, object]] = []
-    real = solving.transcribe
+    real = posing.transcribe
 
     def recorded(problem: rt.Problem, mesh: object, *more: object) -> rt.transcription.Nlp:
         seen.append((problem, mesh))
@@ -85,7 +85,7 @@ def test_an_example_runs_and_its_derivatives_agree_with_finite_differences(
 
         return planned
 
-    monkeypatch.setattr(solving, "transcribe", recorded)
+    monkeypatch.setattr(posing, "transcribe", recorded)
     for name in ("plan", "retime"):
         monkeypatch.setattr(rt, name, kept(getattr(rt, name)))
     runpy.run_path(str(example), run_name="__main__")

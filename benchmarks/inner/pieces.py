@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import robotraj as rt
-from robotraj.planning.proving.nlp_violations import violations
+from robotraj.fixed_mesh.between.nlp_violations import violations
 from robotraj.solvers.stagewise.reduction import reduce
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import with_added_rows

@@ -11,7 +11,7 @@ from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact
-from robotraj.planning.solve import solve
+from robotraj.fixed_mesh.solve import solve
 from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.objectives.base import Objective

@@ -12,11 +12,11 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
+from robotraj.fixed_mesh.solve import solve
 from robotraj.guess.ends import ends_of, guessed_duration
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.straight_line import StraightLine
 from robotraj.planning.settings import resolve
-from robotraj.planning.solve import solve
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
 from robotraj.problem.constraints.joint_limits import JointEffort
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess

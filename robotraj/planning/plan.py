@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,15 +13,15 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.system.forks import unforked
 from robotraj._util.system.interrupts import noted
 from robotraj._util.time_left import LimitReached, limited
+from robotraj.fixed_mesh.diagnosis.memory import shortage_named
+from robotraj.fixed_mesh.diagnosis.unheld_ends import unheld_ends
+from robotraj.fixed_mesh.plan_limits import PlanLimits
+from robotraj.fixed_mesh.solve import solve
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.candidates import has_candidates, with_candidates
-from robotraj.planning.diagnosis.memory import shortage_named
-from robotraj.planning.diagnosis.unheld_ends import unheld_ends
 from robotraj.planning.live.terminal_line import watching
-from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.settings import GIVEN, resolve
-from robotraj.planning.solve import has_motion, solve, solve_relaxed
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.links.unlinked_phases import warn_of_unlinked_phases
 from robotraj.problem.objectives.duration import warn_of_fixed_durations
@@ -238,7 +237,7 @@ def plan(
     if memory_limit is not None:
         above_zero("memory_limit", memory_limit, "MB")
     if settings.reasons.get("mesh") == GIVEN:
-        from robotraj.planning.diagnosis.mesh_warnings import warn_of_mesh
+        from robotraj.fixed_mesh.diagnosis.mesh_warnings import warn_of_mesh
 
         warn_of_mesh(problem, settings)
     warn_of_unlinked_phases(problem)
@@ -253,7 +252,7 @@ def plan(
     if settings.goals is not None and any(phase.robot is not None for phase in problem.phases):
         fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
         if fixed and any(phase.constraints for phase in problem.phases):
-            from robotraj.planning.diagnosis.oscillation import warn_of_oscillation
+            from robotraj.fixed_mesh.diagnosis.oscillation import warn_of_oscillation
 
             warn_of_oscillation(problem)
     with noted() as pressed, shortage_named(), watching(settings.solver, progress) as terminal, ExitStack() as stack:
@@ -280,13 +279,12 @@ def plan(
             careful = _careful(settings) if unheld else settings
             solution = interrupted or find(problem, guess, careful, show)
             if not solution.success:
-                from robotraj.planning.diagnosis.explain import explained
+                from robotraj.fixed_mesh.coarse import CoarseSolves
+                from robotraj.fixed_mesh.diagnosis.explain import explained
 
                 # Without the time to explain a failure it is returned as it is.
                 with suppress(LimitReached):
-                    relaxed = partial(solve_relaxed, settings=settings, progress=show)
-                    attempt = partial(has_motion, settings=settings, progress=show)
-                    solution = explained(solution, relaxed, partial(relaxed, finer=True), attempt)
+                    solution = explained(solution, CoarseSolves(settings, show))
         except KeyboardInterrupt:
             from robotraj.planning.continuation import last_solution
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.system import SystemDynamics
+from robotraj.fixed_mesh.sizes.shares import has_kinks, shares_of
 from robotraj.native.engines.base import Engine
-from robotraj.planning.sizes.shares import has_kinks, shares_of
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -15,11 +15,11 @@ print(*sys.modules)
 """
 UNNEEDED = (
     "numpy.polynomial",
-    "robotraj.planning.restarts",
-    "robotraj.planning.diagnosis.elastic",
-    "robotraj.planning.diagnosis.explain",
-    "robotraj.planning.diagnosis.oscillation",
-    "robotraj.planning.diagnosis.unreached_ends",
+    "robotraj.fixed_mesh.restarts",
+    "robotraj.fixed_mesh.diagnosis.elastic",
+    "robotraj.fixed_mesh.diagnosis.explain",
+    "robotraj.fixed_mesh.diagnosis.oscillation",
+    "robotraj.fixed_mesh.diagnosis.unreached_ends",
 )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving import limits_between
+from robotraj.fixed_mesh import posed
 from robotraj.planning.refining import adapt as adaptive
 from robotraj.solvers.base import Iteration
 
@@ -181,7 +181,7 @@ def test_ctrl_c_between_rounds_keeps_what_the_last_one_found(monkeypatch: pytest
     phase = rt.Phase(BLOCK, 1.0, rt.State([0, 1]), rt.State([0, -1]), rt.Effort(), constraints=[held])
     mesh, interval_limits = rt.Mesh(5, rt.schemes.RadauIIA(3)), rt.interval_limits.ConstraintGeneration(1e-5)
     assert rt.plan(phase, mesh, interval_limits=interval_limits).added_rows
-    monkeypatch.setattr(limits_between, "with_added_rows", pressed)
+    monkeypatch.setattr(posed, "with_added_rows", pressed)
     solution = rt.plan(phase, mesh, interval_limits=interval_limits, check=False)
     assert solution.status is rt.solvers.Status.INTERRUPTED
     assert (

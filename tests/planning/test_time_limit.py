@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.diagnosis.memory import resident
-from robotraj.planning.plan_limits import LimitReached, PlanLimits
+from robotraj.fixed_mesh.diagnosis.memory import resident
+from robotraj.fixed_mesh.plan_limits import LimitReached, PlanLimits
 from robotraj.solvers.base import Iteration
 
 
@@ -131,7 +131,7 @@ def test_a_failure_that_is_not_explained_in_time_is_returned(monkeypatch: pytest
     def late(solution: rt.Solution, *solves: object) -> rt.Solution:
         raise LimitReached("The time limit of 60 s was reached.")
 
-    monkeypatch.setattr("robotraj.planning.diagnosis.explain.explained", late)
+    monkeypatch.setattr("robotraj.fixed_mesh.diagnosis.explain.explained", late)
     solution = rt.plan(cartpole(), rt.Mesh(10), solver=rt.InteriorPoint(max_iterations=2), restarts=None, check=False)
     assert solution.status is rt.solvers.Status.ITERATION_LIMIT and not solution.conflicts
 
@@ -199,7 +199,7 @@ def test_compilers_are_part_of_the_plan_and_stop_at_its_limit(tmp_path: Path) ->
 
 def test_a_plan_stops_at_its_memory_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     held = iter([100.0, 100.0, *[300.0] * 100])
-    monkeypatch.setattr("robotraj.planning.plan_limits.resident", lambda: next(held))
+    monkeypatch.setattr("robotraj.fixed_mesh.plan_limits.resident", lambda: next(held))
     solution = rt.plan(cartpole(), memory_limit=200.0, check=False)
     assert solution.status is rt.solvers.Status.MEMORY_LIMIT and not solution.success
     assert solution.message.endswith("the memory limit of 200 MB was reached")

@@ -10,7 +10,7 @@ import numpy as np
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.applications.many.processes import WorkerDied
-from robotraj.planning.diagnosis.memory import is_shortage
+from robotraj.fixed_mesh.diagnosis.memory import is_shortage
 from robotraj.solvers.status import Status
 
 TIMERS = (signal.SIGALRM, signal.SIGPROF)

@@ -19,9 +19,9 @@ from robotraj.applications.many.failure import Failure
 from robotraj.applications.many.local_optima import equal_objectives, same_optimum
 from robotraj.applications.many.one_of_many import check_options
 from robotraj.applications.many.workers import Interrupted, run
+from robotraj.fixed_mesh.starts import Shared, Start
 from robotraj.guess.default import as_guess, default_guess, other_guess
 from robotraj.planning.plan import plan
-from robotraj.planning.starts import Shared, Start
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

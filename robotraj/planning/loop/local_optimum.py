@@ -9,8 +9,8 @@ nearby: what it gains, the plan has missed.
 
 from __future__ import annotations
 
+from robotraj.fixed_mesh.checked_solution import checked_solution
 from robotraj.guess.from_solution import FromSolution
-from robotraj.planning.checked_solution import checked_solution
 from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.proof import Goals
 from robotraj.solution.solution import Solution

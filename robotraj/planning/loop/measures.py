@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.planning.sizes.shares import shares_of
+from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.phase_solution import PhaseSolution, alike

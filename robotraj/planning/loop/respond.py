@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
 from robotraj.planning.loop.gauss_sums import by_gauss
 from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import FAR, LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
-from robotraj.planning.proving.clearing import ROUGH_SHORTFALL
 from robotraj.planning.proving.soft_friction import nearer
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear

@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.time_left import LimitReached
+from robotraj.fixed_mesh.between.limits_between import limited_between
+from robotraj.fixed_mesh.plan_limits import PlanLimits
+from robotraj.fixed_mesh.solve import solved_at_points
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.loop.local_optimum import gain_from, is_converged
 from robotraj.planning.loop.measures import Measured, measured
 from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
-from robotraj.planning.plan_limits import PlanLimits
 from robotraj.planning.proving.softer_guess import solved_softer
-from robotraj.planning.solve import solve
-from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import Lack, answered, with_effort_of
@@ -125,26 +126,25 @@ def solved(state: PlanState, progress: Progress | None = None, surfaces: Surface
     if state.approximates and not state.traits.full_friction:
         # The first mesh only finds a guess for the next one.
         plain = replace(settings, interval_limits=replace(settings.interval_limits, rounds=0))
-        solution = solve(state.problem, state.begin, plain, progress, surfaces=surfaces)
-        return _measured(state, solution, False)
-    known: list[tuple[Solution, Measured, bool]] = []
-
-    def is_settled(solution: Solution) -> bool:
-        """Whether the mesh of a solution is fine enough for limits to be imposed between its points."""
-        measures = _measures(state, solution)
-        proof = measures.proof
-        fine = proof.error <= proof.goals.error and measures.growth <= 1.0
-        # Twice a limit is no motion that lower limits correct: it needs a finer mesh.
-        settled = (fine or state.traits.full_friction) and proof.excess <= 1.0
-        known[:] = [(solution, measures, settled)]
-        return settled
-
-    hold = None if is_limited(state) else is_settled
-    solution = solve(state.problem, state.begin, settings, progress, hold, True, surfaces)
-    limited = known[0][2] if known else True
-    if known and known[0][0].phases is solution.phases and solution.success:
-        return _found(solution, known[0][1].with_violations(solution), limited)
-    return _measured(state, solution, limited)
+        attempt = solved_at_points(state.problem, state.begin, plain, progress, surfaces)
+        return _measured(state, limited_between(attempt, plain, progress), False)
+    attempt = solved_at_points(state.problem, state.begin, settings, progress, surfaces)
+    if not attempt.solution.success or is_limited(state):
+        solution = limited_between(attempt, settings, progress, lower=True)
+        return _measured(state, solution, True)
+    try:
+        measures = _measures(state, attempt.solution)
+    except KeyboardInterrupt:
+        # Ctrl-C after a solve: its solution is kept.
+        return Found(replace(attempt.solution, status=Status.INTERRUPTED))
+    proof = measures.proof
+    fine = proof.error <= proof.goals.error and measures.growth <= 1.0
+    # Twice a limit is no motion that lower limits correct: it needs a finer mesh.
+    settled = (fine or state.traits.full_friction) and proof.excess <= 1.0
+    solution = limited_between(attempt, settings, progress, settled, lower=True)
+    if solution.success and solution.phases is attempt.solution.phases:
+        return _found(solution, measures.with_violations(solution), settled)
+    return _measured(state, solution, settled)
 
 
 def _measures(state: PlanState, solution: Solution) -> Measured:

@@ -6,10 +6,10 @@ from dataclasses import replace
 from enum import Enum
 
 from robotraj._util.values import dataclass
+from robotraj.fixed_mesh.sizes.shares import shares_of
+from robotraj.fixed_mesh.sizes.soft_kinks import with_soft_kinks
 from robotraj.planning.loop.measures import LEAST_GROWTH, Measured, proof_on
 from robotraj.planning.proving.soft_friction import softening_of
-from robotraj.planning.sizes.shares import shares_of
-from robotraj.planning.sizes.soft_kinks import with_soft_kinks
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Proof

@@ -8,7 +8,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from robotraj._util.values import dataclass
-from robotraj.planning.sizes.shares import shares_of
+from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.problem.problem import Problem
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.linear_controls import LINES

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.polynomials import gauss
 from robotraj._util.values import dataclass
+from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.planning.proving.soft_friction import has_friction
-from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.phase import Phase
 from robotraj.robot.robot import Robot
 from robotraj.solution.claims.objective_size import size_for

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.base import Ground
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
 from robotraj.planning.proving.own_overlaps import in_time
-from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.clearance.link_parts import link_parts
 from robotraj.problem.clearance.swinging_feet import lowest_ground
 from robotraj.problem.constraints.clearance import GroundClearance

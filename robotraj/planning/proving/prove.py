@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from robotraj.planning.diagnosis.self_collision import overlapping_ends
+from robotraj.fixed_mesh.diagnosis.self_collision import overlapping_ends
+from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
 from robotraj.planning.proving.over_ground import above_ground
 from robotraj.planning.proving.sharp_friction import sharpened
-from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import with_effort_of

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.loop.run import run
 from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.planning.proving.kept_apart import KeptApart
 from robotraj.planning.proving.soft_friction import has_friction
-from robotraj.planning.warm_start import PATIENCE
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import FRICTION

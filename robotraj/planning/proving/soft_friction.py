@@ -24,8 +24,8 @@ import numpy as np
 
 from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
+from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.guess.ends import ends_of, guessed_duration
-from robotraj.planning.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from robotraj.fixed_mesh.solve import solve
+from robotraj.fixed_mesh.warm_start import PATIENCE, separated_form
 from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened, softening_of
-from robotraj.planning.solve import solve
-from robotraj.planning.warm_start import PATIENCE, separated_form
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals

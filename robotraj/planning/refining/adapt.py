@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from robotraj.fixed_mesh.between.limits_between import limited_between
+from robotraj.fixed_mesh.solve import solved_at_points
 from robotraj.planning.refining.duality_gap import SolverAccuracy
 from robotraj.planning.refining.finer_meshes import finer_meshes, split_where_broken
-from robotraj.planning.solve import solve
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.claims.objective_size import objective_size
@@ -100,10 +101,10 @@ class _Adaptation:
         start, excess, kept = guess, np.inf, None
         try:
             while True:
-                solution = self._solved(start, self._needs_rows)
+                solution = self._solved(start)
                 if not solution.success and self.accuracy.tightened and solution.status is not Status.INTERRUPTED:
                     self.accuracy.revert()
-                    solution = self._solved(start, self._needs_rows)
+                    solution = self._solved(start)
                 kept = self._recorded(solution)
                 assessments, worst, settled = self._assessed(solution)
                 self._record(solution, worst)
@@ -166,12 +167,18 @@ class _Adaptation:
             self.adding_rows = (worst <= self.tolerance and settled) or worst >= earlier
         return self.adding_rows
 
-    def _solved(self, start: InitialGuess | Solution | None, hold: Callable[[Solution], bool] | None) -> Solution:
+    def _solved(self, start: InitialGuess | Solution | None, imposed: bool = False) -> Solution:
+        """Solve on the meshes, with limits between the points where they are imposed or the solution needs them."""
         solver = (
             self.accuracy.solver.from_nearby() if self.steps and isinstance(start, Solution) else self.accuracy.solver
         )
         own = replace(self.settings, mesh=tuple(self.meshes), solver=solver)
-        found = solve(self.problem, start, own, self.progress, hold)
+        attempt = solved_at_points(self.problem, start, own, self.progress)
+        try:
+            found = limited_between(attempt, own, self.progress, imposed or self._needs_rows(attempt.solution))
+        except KeyboardInterrupt:
+            # Ctrl-C after a solve: its solution is kept.
+            found = replace(attempt.solution, status=Status.INTERRUPTED)
         self.times, self.iterations = added_times(self.times, found.times), self.iterations + found.iterations
         self.rounds += found.rounds
         return found
@@ -215,7 +222,7 @@ class _Adaptation:
     def _not_reached(self, solution: Solution) -> Solution:
         """Return the solution with rows between the points, and the status of a tolerance that was missed."""
         if not self.adding_rows:
-            limited = self._solved(solution, None)
+            limited = self._solved(solution, True)
             if limited.status is Status.INTERRUPTED:
                 return replace(self._recorded(solution), status=Status.INTERRUPTED)
             if limited.success:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import casadi as ca
 import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.fixed_mesh.attempt import Attempt
+from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.loop import run as loop
 from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
 from robotraj.planning.settings import resolve
-from robotraj.planning.solve import solve
 from robotraj.solution.settings import Settings
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
@@ -184,14 +183,14 @@ def test_controls_become_lines_where_finer_meshes_are_not_solved(
     alternating: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Jacobson, Gershwin and Lele (1970): from -1 the control enters a singular arc."""
-    real, free = loop.solve, rt.HermiteSimpson()
+    real, free = loop.solved_at_points, rt.HermiteSimpson()
 
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> rt.Solution:
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> Attempt:
         found = real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
-        fails = alternating and isinstance(start, rt.Solution) and found.phases[0].mesh.given == (free,)
-        return replace(found, status=Status.STALLED) if fails else found
+        fails = alternating and isinstance(start, rt.Solution) and found.solution.phases[0].mesh.given == (free,)
+        return found.changed(status=Status.STALLED) if fails else found
 
-    monkeypatch.setattr(loop, "solve", solve)
+    monkeypatch.setattr(loop, "solved_at_points", solve)
     both = rt.Lagrange(lambda point: point.x["x"] ** 2 + point.x["v"] ** 2)
     block = rt.System(["x", "v"], ["u"], singular)
     phase = rt.Phase(block, 5.0, rt.State([0, 1]), objective=both, controls={"u": rt.between(-1, 1)})
@@ -202,14 +201,14 @@ def test_controls_become_lines_where_finer_meshes_are_not_solved(
 
 
 def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
-    real, starts = loop.solve, []
+    real, starts = loop.solved_at_points, []
 
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> rt.Solution:
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> Attempt:
         found = real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
         starts.append(isinstance(start, rt.Solution))
-        return replace(found, status=Status.INFEASIBLE) if starts[-1] else found
+        return found.changed(status=Status.INFEASIBLE) if starts[-1] else found
 
-    monkeypatch.setattr(loop, "solve", solve)
+    monkeypatch.setattr(loop, "solved_at_points", solve)
     ends = rt.State(q=[0, 0], v=0), rt.State(q=[1, np.pi], v=0)
     solution = rt.plan(rt.Phase(rt.load("cartpole"), 2.0, *ends, rt.Effort()), check=False)
     assert starts[:4] == [False, True, True, False]
@@ -228,14 +227,14 @@ def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytes
 def test_solves_with_kinked_objectives_end_where_these_hardly_change(
     objective: rt.objectives.Objective, early: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real, changes = loop.solve, []
+    real, changes = loop.solved_at_points, []
 
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> rt.Solution:
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> Attempt:
         assert isinstance(settings.solver, rt.InteriorPoint)
         changes.append(settings.solver.objective_change is not None)
         return real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(loop, "solve", solve)
+    monkeypatch.setattr(loop, "solved_at_points", solve)
     solution = rt.plan(reach(objective, 1.0), check=False)
     assert solution.success
     assert changes == [early] * len(changes) and len(changes) > 1

@@ -10,8 +10,8 @@ import pytest
 
 import robotraj as rt
 from robotraj.dynamics.motors_and_friction import dry_friction
+from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.planning.proving.soft_friction import averaging_times, nearer, softened, softening_of
-from robotraj.planning.sizes.shares import shares_of
 from robotraj.transcription.shooting.explicit_dynamics import explicit
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.time_left import LimitReached, is_limited, limited
-from robotraj.planning.plan_limits import PlanLimits
+from robotraj.fixed_mesh.plan_limits import PlanLimits
 from robotraj.transcription.assembly.differentiation_cost import EVALUATIONS, JACOBIAN, operations
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.nlp_violations import violations
+from robotraj.fixed_mesh.between.nlp_violations import violations
 from tests.transcription.interval_limits.test_bernstein_bounds import HULL, LOWER, SCHEMES, UPPER, planned
 
 

@@ -13,7 +13,7 @@ from scipy.interpolate import BPoly
 
 import robotraj as rt
 from robotraj._util.polynomials import basis
-from robotraj.planning.proving.nlp_violations import violations
+from robotraj.fixed_mesh.between.nlp_violations import violations
 from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, coefficients, control_weights
 from robotraj.transcription.schemes.collocation import Scheme

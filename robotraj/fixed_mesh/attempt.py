@@ -1,0 +1,89 @@
+"""One solve from one guess, without limits between the points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj._util.system.interrupts import stop_if_noted
+from robotraj._util.time_left import used_time
+from robotraj.fixed_mesh.plan_limits import PlanLimits
+from robotraj.fixed_mesh.posed import Posed, posed_problem
+from robotraj.fixed_mesh.solve_nlp import solve_nlp
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.problem import Problem
+from robotraj.solution.records import with_effort_of
+from robotraj.solution.settings import Settings
+from robotraj.solution.solution import Solution
+from robotraj.solvers.base import Progress
+from robotraj.solvers.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+
+
+class Attempt(NamedTuple):
+    """A solution at the collocation points, and what is needed to impose limits between them.
+
+    Attributes
+    ----------
+    posed : Posed
+    solution : Solution
+        Checked outside the solver.
+    w : ndarray (n,)
+        Its decision vector.
+    """
+
+    posed: Posed
+    solution: Solution
+    w: NDArray[np.float64]
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing else is tried: it is solved or was interrupted."""
+        return self.solution.success or self.solution.status is Status.INTERRUPTED
+
+    def after(self, spent: Solution) -> Attempt:
+        """Return the attempt with the effort of an earlier solve, too."""
+        return self._replace(solution=with_effort_of(spent, self.solution))
+
+    def changed(self, **changes: object) -> Attempt:
+        """Return the attempt with changes of its solution."""
+        return self._replace(solution=replace(self.solution, **changes))  # type: ignore[arg-type]
+
+
+def attempted(
+    problem: Problem,
+    guess: InitialGuess | Solution | None,
+    settings: Settings,
+    progress: Progress | None = None,
+    surfaces: Sequence[NearSurfaces | None] = (),
+    watch: Progress | None = None,
+) -> Attempt:
+    """Transcribe a problem, solve it from one guess, and evaluate every row again.
+
+    Parameters
+    ----------
+    problem : Problem
+    guess : InitialGuess, Solution or None
+    settings : Settings
+    progress : callable, optional
+        Called once an iteration; a ``PlanLimits`` also before the solve.
+    surfaces : sequence of NearSurfaces or None
+        For each phase, links of the robot that rows keep apart.
+    watch : callable, optional
+        Called in place of ``progress`` at every iteration.
+    """
+    stop_if_noted()
+    if isinstance(progress, PlanLimits):
+        progress.before_solve(problem, settings.mesh)
+    began = used_time()
+    posed, multipliers = posed_problem(problem, guess, settings, surfaces)
+    # Restarts of a plan, which have none themselves, need no second opinion.
+    first = settings.restarts.count > 0 or watch is not None
+    solution, w = solve_nlp(posed.nlp, guess, multipliers, settings.solver, watch or progress, began, first)
+    return Attempt(posed, solution, w)

@@ -1,0 +1,1 @@
+"""Limits between the collocation points of a fixed mesh."""
