@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from robotraj.fixed_mesh.solve import solve
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
+from robotraj.planning.proving.correction import STOPPED, PlanAttempt, short_of
 from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
 from robotraj.planning.proving.soft_friction import softest
@@ -30,7 +31,6 @@ from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
-from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
@@ -52,17 +52,6 @@ NONE_YET = (np.inf, np.inf)
 A further one is made while one of them is deeper by a share of ``GAIN``. Rows that push one pair out may push another
 one in, which the next rows then push out.
 """
-STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
-"""Statuses after which nothing else is tried."""
-
-
-class PlanAttempt(NamedTuple):
-    """A plan with rows on surfaces: its guess and settings, and whether it ends with the first solve that fails."""
-
-    guess: Solution
-    settings: Settings
-    surfaces: Sequence[NearSurfaces | None]
-    is_brief: bool
 
 
 class KeptApart:
@@ -84,7 +73,6 @@ class KeptApart:
         self._cuts: list[Solution] = []
         self._deep = NONE_YET
         self._patience = 0
-        self._failed = False
 
     def from_guess(self, guess: InitialGuess | Solution | None) -> PlanAttempt | None:
         """Return the plan with rows along a proved solution whose links nearly touch; None for any other guess.
@@ -106,19 +94,21 @@ class KeptApart:
         if not any(pairs):
             return None
         self._search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
-        return PlanAttempt(guess, replace(self._settings, restarts=Restarts(0)), self._search.surfaces, True)
+        return PlanAttempt(
+            self._problem, guess, replace(self._settings, restarts=Restarts(0)), self._search.surfaces, True
+        )
 
-    def next_attempt(self, found: Solution) -> PlanAttempt | None:
+    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try."""
-        if not found.success or found.status in STOPPED:
+        if not found.success:
             return None
-        if not self._failed:
+        if not refused:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
         if self._search is not None:
-            further = None if self._failed or not self._has_routes(found) else self._further(found, self._search)
+            further = None if refused or not self._has_routes(found) else self._further(found, self._search)
             if further is not None:
                 return further
             if self._search.best is not None and self._search.behind is not None:
@@ -129,22 +119,18 @@ class KeptApart:
                 return attempt
         return None
 
-    def kept(self, before: Solution, found: Solution) -> Solution:
-        """Return a plan with rows, or else the one before it, with the effort of both."""
-        self._failed = not found.success
-        if found.status in STOPPED:
-            # Nothing else is tried; the plan before it is a motion, although links overlap.
-            return replace(with_effort_of(found, before), status=found.status)
-        return with_effort_of(found, before) if self._failed else with_effort_of(before, found)
+    def accepts(self, again: Solution) -> bool:
+        """Whether the plan of an attempt was solved, whether or not its links overlap elsewhere."""
+        return again.success
 
     @property
     def surfaces(self) -> Sequence[NearSurfaces | None]:
         """Links that the rows of the last plan keep apart, by phase."""
         return () if self._search is None else self._search.surfaces
 
-    def is_free(self, found: Solution) -> bool:
+    def allows(self, again: Solution) -> bool:
         """Whether no links overlap along a plan that did not along the one before."""
-        return all(pairs or not self._overlaps.of(k, found.phases[k]) for k, pairs in enumerate(self._open))
+        return all(pairs or not self._overlaps.of(k, again.phases[k]) for k, pairs in enumerate(self._open))
 
     def judged(self, found: Solution) -> Solution:
         """Return a solution whose proof does not hold where links overlap.
@@ -158,15 +144,9 @@ class KeptApart:
         stopped = self._is_stopped or found.status in STOPPED
         overlaps = self._overlaps.at_known_times(found, self._open) if stopped else self._overlaps.deepest(found)
         movable = any(self._is_movable(each) for each in overlaps)
-        status = Status.NOT_PROVED if movable and found.status is Status.SOLVED else found.status
-        if self._is_stopped:
-            status = self._cuts[-1].status
-        return replace(
-            found,
-            status=status,
-            proof=replace(found.proof, shortfall=max([found.proof.shortfall, *(each.depth for each in overlaps)])),
-            interval_violations=(*found.interval_violations, *map(self._overlaps.violation, overlaps)),
-        )
+        depth = max((each.depth for each in overlaps), default=0.0)
+        found = short_of(found, depth, list(map(self._overlaps.violation, overlaps)), is_met=not movable)
+        return replace(found, status=self._cuts[-1].status) if self._is_stopped else found
 
     @property
     def _is_stopped(self) -> bool:
@@ -204,7 +184,7 @@ class KeptApart:
         settings = replace(self._settings, restarts=Restarts(0))
         if not are_free:
             settings = replace(settings, solver=coarse.solver)
-        return PlanAttempt(search.best, settings, self._search.surfaces, not are_free)
+        return PlanAttempt(self._problem, search.best, settings, self._search.surfaces, not are_free)
 
     def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
@@ -215,12 +195,12 @@ class KeptApart:
         self._deep = (self._deep[1], deep)
         self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
         settings = replace(self._near, mesh=tuple(part.mesh for part in found.phases))
-        return PlanAttempt(found, settings, self._search.surfaces, True)
+        return PlanAttempt(self._problem, found, settings, self._search.surfaces, True)
 
     def _behind(self, best: Solution, search: FreeSearch) -> PlanAttempt:
         """Return the plan with the rows at which the best free solution ended, which keep a finer one near it."""
         self._deep, self._search = NONE_YET, replace(search, best=None, behind=None)
-        return PlanAttempt(best, self._near, self._search.surfaces, True)
+        return PlanAttempt(self._problem, best, self._near, self._search.surfaces, True)
 
     @property
     def _near(self) -> Settings:

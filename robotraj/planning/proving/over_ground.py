@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.fixed_mesh.warm_start import PATIENCE
-from robotraj.planning.loop.run import run
-from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
+from robotraj.planning.proving.correction import PlanAttempt, short_of
+from robotraj.planning.proving.kept_apart import KeptApart
 from robotraj.planning.proving.own_overlaps import in_time
 from robotraj.problem.clearance.link_parts import link_parts
 from robotraj.problem.clearance.swinging_feet import lowest_ground
@@ -25,12 +25,9 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.size.reach import reach
 from robotraj.solution.phase_solution import PhaseSolution
-from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
-from robotraj.solvers.base import Progress
-from robotraj.solvers.status import Status
 
 if TYPE_CHECKING:
     from robotraj.witness.contacts.links_over_ground import LinkDepth
@@ -46,30 +43,47 @@ NEAR = 0.02
 """Height of a link over the ground, relative to the robot's reach, up to which its lowest points get rows."""
 
 
-def above_ground(found: Solution, settings: Settings, progress: Progress | None, apart: KeptApart) -> Solution:
-    """Return a proved plan with all links above the ground; one with a link below it is not proved.
+class AboveGround:
+    """The links of a robot below its ground, from plan to plan.
 
     Parameters
     ----------
-    found : Solution
     settings : Settings
-    progress : callable, optional
     apart : KeptApart
         What keeps the links apart from each other.
     """
-    for _ in range(ROUNDS):
-        low = _below(found)
-        if not low:
-            return found
+
+    def __init__(self, settings: Settings, apart: KeptApart) -> None:
         # Rows move a motion of several phases far enough that a coarse mesh is the faster start.
-        near = replace(settings, restarts=Restarts(0), solver=settings.solver.at_most(2 * PATIENCE))
-        again = run(_raised(found, low), found, near, progress, apart.surfaces, is_brief=True)
-        if again.status in STOPPED:
-            return replace(_judged(with_effort_of(again, found), low), status=again.status)
-        if again.proof is None or not again.proof.holds or not apart.is_free(again):
-            return _judged(with_effort_of(again, found), low)
-        found = with_effort_of(found, again)
-    return _judged(found, _below(found))
+        self._near = replace(settings, restarts=Restarts(0), solver=settings.solver.at_most(2 * PATIENCE))
+        self._apart = apart
+        self._round = 0
+
+    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
+        """Return the plan with rows for the lowest points of links below the ground; None where there are none."""
+        self._round += 1
+        low = [] if refused or self._round > ROUNDS else _below(found)
+        return PlanAttempt(_raised(found, low), found, self._near, self._apart.surfaces) if low else None
+
+    def accepts(self, again: Solution) -> bool:
+        """Whether a plan is proved."""
+        return again.proof is not None and again.proof.holds
+
+    def allows(self, again: Solution) -> bool:
+        """Whether no link is below the ground."""
+        return not _below(again)
+
+    def judged(self, found: Solution) -> Solution:
+        """Return a solution whose proof does not hold where links are below the ground."""
+        low = _below(found)
+        if not low or found.proof is None:
+            return found
+        deepest = max(each.depth for each in low)
+        violations = [
+            Violation(each.phase, "ground clearance", each.link, each.time, each.depth, "m", 0.0, "under", 1.0)
+            for each in low
+        ]
+        return short_of(found, deepest, violations)
 
 
 def _below(found: Solution) -> list[LinkDepth]:
@@ -122,20 +136,3 @@ def _lowest_points(part: PhaseSolution, low: LinkDepth, ground: Ground) -> list[
             if all(np.linalg.norm(point - other) > near for other in chosen):
                 chosen.append(point)
     return [(low.link, tuple(frame.actInv(point).tolist())) for point in chosen]
-
-
-def _judged(found: Solution, low: Sequence[LinkDepth]) -> Solution:
-    """Return a solution whose proof does not hold where links are below the ground."""
-    if not low or found.proof is None:
-        return found
-    deepest = max(each.depth for each in low)
-    violations = [
-        Violation(each.phase, "ground clearance", each.link, each.time, each.depth, "m", 0.0, "under", 1.0)
-        for each in low
-    ]
-    return replace(
-        found,
-        status=Status.NOT_PROVED if found.status is Status.SOLVED else found.status,
-        proof=replace(found.proof, shortfall=max(found.proof.shortfall, deepest)),
-        interval_violations=(*found.interval_violations, *violations),
-    )

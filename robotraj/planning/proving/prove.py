@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from robotraj.fixed_mesh.diagnosis.self_collision import overlapping_ends
 from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.loop.run import run
-from robotraj.planning.proving.kept_apart import STOPPED, KeptApart
-from robotraj.planning.proving.over_ground import above_ground
-from robotraj.planning.proving.sharp_friction import sharpened
+from robotraj.planning.proving.correction import STOPPED, Correction, PlanAttempt
+from robotraj.planning.proving.kept_apart import KeptApart
+from robotraj.planning.proving.over_ground import AboveGround
+from robotraj.planning.proving.sharp_friction import SharpFriction
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import with_effort_of
@@ -32,15 +34,16 @@ def prove(
         once = replace(settings, solver=settings.solver.at_most(1), restarts=Restarts(0))
         return replace(solve(problem, guess, once, progress), status=Status.INFEASIBLE, conflicts=conflicts)
     found, apart = _begun(problem, guess, settings, progress)
+    corrections: tuple[Correction, ...] = (apart, AboveGround(settings, apart), SharpFriction(settings, apart))
     try:
-        while (attempt := apart.next_attempt(found)) is not None:
-            again = run(problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
-            found = apart.kept(found, again)
-        found = above_ground(found, settings, progress, apart)
-        found = sharpened(found, settings, progress, apart)
+        for each in corrections:
+            found = _corrected(found, each, corrections, progress)
     except KeyboardInterrupt:
         found = replace(found, status=Status.INTERRUPTED)
-    return apart.judged(found)
+    for each in corrections:
+        found = each.judged(found)
+    out_of_time = found.status in (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
+    return replace(found, status=Status.SOLVED) if out_of_time and found.proof and found.proof.holds else found
 
 
 def _begun(
@@ -50,9 +53,29 @@ def _begun(
     apart, spent = KeptApart(problem, settings, progress), None
     near = apart.from_guess(guess)
     if near is not None:
-        spent = run(problem, near.guess, near.settings, progress, near.surfaces, near.is_brief)
+        spent = _run(near, progress)
         if spent.success or spent.status in STOPPED:
             return spent, apart
         apart = KeptApart(problem, settings, progress)
     found = run(problem, guess, settings, progress)
     return (found if spent is None else with_effort_of(spent, found)), apart
+
+
+def _corrected(
+    found: Solution, correction: Correction, corrections: Sequence[Correction], progress: Progress | None
+) -> Solution:
+    """Plan again until a correction has nothing left to try. A plan that another correction refuses is dropped."""
+    refused = False
+    while found.status not in STOPPED and (attempt := correction.next_attempt(found, refused)) is not None:
+        again = _run(attempt, progress)
+        if again.status in STOPPED:
+            # Nothing else is tried; the plan before it is a motion, although it lacks something.
+            return replace(with_effort_of(again, found), status=again.status)
+        others = (each for each in corrections if each is not correction)
+        refused = not (correction.accepts(again) and all(each.allows(again) for each in others))
+        found = with_effort_of(again, found) if refused else with_effort_of(found, again)
+    return found
+
+
+def _run(attempt: PlanAttempt, progress: Progress | None) -> Solution:
+    return run(attempt.problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)

@@ -12,18 +12,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.fixed_mesh.warm_start import PATIENCE
-from robotraj.planning.loop.run import run
+from robotraj.planning.proving.correction import PlanAttempt
 from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.planning.proving.kept_apart import KeptApart
 from robotraj.planning.proving.soft_friction import has_friction
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import FRICTION
-from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress
-from robotraj.solvers.status import Status
 
 LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
@@ -35,49 +32,58 @@ STEPS = 8
 """Largest number of plans with a smaller v_s."""
 
 
-def sharpened(found: Solution, settings: Settings, progress: Progress | None, apart: KeptApart) -> Solution:
-    """Return a proved plan by nearly Coulomb's law, whose proof has the share of friction that is left out.
+class SharpFriction:
+    """Plans by nearly Coulomb's law, from plan to plan.
 
-    Where a next plan is not proved, or links overlap along it, the plan before is kept. Its machine may follow it by
-    Coulomb's law already; if not, v_s falls by less.
+    Where a next plan is not proved, the plan before is kept. Its machine may follow it by Coulomb's law already; if
+    not, v_s falls by less.
 
     Parameters
     ----------
-    found : Solution
-        A plan with the robots' own v_s.
     settings : Settings
-    progress : callable, optional
     apart : KeptApart
+        What keeps the links apart from each other.
     """
-    factor = LEAST
-    for step in range(STEPS + 1):
-        if found.proof is None or not any(map(has_friction, found.problem.phases)):
-            return found
+
+    def __init__(self, settings: Settings, apart: KeptApart) -> None:
+        self._settings, self._apart = settings, apart
+        self._factor, self._step = LEAST, 0
+
+    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
+        """Return the plan with a smaller v_s where the law of a proved plan leaves out too much friction."""
+        if found.proof is None or not found.proof.holds or self._step == STEPS or not _has_friction(found):
+            return None
+        if refused:
+            self._factor **= 0.5
+            if self._factor > GENTLEST or is_followed(found):
+                return None
         missing = friction_left_out(found)
-        proof = replace(found.proof, friction=missing.objective)
-        found = replace(found, proof=proof)
-        if not proof.holds or step == STEPS:
-            return found
         if missing.objective <= AIM * FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
-            return found
+            return None
+        self._step += 1
         wanted = min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
-        sharper = _scaled(found.problem, max(factor, wanted))
-        near = replace(
-            settings,
-            mesh=tuple(part.mesh for part in found.phases),
-            restarts=Restarts(0),
-            solver=settings.solver.at_most(PATIENCE),
-        )
-        again = run(sharper, found, near, progress, apart.surfaces, is_brief=True)
-        if again.status is Status.INTERRUPTED:
-            return replace(with_effort_of(again, found), status=again.status)
-        if again.proof is not None and again.proof.holds and apart.is_free(again):
-            found = with_effort_of(found, again)
-            continue
-        found, factor = with_effort_of(again, found), factor**0.5
-        if factor > GENTLEST or is_followed(found):
+        meshes = tuple(part.mesh for part in found.phases)
+        solver = self._settings.solver.at_most(PATIENCE)
+        near = replace(self._settings, mesh=meshes, restarts=Restarts(0), solver=solver)
+        return PlanAttempt(_scaled(found.problem, max(self._factor, wanted)), found, near, self._apart.surfaces)
+
+    def accepts(self, again: Solution) -> bool:
+        """Whether a plan is proved."""
+        return again.proof is not None and again.proof.holds
+
+    def allows(self, again: Solution) -> bool:
+        """Whether a plan of another correction is as good: v_s is the last thing to fall."""
+        return True
+
+    def judged(self, found: Solution) -> Solution:
+        """Return a solution whose proof has the share of friction that is left out."""
+        if found.proof is None or not _has_friction(found):
             return found
-    return found
+        return replace(found, proof=replace(found.proof, friction=friction_left_out(found).objective))
+
+
+def _has_friction(found: Solution) -> bool:
+    return any(map(has_friction, found.problem.phases))
 
 
 def is_followed(found: Solution) -> bool:

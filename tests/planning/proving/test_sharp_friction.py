@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving import sharp_friction
+from robotraj.planning.proving import prove, sharp_friction
+from robotraj.planning.proving.correction import PlanAttempt
 from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.solution.proof import FRICTION
 from tests.lies import axis
@@ -75,13 +76,13 @@ def test_the_width_falls_by_less_after_a_plan_that_fails_unless_the_machine_foll
 ) -> None:
     widths: list[float] = []
 
-    def failing(problem: rt.Problem, found: rt.Solution, *_: object, **__: object) -> rt.Solution:
-        robot = problem.phases[0].robot
+    def failing(attempt: PlanAttempt, progress: object) -> rt.Solution:
+        robot = attempt.problem.phases[0].robot
         assert robot is not None
         widths.append(robot.friction_speed)
-        return replace(found, proof=None)
+        return replace(attempt.guess, proof=None)
 
-    monkeypatch.setattr(sharp_friction, "run", failing)
+    monkeypatch.setattr(prove, "_run", failing)
     monkeypatch.setattr(sharp_friction, "is_followed", lambda found: follows)
     ends = rt.State(q=[0], v=0), rt.State(q=[0.2], v=0)
     plan = rt.plan(rt.Phase(mass(tmp_path, 4.0, 0.5, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()))

@@ -1,0 +1,73 @@
+"""What a plan is compared with after its loop: each correction says how to plan next, and what is left in the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from robotraj.problem.problem import Problem
+from robotraj.solution.settings import Settings
+from robotraj.solution.solution import Solution
+from robotraj.solution.violation import Violation
+from robotraj.solvers.status import Status
+
+if TYPE_CHECKING:
+    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+
+STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
+"""Statuses after which nothing else is tried."""
+
+
+class PlanAttempt(NamedTuple):
+    """What is planned next.
+
+    Attributes
+    ----------
+    problem : Problem
+    guess : Solution
+    settings : Settings
+    surfaces : sequence of NearSurfaces or None
+        For each phase, links of the robot that rows keep apart.
+    is_brief : bool
+        Whether the plan ends with the first solve that fails.
+    """
+
+    problem: Problem
+    guess: Solution
+    settings: Settings
+    surfaces: Sequence[NearSurfaces | None]
+    is_brief: bool = True
+
+
+class Correction(Protocol):
+    """A comparison of plans with what their rows do not state, such as exact shapes or Coulomb's law."""
+
+    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
+        """Return the next plan where a solution lacks something; None where it does not, or nothing is left to try.
+
+        ``refused`` tells that the plan of the last attempt was dropped.
+        """
+
+    def accepts(self, again: Solution) -> bool:
+        """Whether the plan of an attempt may replace the one before it."""
+
+    def allows(self, again: Solution) -> bool:
+        """Whether a plan of another correction is as good as the one before it in this comparison."""
+
+    def judged(self, found: Solution) -> Solution:
+        """Return the last solution with what it still lacks."""
+
+
+def short_of(found: Solution, amount: float, violations: Sequence[Violation], is_met: bool = False) -> Solution:
+    """Return a solution whose proof does not hold, since distances fall short by an amount [m].
+
+    It still counts as solved where this is met with (``is_met``), such as an overlap that no row can move.
+    """
+    assert found.proof is not None
+    return replace(
+        found,
+        status=Status.NOT_PROVED if found.status is Status.SOLVED and not is_met else found.status,
+        proof=replace(found.proof, shortfall=max(found.proof.shortfall, amount)),
+        interval_violations=(*found.interval_violations, *violations),
+    )
