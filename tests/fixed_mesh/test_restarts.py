@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.fixed_mesh import posed
 from robotraj.fixed_mesh.attempt import attempted
 from robotraj.fixed_mesh.restarts import restarted
 from robotraj.fixed_mesh.solve import solve
@@ -202,8 +202,7 @@ def test_an_obstacle_in_the_way_of_the_default_guess() -> None:
 
 
 def test_variations_of_the_default_guess_follow_one_that_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("robotraj.fixed_mesh.solve")
-    monkeypatch.setattr(module, "default_guess", lambda problem: AT_HOME)
+    monkeypatch.setattr(posed, "default_guess", lambda problem: AT_HOME)
     solution = rt.plan(around_a_ball(), rt.Mesh(30))
     assert "variation of the guess" in solution.history.start
 
