@@ -14,7 +14,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
-from robotraj.planning import starts
+from robotraj.fixed_mesh import starts
 from robotraj.solvers import interior_point
 
 
