@@ -62,7 +62,8 @@ class Robot(PickledModel):
         SRDF's reference places it.
     friction_speed : float
         Speed at which the smoothed friction reaches 76 % of its value [rad/s, m/s]. ``rt.load`` takes a 640th of the
-        URDF's highest speed limit of joints with friction, from 0.005 to 0.5; for a free root a 64th, from 0.05 on.
+        URDF's highest speed limit of joints with friction, from 0.005 to 0.5; for a free root a 64th, from 0.05 on. A
+        joint of a free root without a limit counts as infinitely fast, and one of an arm does not count.
         Another one is set by ``dataclasses.replace(robot, friction_speed=...)``.
     geometry : Geometry
         Source of the shapes.

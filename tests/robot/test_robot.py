@@ -141,6 +141,16 @@ def test_friction_of_a_free_root_is_wider(name, speed):
     assert rt.load(name, root="floating").friction_speed == pytest.approx(speed)
 
 
+def test_friction_of_a_free_root_is_widest_where_a_joint_has_no_speed_limit(tmp_path):
+    leg = """<mujoco><worldbody><body name="trunk"><freejoint/><geom size="0.1"/>
+    <body name="leg" pos="0 0 -0.1"><joint name="hip" range="-60 60" frictionloss="0.3"/>
+    <geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02"/></body></body></worldbody></mujoco>"""
+    (tmp_path / "leg.xml").write_text(leg)
+    robot = rt.load(tmp_path / "leg.xml")
+    assert np.isinf(robot.limits.largest("velocity")[-1])
+    assert robot.friction_speed == 0.5
+
+
 def test_damping_follows_locked_and_continuous_joints(tmp_path):
     robot = rt.load(write(tmp_path, "continuous"), locked={"shoulder": 0.1})
     np.testing.assert_array_equal(robot.damping, [0])

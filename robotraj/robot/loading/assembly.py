@@ -164,10 +164,11 @@ def _limits(model: pin.Model, root: str, about: Description) -> Limits:
 
 def _friction_speed(friction: Array, speeds: Array, root: str) -> float:
     """Return the width of dry friction, from the URDF's speed limits of the joints that have some."""
-    limited = speeds[(friction > 0.0) & np.isfinite(speeds)]
-    fastest = float(np.max(limited, initial=0.0))
+    rubbing = speeds[friction > 0.0]
     if root != "fixed":
+        fastest = float(np.max(rubbing, initial=0.0))
         return float(np.clip(FRICTION_SHARE_OF_LEGS * fastest, SLOWEST_OF_LEGS, FASTEST_FRICTION))
+    fastest = float(np.max(rubbing[np.isfinite(rubbing)], initial=0.0))
     return float(np.clip(FRICTION_SHARE * fastest, Robot.friction_speed, FASTEST_FRICTION))
 
 
