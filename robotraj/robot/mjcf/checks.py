@@ -7,7 +7,7 @@ from collections import Counter
 from xml.etree.ElementTree import Element
 
 from robotraj._util.errors import InputError
-from robotraj.robot.mjcf.defaults import ACTUATORS, Defaults, placed
+from robotraj.robot.mjcf.defaults import ACTUATORS, placed
 from robotraj.robot.urdf.xml import MAX_TEXT
 
 ELEMENTS = ("body", "frame", "joint", "freejoint", "geom", "inertial", "mesh", "site", *ACTUATORS)
@@ -24,6 +24,8 @@ SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 """Least count of sizes of a shape; where ``fromto`` gives its ends, one."""
 LARGEST = 1e12
 """Largest number: squares and products of larger ones have no use and may overflow."""
+MOST_ATTRIBUTES = 60
+"""Largest number of attributes of an element: those of a class are copied to all its elements."""
 WORLD = "universe"
 NOT_NEGATIVE = ("size", "mass", "density", "diaginertia", "armature", "damping", "frictionloss", "stiffness")
 
@@ -37,6 +39,10 @@ def check_numbers(file: str, root: Element) -> None:
         Names the element, the attribute and the text.
     """
     for element in root.iter():
+        if len(element.attrib) > MOST_ATTRIBUTES:
+            raise InputError(
+                f"{file}: a <{element.tag[:40]}> has {len(element.attrib)} attributes; {MOST_ATTRIBUTES} are read."
+            )
         for key, text in element.attrib.items():
             where = f"{file}: {key}={text[:60]!r} of <{element.tag[:40]}> {element.get('name', '')[:60]!r}"
             if len(text) > MAX_TEXT and element.tag in ELEMENTS and element.tag != "mesh":
@@ -52,7 +58,7 @@ def check_numbers(file: str, root: Element) -> None:
                 raise InputError(f"{where} is negative; correct the file.")
             if key == "axis" and not math.hypot(*numbers) > 0.0:
                 raise InputError(f"{where} is no direction; give three numbers, such as '0 0 1'.")
-    for geom in placed(root, Defaults(root), "geom"):
+    for geom in placed(root, "geom"):
         kind, sizes = geom.get("type", "sphere"), len(geom.get("size", "").split())
         least = SIZES.get(kind, 0) if "mesh" not in geom else 0
         if sizes < (min(least, 1) if "fromto" in geom else least):

@@ -59,19 +59,38 @@ class Defaults:
             self._read(child, child.get("class", MAIN), own)
 
 
-def placed(root: Element, defaults: Defaults, tag: str) -> Iterator[Attributes]:
+def placed(root: Element, tag: str) -> Iterator[Attributes]:
     """Yield the attributes of every joint or geom of the bodies, with those of its class."""
-
-    def below(body: Element, inherited: str) -> Iterator[Attributes]:
-        inherited = body.get("childclass", inherited)
-        for child in body:
-            if child.tag == tag:
-                yield defaults.of(child, inherited)
-            elif child.tag in ("body", "frame"):
-                yield from below(child, inherited)
-
+    defaults = Defaults(root)
     for world in root.findall("worldbody"):
-        yield from below(world, MAIN)
+        yield from (defaults.of(element, inherited) for element, inherited in _below(world) if element.tag == tag)
+
+
+def with_defaults(root: Element) -> None:
+    """Give elements the attributes of their classes, and remove the classes.
+
+    Pinocchio's reader leaves some of them out, such as the place of a joint and the mass of a shape.
+    """
+    defaults = Defaults(root)
+    every = [pair for world in root.findall("worldbody") for pair in _below(world)]
+    every += [(each, MAIN) for group in root if group.tag in ("asset", "actuator") for each in group]
+    for element, inherited in every:
+        element.attrib.update(defaults.of(element, inherited))
+    for element in root.iter():
+        for name in ("class", "childclass"):
+            element.attrib.pop(name, None)
+    for top in root.findall("default"):
+        root.remove(top)
+
+
+def _below(holder: Element, inherited: str = MAIN) -> Iterator[tuple[Element, str]]:
+    """Yield what bodies hold, and the class of the nearest body around it."""
+    inherited = holder.get("childclass", inherited)
+    for child in holder:
+        if child.tag in ("body", "frame"):
+            yield from _below(child, inherited)
+        else:
+            yield child, inherited
 
 
 def _kind(tag: str) -> str:

@@ -1,7 +1,8 @@
 """Files that an MJCF file includes, in its place.
 
 Source: the section *include* of MuJoCo's documentation of its XML format. Paths are relative to the folder of the main
-file, and a file is included once. Sections of one kind are one section, as MuJoCo reads them and Pinocchio does not.
+file, and a file is included once. MuJoCo takes sections of one kind for one, in any order. Pinocchio does not, and
+reads names before what they stand for.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from robotraj.robot.urdf.xml import MAX_BYTES
 
 MOST = 30
 """Largest number of files that are included."""
+FIRST = ("compiler", "option", "size", "default", "asset", "worldbody")
+"""Sections that others use, in their order."""
 TOPS = ("mujoco", "mujocoinclude")
 """Top elements of files that can be included."""
 
@@ -39,26 +42,22 @@ def with_includes(root: Element, path: Path, folders: Sequence[Path] | None) -> 
     InputError
         A file lies elsewhere, is included twice, cannot be read, or is no MJCF; or there are too many.
     """
-    known = [path.resolve()]
-    if _expand(root, path, folders, known):
-        _merge(root)
+    _expand(root, path, folders, [path.resolve()])
+    _in_order(root)
 
 
-def _expand(element: Element, path: Path, folders: Sequence[Path] | None, known: list[Path]) -> bool:
-    """Expand the includes below an element; return whether there were any."""
-    found = False
+def _expand(element: Element, path: Path, folders: Sequence[Path] | None, known: list[Path]) -> None:
+    """Expand the includes below an element."""
     children: list[Element] = []
     for child in element:
         if child.tag == "include":
             other = _read(child.get("file", ""), path, folders, known)
             _expand(other, path, folders, known)
             children += list(other)
-            found = True
         else:
-            found |= _expand(child, path, folders, known)
+            _expand(child, path, folders, known)
             children.append(child)
     element[:] = children
-    return found
 
 
 def _read(name: str, path: Path, folders: Sequence[Path] | None, known: list[Path]) -> Element:
@@ -86,8 +85,8 @@ def _read(name: str, path: Path, folders: Sequence[Path] | None, known: list[Pat
     return found
 
 
-def _merge(root: Element) -> None:
-    """Make one section of all of one kind; later attributes replace earlier ones."""
+def _in_order(root: Element) -> None:
+    """Make one section of all of one kind, and put first what others use; later attributes replace earlier ones."""
     first: dict[str, Element] = {}
     for section in list(root):
         known = first.setdefault(section.tag, section)
@@ -95,3 +94,4 @@ def _merge(root: Element) -> None:
             known.attrib.update(section.attrib)
             known.extend(list(section))
             root.remove(section)
+    root[:] = sorted(root, key=lambda section: FIRST.index(section.tag) if section.tag in FIRST else len(FIRST))

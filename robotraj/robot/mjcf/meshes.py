@@ -37,6 +37,11 @@ class PlainCopy:
     place : Path
         The folder.
 
+    Attributes
+    ----------
+    meshes : dict of str to MeshArrays
+        The meshes by name, without their scales.
+
     Raises
     ------
     InputError
@@ -45,7 +50,8 @@ class PlainCopy:
 
     def __init__(self, root: Element, path: Path, folders: Sequence[Path] | None, place: Path) -> None:
         self.file = place / path.name
-        self._sources: dict[str, str] = {}
+        self.meshes: dict[str, MeshArrays] = {}
+        self._root, self._sources = root, dict[str, str]()
         compilers = list(root.iter("compiler"))
         given = {name: value for compiler in compilers for name, value in compiler.attrib.items()}
         folder = path.parent / (given.get("meshdir") or given.get("assetdir") or "")
@@ -69,9 +75,11 @@ class PlainCopy:
             self._sources[str(plain)] = str(file)
             mesh.set("name", mesh.get("name") or file.stem)
             mesh.set("file", str(plain))
+            self.meshes[mesh.get("name", "")] = found
         for number, mesh in enumerate(mesh for mesh in root.iter("mesh") if mesh.get("vertex")):
             plain = place / f"stated{number}.stl"
-            plain.write_bytes(_stl(_stated(mesh, str(path))))
+            stated = self.meshes[mesh.get("name", "")] = _stated(mesh, str(path))
+            plain.write_bytes(_stl(stated))
             self._sources[str(plain)] = ""
             mesh.set("file", str(plain))
             for name in ("vertex", "face", "normal", "texcoord"):
@@ -79,7 +87,10 @@ class PlainCopy:
         for compiler in compilers:
             for name in ("meshdir", "assetdir", "strippath"):
                 compiler.attrib.pop(name, None)
-        ElementTree.ElementTree(root).write(self.file, encoding="utf-8")
+
+    def write(self) -> None:
+        """Write the file as it is now."""
+        ElementTree.ElementTree(self._root).write(self.file, encoding="utf-8")
 
     def name_sources(self, shapes: pin.GeometryModel) -> None:
         """Give shapes the paths of the files that their meshes came from, none where the file states their vertices."""

@@ -18,16 +18,19 @@ from robotraj._util.values import dataclass
 from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_names, check_numbers
-from robotraj.robot.mjcf.defaults import Attributes, Defaults, placed
+from robotraj.robot.mjcf.defaults import Attributes, with_defaults
 from robotraj.robot.mjcf.includes import with_includes
+from robotraj.robot.mjcf.inertias import with_inertias
 from robotraj.robot.mjcf.meshes import PlainCopy
+from robotraj.robot.mjcf.placement import with_plain_poses
 from robotraj.robot.mjcf.springs import joint_springs
+from robotraj.robot.mjcf.trees import with_one_tree
+from robotraj.robot.mjcf.unread import check_bodies, without_height_fields
 from robotraj.robot.urdf.lenient import parsed
 from robotraj.robot.urdf.numbers import numbers
 from robotraj.robot.urdf.xml import MAX_BYTES
 
-FRAMED = ("body", "joint", "freejoint", "geom", "inertial")
-"""Elements that Pinocchio drops where they stand inside a <frame>."""
+FLUID = ("density", "viscosity")
 CONSTRAINING = ("equality", "tendon")
 """Sections that change the motion and are not read."""
 
@@ -90,22 +93,22 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     with_includes(root, path, folders)
     check_numbers(repr(str(path)), root)
     check_names(repr(str(path)), root)
-    inside = {each.tag for frame in root.iter("frame") for each in frame.iter() if each.tag in FRAMED}
-    if inside:
-        raise InputError(
-            f"{str(path)!r} has elements inside <frame>, which Pinocchio does not read: {', '.join(sorted(inside))}. "
-            "Give them the frame's pose in its place; a file that MuJoCo's mj_saveLastXML writes has no frames."
-        )
-    model, shapes = _built(root, path, folders)
+    check_bodies(repr(str(path)), root)
+    with_defaults(root)
+    with_plain_poses(root)
+    fields = without_height_fields(root)
+    constraining = [tag for tag in CONSTRAINING if any(len(group) for group in root.findall(tag))]
+    model, shapes, beside = _built(root, path, folders)
     model, chains = with_single_axes(root, model, shapes)
     gravity = numbers(" ".join(each.get("gravity", "") for each in root.findall("option")).strip(), 3)
+    if any(each.get("gravity") == "disable" for option in root.findall("option") for each in option.iter("flag")):
+        gravity = (0.0, 0.0, 0.0)
     if gravity is not None:
         model.gravity.linear = np.array(gravity)
     joints = [model.names[i] for i in range(1, model.njoints)]
-    defaults = Defaults(root)
-    every = [(each.tag, defaults.of(each)) for group in root.findall("actuator") for each in group]
+    every = [(each.tag, each.attrib) for group in root.findall("actuator") for each in group]
     actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
-    stated = list(placed(root, defaults, "joint"))
+    stated = [joint.attrib for world in root.findall("worldbody") for joint in world.iter("joint")]
     whole = {own.get("name", ""): numbers(own.get("actuatorfrcrange", ""), 2) for own in stated}
     ranges = {own.get("joint", ""): _both(_effort(tag, own), whole.get(own.get("joint", ""))) for tag, own in actuators}
     efforts = {joint: pair for joint, pair in ranges.items() if pair is not None}
@@ -121,7 +124,13 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             f"Springs of the MJCF that are not read: {', '.join(map(repr, unread))}. Set them with springs={{joint: "
             "(stiffness, rest)}."
         )
-    constraining = [tag for tag in CONSTRAINING if any(len(group) for group in root.findall(tag))]
+    if beside:
+        findings.append(f"Bodies beside the robot in the MJCF that are not read: {', '.join(map(repr, beside))}.")
+    fluid = [name for name in FLUID if any(float(each.get(name, "0")) > 0.0 for each in root.findall("option"))]
+    if fluid:
+        findings.append(f"Forces of a fluid in the MJCF that are not read: {' and '.join(fluid)} of <option>.")
+    if fields:
+        findings.append(f"Height fields of the MJCF that are not read: {', '.join(map(repr, fields))}.")
     if constraining:
         findings.append(f"Sections of the MJCF that are not read: {', '.join(f'<{tag}>' for tag in constraining)}.")
     without = [own.get("joint", "") for _, own in actuators if own.get("joint") not in efforts]
@@ -136,10 +145,13 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
 
 def _built(
     root: Element, path: Path, folders: Sequence[Path] | None
-) -> tuple[pin.Model, tuple[pin.GeometryModel, pin.GeometryModel]]:
-    """Return the model and its shapes for display and for collisions."""
+) -> tuple[pin.Model, tuple[pin.GeometryModel, pin.GeometryModel], tuple[str, ...]]:
+    """Return the model, its shapes for display and for collisions, and the bodies of the file that are not in it."""
     with tempfile.TemporaryDirectory(prefix="robotraj-") as place:
         copy = PlainCopy(root, path, folders, Path(place))
+        with_inertias(repr(str(path)), root, copy.meshes)
+        beside = with_one_tree(root)
+        copy.write()
         file = str(copy.file)
         try:
             model = pin.buildModelFromMJCF(file)
@@ -151,7 +163,7 @@ def _built(
             ) from error
     for shapes in (visual, collision):
         copy.name_sources(shapes)
-    return model, (visual, collision)
+    return model, (visual, collision), beside
 
 
 def _root(path: Path) -> Element:
