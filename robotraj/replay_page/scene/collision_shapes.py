@@ -9,7 +9,6 @@ from trimesh import creation
 from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.replay_page.scene.part import Color, weld
 from robotraj.replay_page.scene.shapes import shape_part
-from robotraj.replay_page.scene.simplify import simplified
 from robotraj.replay_page.scene.visuals import Visual
 from robotraj.robot.collision.robot_spheres import robot_spheres
 from robotraj.robot.robot import Robot
@@ -27,11 +26,9 @@ def collision_shapes(geometry: pin.GeometryModel | None) -> tuple[Visual, ...]:
     for thing in geometry.geometryObjects if geometry is not None else ():
         placement = np.array(thing.placement.homogeneous)
         try:
-            part = shape_part(thing.geometry)
+            part = shape_part(thing.geometry, MOST)
         except LookupError:
             continue
-        if part is not None and len(part.faces) > MOST:
-            part = weld(*simplified(part.vertices.astype(float), part.faces, MOST))
         if part is not None:
             found.append(Visual(int(thing.parentJoint), str(thing.name), placement, ((part, COLOR),)))
     return tuple(found)

@@ -12,18 +12,22 @@ from numpy.typing import NDArray
 from trimesh import creation
 
 from robotraj.replay_page.scene.part import Part, weld
+from robotraj.replay_page.scene.simplify import MOST, simplified
+from robotraj.robot.collision.tessellation import corners_of
 
 PLANE_SIDE = 4.0
 """Side [m] of the square that represents an infinite plane."""
 
 
-def shape_part(shape: coal.CollisionGeometry) -> Part | None:
+def shape_part(shape: coal.CollisionGeometry, most: int = MOST) -> Part | None:
     """Triangulate a coal shape in its own frame (axes along z, centred as coal defines it).
 
     Parameters
     ----------
     shape : coal.CollisionGeometry
         Box, Sphere, Ellipsoid, Cylinder, Capsule, Cone, Plane, Halfspace, Convex or triangles (BVHModel).
+    most : int
+        Triangles of a mesh from which vertices are merged in cells.
 
     Returns
     -------
@@ -37,8 +41,7 @@ def shape_part(shape: coal.CollisionGeometry) -> Part | None:
     """
     kind = type(shape).__name__
     if kind.startswith("BVHModel"):
-        triangles = [shape.tri_indices(i) for i in range(shape.num_tris)]
-        return weld(np.asarray(shape.vertices()), np.array([[t[0], t[1], t[2]] for t in triangles], dtype=int))
+        return weld(*simplified(np.array(shape.vertices()), corners_of(shape), most))
     if kind.startswith("Convex"):
         hull = trimesh.convex.convex_hull(np.asarray(shape.points()))
         return weld(hull.vertices, hull.faces)

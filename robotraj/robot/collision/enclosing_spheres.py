@@ -15,6 +15,7 @@ import numpy.typing as npt
 from robotraj.robot.collision.tessellation import sphere_points, subdivided
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int_]
 
 EXCESS = 0.01
 """Distance beyond the surface that a sphere may protrude [m]."""
@@ -23,12 +24,12 @@ MOST = 10
 FINENESS = 20
 """Pieces of the subdivision along the longest extent of a shape."""
 MOST_PIECES = 200_000
-"""Largest number of pieces; a mesh of many long triangles is subdivided less."""
+"""Largest number of pieces that subdivision adds; a mesh of many long triangles is subdivided less."""
+MANY, CELLS = 50_000, 60
+"""Pieces from which one in each cell of a grid stands for the others, and cells along the longest extent."""
 STEPS = 40
 """Steps of the iteration for a smallest enclosing ball."""
 VOLUME_SAMPLES = 5_000
-MOST_POINTS = 200_000
-"""Points from which the centre of a ball is found; its radius is that of all points."""
 
 
 class Fit(NamedTuple):
@@ -56,8 +57,9 @@ class Fit(NamedTuple):
 def enclose(triangles: Array, excess: float = EXCESS, most: int = MOST) -> Fit:
     """Fit spheres to triangles (f, 3, 3) [m]; the result satisfies ``encloses``."""
     pieces = _pieces(triangles)
-    surface = _Surface(pieces)
-    parts = [_part(pieces, surface)]
+    few, cell = _spread(pieces)
+    surface = _Surface(few)
+    parts = [_part(few, surface)]
     while len(parts) < most:
         splittable = [i for i, part in enumerate(parts) if part.protrusion > excess and len(part.pieces) > 1]
         if not splittable:
@@ -65,9 +67,9 @@ def enclose(triangles: Array, excess: float = EXCESS, most: int = MOST) -> Fit:
         worst = max(splittable, key=lambda i: parts[i].protrusion * parts[i].radius ** 2)
         parts[worst : worst + 1] = _split(parts[worst].pieces, surface)
     centres = np.array([part.centre for part in parts])
-    radii = np.array([part.radius for part in parts])
-    protrusion = max(part.protrusion for part in parts)
-    return Fit(centres, radii, protrusion, union_volume(centres, radii), _hull_volume(triangles))
+    radii = _grown(centres, np.array([part.radius for part in parts]), pieces, few, cell)
+    protrusion = max(map(surface.protrusion, centres, radii))
+    return Fit(centres, radii, protrusion, union_volume(centres, radii), _hull_volume(few))
 
 
 def _pieces(triangles: Array) -> Array:
@@ -75,9 +77,37 @@ def _pieces(triangles: Array) -> Array:
     longest = max(extent / FINENESS, 1e-4)
     edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
     # Each halving of its edges makes four pieces of a triangle.
-    while longest < extent and np.sum(4.0 ** np.ceil(np.log2(np.maximum(edges / longest, 1.0)))) > MOST_PIECES:
+    while longest < extent and np.sum(4.0 ** np.ceil(np.log2(np.maximum(edges / longest, 1.0))) - 1.0) > MOST_PIECES:
         longest *= 2.0
     return subdivided(triangles, longest)
+
+
+def _spread(pieces: Array) -> tuple[Array, Indices]:
+    """Return of many pieces the outermost one in each cell of a grid, and the number of the one of each piece."""
+    if len(pieces) <= MANY:
+        return pieces, np.arange(len(pieces))
+    middles = pieces.mean(axis=1)
+    low, extent = middles.min(axis=0), max(float(np.ptp(middles, axis=0).max()), 1e-300)
+    cells = np.floor((middles - low) / extent * CELLS).astype(np.int64) @ [1, CELLS + 1, (CELLS + 1) ** 2]
+    order = np.argsort(-np.linalg.norm(middles - middles.mean(axis=0), axis=1))
+    _, first, cell = np.unique(cells[order], return_index=True, return_inverse=True)
+    numbers = np.empty_like(cell)
+    numbers[order] = cell
+    return np.asarray(pieces[order[first]]), numbers
+
+
+def _grown(centres: Array, radii: Array, pieces: Array, few: Array, cell: Indices) -> Array:
+    """Return radii with which each piece lies in the sphere that grows least for the piece of its cell."""
+    growth = [_reach(few, centre) - radius for centre, radius in zip(centres, radii, strict=True)]
+    owner = np.argmin(growth, axis=0)[cell]
+    grown = radii.copy()
+    np.maximum.at(grown, owner, _reach(pieces, centres[owner, None]) * (1.0 + 1e-12))
+    return grown
+
+
+def _reach(pieces: Array, centre: Array) -> Array:
+    """Largest distance of a corner of each piece from a centre [m], (n,)."""
+    return np.asarray(np.sqrt(np.square(pieces - centre).sum(axis=2).max(axis=1)))
 
 
 def encloses(centres: Array, radii: Array, triangles: Array) -> bool:
@@ -85,7 +115,7 @@ def encloses(centres: Array, radii: Array, triangles: Array) -> bool:
     pieces = _pieces(triangles)
     held = np.zeros(len(pieces), dtype=bool)
     for centre, radius in zip(centres, radii, strict=True):
-        held |= np.linalg.norm(pieces - centre, axis=2).max(axis=1) <= radius * (1.0 + 1e-9)
+        held |= _reach(pieces, centre) <= radius * (1.0 + 1e-9)
     return bool(held.all())
 
 
@@ -141,9 +171,9 @@ def smallest_ball(points: Array) -> tuple[Array, float]:
 
     Source: Badoiu and Clarkson, Smaller core-sets for balls, SODA 2003.
     """
-    centre, few = 0.5 * (points.min(axis=0) + points.max(axis=0)), points[:: 1 + len(points) // MOST_POINTS]
+    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
     for step in range(1, STEPS):
-        away = few - centre
+        away = points - centre
         farthest = int(np.argmax(np.einsum("ij,ij->i", away, away)))
         centre = centre + away[farthest] / (step + 1.0) ** 2
     return centre, float(np.linalg.norm(points - centre, axis=1).max()) * (1.0 + 1e-12)
@@ -164,10 +194,10 @@ def _split(pieces: Array, surface: _Surface) -> list[_Cluster]:
     return [_part(pieces[side], surface) for side in (best, ~best)]
 
 
-def _hull_volume(triangles: Array) -> float:
+def _hull_volume(pieces: Array) -> float:
     from scipy.spatial import ConvexHull, QhullError
 
     try:
-        return float(ConvexHull(triangles.reshape(-1, 3)).volume)
+        return float(ConvexHull(pieces.reshape(-1, 3)).volume)
     except QhullError:
         return 0.0

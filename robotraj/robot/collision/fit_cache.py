@@ -16,7 +16,7 @@ from robotraj.robot.collision.enclosing_spheres import MOST, Fit, enclose
 
 Array = npt.NDArray[np.float64]
 
-VERSION = 1
+VERSION = 2
 """Version of the cached files; increment it when ``enclose`` changes, so that earlier files are not read."""
 LARGEST = 10_000
 """Size of a cached file, above that of ``MOST`` spheres [bytes]."""
@@ -54,6 +54,7 @@ def _is_complete(fit: Fit, triangles: Array) -> bool:
         return False
     if not np.isfinite([fit.protrusion, fit.volume, fit.hull_volume]).all():
         return False
-    corners = np.unique(triangles.reshape(-1, 3), axis=0)
-    apart = np.linalg.norm(corners[:, None] - fit.centres, axis=2) - fit.radii
-    return bool(np.all(apart.min(axis=1) <= 1e-9))
+    corners = triangles.reshape(-1, 3)
+    for centre, radius in zip(fit.centres, fit.radii, strict=True):
+        corners = corners[np.linalg.norm(corners - centre, axis=1) > radius + 1e-9]
+    return not len(corners)

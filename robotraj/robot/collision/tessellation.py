@@ -33,10 +33,7 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
     """
     kind = type(shape).__name__
     if kind.startswith("BVHModel"):
-        vertices = np.array(shape.vertices())
-        count = int(shape.num_tris)
-        corners = np.array([[tri[0], tri[1], tri[2]] for tri in (shape.tri_indices(i) for i in range(count))])
-        return outward(vertices[corners])
+        return outward(np.array(shape.vertices())[corners_of(shape)])
     if kind == "Box":
         return box_triangles(np.array(shape.halfSide))
     if kind in ("Cylinder", "Cone"):
@@ -46,6 +43,13 @@ def triangles_of(shape: coal.CollisionGeometry, name: str) -> Array:
     if kind.startswith("Convex"):
         return hull_triangles(np.array(shape.points()))
     raise InputError(f"The collision shape {name!r} is a {kind}, which spheres cannot enclose; use a mesh.")
+
+
+def corners_of(mesh: coal.BVHModelBase) -> npt.NDArray[np.int32]:
+    """Return the numbers of the corners of the triangles of coal's mesh, (f, 3); lists would take far more memory."""
+    count = int(mesh.num_tris)
+    numbers = (triangle[k] for triangle in map(mesh.tri_indices, range(count)) for k in range(3))
+    return np.fromiter(numbers, np.int32, 3 * count).reshape(-1, 3)
 
 
 def surface_of(shape: coal.CollisionGeometry) -> Array:
