@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,9 @@ from robotraj._util.printing import brief
 
 LONGEST = 255
 """Largest length of the name of a file [bytes]."""
+
+NO_PATHS = (errno.ENAMETOOLONG, errno.ELOOP, errno.EILSEQ, errno.EINVAL)
+"""Refusals of the operating system that concern the path; others are faults of a disk, or lacking permissions."""
 
 
 def input_path(path: object, what: str) -> Path:
@@ -25,18 +29,14 @@ def input_path(path: object, what: str) -> Path:
     Raises
     ------
     InputError
-        It is no path, or none that a file can have: too long, with a null character, a loop of links.
+        It is no path, or none that a file can have: too long, with a null character, a loop of links; or the disk fails.
     """
     try:
         found = Path(path).expanduser()  # type: ignore[arg-type]
         os.fsencode(found.resolve())
         found.exists()
     except (TypeError, ValueError, OSError, RuntimeError) as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        given = str(path) if isinstance(path, os.PathLike) else path
-        # A disk that fails is no fault of the path, which is then told whole.
-        named = repr(given) if isinstance(error, OSError) and len(str(given)) <= LONGEST else brief(given)
-        raise InputError(f"{what} is {named}, which is no path of a file: {reason[:100]}.") from error
+        raise _refused(path, what, error, "read") from error
     return found
 
 
@@ -74,8 +74,16 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str
     except (OSError, ValueError, RuntimeError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{what} is {str(path)!r}, which names no place for a file: {error}.") from error
+        raise _refused(path, what, error, "written") from error
     return target
+
+
+def _refused(path: object, what: str, error: Exception, done: str) -> InputError:
+    reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    given = str(path) if isinstance(path, os.PathLike) else path
+    if isinstance(error, OSError) and error.errno not in NO_PATHS:
+        return InputError(f"{what} is {given!r}, which cannot be {done}: {reason[:100]}.")
+    return InputError(f"{what} is {brief(given)}, which is no path of a file: {reason[:100]}.")
 
 
 def cache_folder(name: str) -> Path:

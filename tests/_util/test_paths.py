@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +11,7 @@ from typing import Any
 import pytest
 
 import robotraj as rt
-from robotraj._util.paths import cache_folder
+from robotraj._util.paths import cache_folder, input_path, output_path
 
 
 def test_the_folder_of_caches_is_the_one_of_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -70,3 +72,15 @@ def test_a_path_is_named_in_the_message() -> None:
 def test_a_device_is_named_as_what_it_is(reader: str) -> None:
     with pytest.raises(rt.InputError, match="is no regular file"):
         READERS[reader]("/dev/zero")
+
+
+def test_a_disk_that_fails_is_no_fault_of_the_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object, **__: object) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO), "plan.npz")
+
+    path = tmp_path / "plan.npz"
+    monkeypatch.setattr(os, "stat", failing)
+    with pytest.raises(rt.InputError, match=r"plan.npz', which cannot be read: Input/output error\.$"):
+        input_path(path, "The saved solution")
+    with pytest.raises(rt.InputError, match=r"plan.npz', which cannot be written: Input/output error\.$"):
+        output_path(path, (".npz",), "the saved solution")
