@@ -29,7 +29,7 @@ def input_path(path: object, what: str) -> Path:
     Raises
     ------
     InputError
-        It is no path, or none that a file can have: too long, with a null character, a loop of links; or the disk fails.
+        It is no path, or none that a file can have: too long, with a null character, a loop of links. A disk fails.
     """
     try:
         found = Path(path).expanduser()  # type: ignore[arg-type]
