@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.time_left import require
 from robotraj.solvers.stagewise.multipliers import recover
 from robotraj.solvers.stagewise.reduction import Reduction, reduce
 from robotraj.solvers.stagewise.warm import carried_over
@@ -48,11 +49,20 @@ From a barrier as small as the latter, these start with zero multipliers of thei
 would make the Hessian indefinite: early iterations would take several factorisations. Planar walkers take more
 iterations so, and some end in a worse optimum.
 """
+SECONDS_OF_BLOCK = 5e-3
+"""Processor time of writing one point function of an NLP in stages [s]; hundreds of phases have a thousand."""
 
 
 def formulate(nlp: Nlp) -> Formulation:
-    """Write an NLP in stages where these are narrow and of full rank, else as a whole."""
+    """Write an NLP in stages where these are narrow and of full rank, else as a whole.
+
+    Raises
+    ------
+    LimitReached
+        Writing many phases in stages takes longer than the time that the plan has left.
+    """
     if _joins_neighbours(nlp):
+        require(SECONDS_OF_BLOCK * len(nlp.blocks), 0.0)
         reduction = reduce(nlp)
         program = reduction.program
         unknowns = program.nu + program.nx

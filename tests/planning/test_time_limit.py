@@ -160,6 +160,19 @@ def test_a_motion_that_was_proved_in_time_is_a_success(monkeypatch: pytest.Monke
     assert "time limit" in solution.message
 
 
+def test_many_phases_are_not_written_in_stages_where_the_time_is_over() -> None:
+    robot = rt.load("pendulum")
+    ends = {0: {"start": rt.State(q=0.0, v=0.0)}, 149: {"end": rt.State(q=0.5, v=0.0)}}
+    phases = [rt.Phase(robot, 0.1, objective=rt.Effort(), **ends.get(k, {})) for k in range(150)]
+    problem = rt.Problem(phases)
+    rt.plan(rt.Problem(phases[:2]), check=False)
+    began = time.process_time()
+    solution = rt.plan(problem, check=False, time_limit=1.0)
+    assert solution.status is rt.solvers.Status.TIME_LIMIT
+    # The transcription makes the iterate that is returned.
+    assert time.process_time() - began < 6.0
+
+
 def test_ample_time_changes_nothing() -> None:
     assert rt.plan(cartpole(), time_limit=1e3).objective == rt.plan(cartpole()).objective
 

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.time_left import time_left
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind
@@ -44,12 +45,12 @@ def undefined_expression(solution: Solution) -> str:
     """Return a sentence on the first expression that is not finite along the iterate of a failed plan; else "".
 
     Equations, rows and objectives are evaluated at the collocation points, then their first derivatives. Derivatives
-    of a robot's equations exist everywhere.
+    of a robot's equations exist everywhere. Where the time of the plan is over, the first phase alone is checked.
     """
     for order in (0, 1):
         for part in solution.phases:
             sentence = _along(part, order) or _at_the_ends(part, order)
-            if sentence:
+            if sentence or not time_left():
                 return sentence
     return ""
 
