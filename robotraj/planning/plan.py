@@ -28,7 +28,6 @@ from robotraj.problem.objectives.duration import warn_of_fixed_durations
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
-from robotraj.solution.conflict import Conflict
 from robotraj.solution.errors import NoSolutionFound, PlanInterrupted
 from robotraj.solution.proof import Goals
 from robotraj.solution.records import ContinuationRecord
@@ -273,9 +272,11 @@ def plan(
             interrupted = None
         if isinstance(show, PlanLimits):
             show.begin()
-        unheld: tuple[Conflict, ...] = ()
         try:
             unheld = unheld_ends(problem)
+            if unheld:
+                # Before the solve: a payload that is too heavy is often a slip of the pen.
+                warn(f"The motors cannot hold an end of the motion at rest: {unheld[0]}.")
             careful = _careful(settings) if unheld else settings
             solution = interrupted or find(problem, guess, careful, show)
             if not solution.success:
@@ -301,8 +302,6 @@ def plan(
     solution = replace(solution, continuation=records, settings=settings)
     if not keep_program:
         solution = released(solution)
-    if solution.success and unheld:
-        warn(f"The motion passes an end that the motors cannot hold: {unheld[0]}.")
     if check and solution.status is Status.INTERRUPTED:
         raise PlanInterrupted("Ctrl-C ended the plan; this error's `solution` is the best motion so far.", solution)
     if check and not solution.success:

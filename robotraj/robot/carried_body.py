@@ -133,6 +133,6 @@ def _warn_of_units(robot: Robot, body: CarriedBody) -> None:
         )
     if 0.0 < HEAVY * robot.mass < body.mass:
         warn(
-            f"The body at {body.frame!r} weighs {body.mass:g} kg, and {robot.name!r} {robot.mass:.3g} kg. The unit is "
-            f"kg: {body.mass:g} g are {1e-3 * body.mass:g} kg."
+            f"The body at {body.frame!r} weighs {body.mass:g} kg, and {robot.name!r} {robot.mass:.3g} kg. "
+            f"{in_other_unit(body.mass, 'kg')}"
         )

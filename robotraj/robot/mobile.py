@@ -18,8 +18,8 @@ from robotraj.robot.size.reach import reach
 
 JOINTS = ("base_x", "base_y", "base_yaw")
 """Joints of the base."""
-FAR = 100.0
-"""Length of a rail relative to the robot's reach above which its unit is doubtful."""
+FAR, HEAVY = 100.0, 100.0
+"""Length of a rail and mass of a base, relative to the reach and mass of its robot, above which units are doubtful."""
 AXES = {"x": pin.JointModelPX, "y": pin.JointModelPY, "z": pin.JointModelPZ}
 """Joints of a rail by their axes in the world."""
 
@@ -52,6 +52,7 @@ def on_wheels(robot: Robot, mass: float, inertia: float) -> Robot:
     """
     if not (0.0 < mass < np.inf and 0.0 < inertia < np.inf):
         raise InputError(f"The base has mass {mass!r} kg and inertia {inertia!r} kg m^2; both must be above 0.")
+    _warn_of_mass(robot, mass, "base")
     joints = dict(zip(JOINTS, (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ()), strict=True))
     # The base turns about the vertical only, so its moments about the other axes have no effect.
     body = pin.Inertia(float(mass), np.zeros(3), np.diag([inertia, inertia, inertia]))
@@ -111,9 +112,24 @@ def on_rail(
             f"The rail of {robot.name!r} goes to {longest:g} m, and the robot reaches {far:.2g} m. "
             f"{in_other_unit(longest, 'm')}"
         )
+    _warn_of_mass(robot, mass, "carriage")
     body = pin.Inertia(float(mass), np.zeros(3), np.zeros((3, 3)))
     limits = Limits.none((name,)).with_(position=travel, velocity=velocity, effort=effort)
     return _on_joints(robot, {name: AXES[axis]()}, body, limits, "on a rail")
+
+
+def _warn_of_mass(robot: Robot, mass: float, what: str) -> None:
+    """Warn of a base or carriage that is far heavier than its robot.
+
+    Warns
+    -----
+    UserWarning
+    """
+    if 0.0 < HEAVY * robot.mass < mass:
+        warn(
+            f"The {what} of {robot.name!r} weighs {mass:g} kg, and the robot {robot.mass:.3g} kg. "
+            f"{in_other_unit(mass, 'kg')}"
+        )
 
 
 def _on_joints(

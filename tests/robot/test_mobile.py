@@ -145,3 +145,11 @@ def test_rails_and_loads_in_other_units_are_doubted():
         rt.robot.carrying(ur5, rt.robot.CarriedBody("tool0", mass=2, center_of_mass=(0, 0, 100)))
     with pytest.warns(UserWarning, match="weighs 500 kg, and 'ur5' .* 500 g are 0.5 kg"):
         rt.robot.carrying(ur5, rt.robot.CarriedBody("tool0", mass=500))
+
+
+def test_a_carriage_and_a_base_in_grams_are_doubted() -> None:
+    ur5 = rt.load("ur5")
+    with pytest.warns(UserWarning, match=r"carriage of 'ur5.*' weighs 20000 kg.* 20000 g are 20 kg"):
+        rt.robot.on_rail(ur5, mass=20_000, travel=(0, 2), velocity=1.5, effort=500)
+    with pytest.warns(UserWarning, match=r"base of 'ur5.*' weighs 60000 kg.* 60000 g are 60 kg"):
+        rt.robot.on_wheels(ur5, mass=60_000, inertia=5.0)

@@ -1,4 +1,4 @@
-"""Degrees and millimetres in place of radians and metres."""
+"""Degrees, millimetres and grams in place of radians, metres and kilograms."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from robotraj.robot.limits import Limits
 
-OTHER_UNITS = {"rad": ("degrees", np.pi / 180.0, 2.0 * np.pi), "m": ("mm", 1e-3, 1.0)}
+OTHER_UNITS = {"rad": ("degrees", np.pi / 180.0, 2.0 * np.pi), "m": ("mm", 1e-3, 1.0), "kg": ("g", 1e-3, 100.0)}
 """For a unit the one that may be meant instead, its factor, and the least size at which a message names it."""
 LARGER, WITHIN = 5.0, 1.5
 """A limit seems to have another unit if it is so many times the robot's own, and in that unit at most so many times."""
@@ -23,7 +23,7 @@ def seems_other(given: float, own: float, unit: str) -> bool:
 
 
 def in_other_unit(given: float, unit: str) -> str:
-    """Return a sentence on a value that may be in degrees or millimetres."""
+    """Return a sentence on a value that may be in degrees, millimetres or grams."""
     base, *rest = unit.split("/")
     name, factor, _ = OTHER_UNITS[base]
     return f"The unit is {unit}: {given:g} {'/'.join((name, *rest))} are {factor * given:.6g} {unit}."

@@ -214,7 +214,7 @@ def _private_inputs(form: Form, block: Block, remaining: Mask, uses: Indices) ->
 def _private_outputs(block: Block, alone: Mask) -> Indices:
     """Find outputs that are, at every place, the only term of an equality row equal to zero."""
     row, single = _rows_by_output(block)
-    private = (single & alone[row]).reshape(block.count, -1).all(axis=0)
+    private = np.all((single & alone[row]).reshape(block.count, -1), axis=0)
     if block.stage.costed is not None:
         private[block.stage.costed] = False
     return np.flatnonzero(private)

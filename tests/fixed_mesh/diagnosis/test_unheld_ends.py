@@ -70,14 +70,17 @@ def test_feet_carry_a_robot_within_their_friction() -> None:
     assert not unheld_ends(stand(1.01 * max(entry.needed for entry in weak)))
 
 
-def test_a_plan_that_brakes_into_a_pose_beyond_its_motors_warns_of_it() -> None:
+def test_a_pose_beyond_the_motors_is_warned_of_before_the_solve() -> None:
     """A pendulum that rises reaches a pose at rest without the torque that holds it there."""
     robot = rt.load("pendulum")
     limits = robot.limits.with_(effort=0.8)
     ends = rt.State(q=0.0), rt.State(q=1.2, v=0)
     phase = rt.Phase(robot, (0.3, 2.0), *ends, rt.Effort(), limits=limits)
-    with pytest.warns(UserWarning, match="cannot hold: effort limit, pivot"):
+    said = "cannot hold an end of the motion at rest: effort limit, pivot"
+    with pytest.warns(UserWarning, match=said):
         assert rt.plan(phase, rt.Mesh(20)).success
+    with pytest.warns(UserWarning, match=said):
+        assert not rt.plan(phase, check=False, time_limit=1e-6).success
 
 
 def test_a_pose_that_one_vector_of_torques_balances_needs_no_linear_program(monkeypatch: pytest.MonkeyPatch) -> None:
