@@ -46,6 +46,7 @@ def test_the_nearest_line_leaves_equal_distances(linearity: ModuleType) -> None:
     np.testing.assert_allclose(linearity.nearest_line(n, 3 + 2 * n), [3, 2], rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_roofline_reports_every_mesh_and_robot(
     linearity: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -105,6 +105,7 @@ def test_the_first_knot_of_radau_is_looked_at() -> None:
     assert rt.plan(phase, RADAU).at(0.0).x["x"] <= 0.1 + 5e-4
 
 
+@pytest.mark.slow
 def test_peaks_between_the_sampled_places_are_found() -> None:
     """A motion at the limits of all joints on 17 intervals, whose speeds fall off by twice their limits in some."""
     panda = rt.load("panda")
@@ -210,6 +211,7 @@ def test_torques_of_refined_plans_are_held_between_the_points() -> None:
     assert solution.objective == pytest.approx(0.72573, rel=3e-4)
 
 
+@pytest.mark.slow
 def test_a_refined_effort_is_that_of_the_limits_themselves() -> None:
     """Bernstein bounds of the speeds would cost 4e-6 more."""
     phase = hurried().with_(duration=1.0, objective=rt.Effort())

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import warnings
 
+import numpy as np
 import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from tests.programs import nlp_of
 
 LIMITS = {"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7}
 
@@ -17,18 +19,29 @@ def solo8() -> rt.Robot:
     return rt.load("solo8", root="floating", limits=LIMITS)
 
 
-@pytest.mark.parametrize("what", ["crawl", "start_stop"])
-def test_legs_in_parallel_planes_hold_the_root_level_on_both_sides(solo8: rt.Robot, what: str) -> None:
-    """The distance of left and right footholds is stationary at a level root: without a row for it no plan is found."""
-    if what == "crawl":
-        problem = rt.gait.crawl(solo8, step_length=0.03, duration=0.5)
-    else:
-        problem = rt.gait.start_stop(solo8, step_length=0.05, count=2)
+def assert_level(problem: rt.Problem) -> None:
+    """The root is level where feet of both sides stand."""
     for phase in problem.phases:
         across = len({contact.frame[:2] for contact in phase.contacts}) > 2
         assert (phase.states.get("q.root_qx") == 0.0) == across
+
+
+@pytest.mark.slow
+def test_legs_in_parallel_planes_hold_the_root_level_on_both_sides(solo8: rt.Robot) -> None:
+    """The distance of left and right footholds is stationary at a level root: without a row for it no plan is found."""
+    problem = rt.gait.start_stop(solo8, step_length=0.05, count=2)
+    assert_level(problem)
     solution = rt.plan(problem)
     assert solution.proof is not None and solution.proof.holds
+
+
+def test_a_crawl_on_legs_in_parallel_planes_meets_its_rows_within_a_hundred_iterations(solo8: rt.Robot) -> None:
+    problem = rt.gait.crawl(solo8, step_length=0.03, duration=0.5)
+    assert_level(problem)
+    nlp = nlp_of(problem, rt.Mesh(4))
+    outcome = rt.InteriorPoint(max_iterations=100, fallback=None).solve(nlp)
+    values = nlp.values(outcome.w)
+    assert np.maximum(nlp.rows.lower - values, values - nlp.rows.upper).max() < 1e-6
 
 
 def test_pairs_of_feet_step_differently_far(solo8: rt.Robot) -> None:
@@ -74,6 +87,7 @@ def test_a_quadruped_steps_in_a_plane() -> None:
     assert solution.at(solution.duration).q[0] - solution.at(0.0).q[0] == pytest.approx(0.05, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_feet_across_the_planes_of_the_legs_leave_a_force_open_and_the_plan_is_proved(solo8: rt.Robot) -> None:
     """A bound on pairs of fore and hind feet: what a tiny singular value divides is no error and no force."""
     pairs = (("FL_FOOT", "FR_FOOT"), ("HL_FOOT", "HR_FOOT"))

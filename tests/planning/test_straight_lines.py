@@ -179,6 +179,7 @@ def test_small_states_are_judged_by_their_own_ranges() -> None:
     assert rt.validate(solution).passed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("duration", "mass"), [(700.0, 8168.612), (1000.0, 8234.899)])
 def test_a_moon_landing_is_proved_from_durations_in_which_it_is_possible(duration: float, mass: float) -> None:
     """Two optima, 3 and 2 percent lighter than the best; the first one needs the largest number of intervals."""
@@ -188,6 +189,7 @@ def test_a_moon_landing_is_proved_from_durations_in_which_it_is_possible(duratio
     assert rt.validate(solution).passed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [0.0, 1e-10, -1e-10])
 def test_a_moon_landing_is_never_called_infeasible(change: float) -> None:
     """In three times the default duration a lander cannot hover on its least thrust; shorter landings are possible.

@@ -43,6 +43,7 @@ def test_drift_of_hermite_simpson_falls_by_order_four(passive):
     assert abs(fine.energy.imbalance) < abs(coarse.energy.imbalance) / 8
 
 
+@pytest.mark.slow
 def test_a_plan_of_a_stiff_arm_is_simulated_to_its_end():
     """Friction stops z1's gripper within 15 us: explicit steps would take half a minute."""
     arm = rt.load("z1")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from robotraj.fixed_mesh.diagnosis.exclusions.crossed_zones import crossed_zones
 from robotraj.fixed_mesh.diagnosis.self_collision import overlapping_ends
 from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.loop.run import run
@@ -28,9 +29,10 @@ def prove(
 
     Plans whose links overlap or are below the ground are made again.
 
-    Where links overlap at a fixed end, one iteration on the first mesh is all that is solved.
+    Where links overlap at a fixed end, or a state must cross a zone that its rows forbid, one iteration on the first
+    mesh is all that is solved: on every mesh a motion may jump over the zone between the points.
     """
-    if conflicts := overlapping_ends(problem):
+    if conflicts := overlapping_ends(problem) or crossed_zones(problem):
         once = replace(settings, solver=settings.solver.at_most(1), restarts=Restarts(0))
         return replace(solve(problem, guess, once, progress), status=Status.INFEASIBLE, conflicts=conflicts)
     found, apart = _begun(problem, guess, settings, progress)

@@ -65,6 +65,7 @@ def test_a_fault_is_an_entry_with_its_number_and_the_others_are_there(fault: str
         assert message in entry.message and not entry.success and status.remedy in str(entry)
 
 
+@pytest.mark.slow
 def test_a_task_that_never_ends_is_ended_by_a_timer() -> None:
     found = run(act, None, [0, lambda: time.sleep(60.0), 2], None, limits=CaseLimits(seconds=0.1))
     assert (found[0], found[2]) == (0, 2)
@@ -149,7 +150,7 @@ def test_how_a_process_ended_is_told_by_its_code() -> None:
 
 
 @pytest.mark.slow
-def test_a_sweep_with_faulty_equations_has_197_results_and_three_entries() -> None:
+def test_a_sweep_with_faulty_equations_has_the_other_results() -> None:
     client = os.getpid()
 
     def moves(fault: Callable[[], None] | None = None) -> rt.Phase:
@@ -161,9 +162,9 @@ def test_a_sweep_with_faulty_equations_has_197_results_and_three_entries() -> No
         block = rt.System(["x", "v"], ["u"], equations)
         return rt.Phase(block, 1.0, rt.State([0, 0]), rt.State([1, 0]), rt.Effort())
 
-    faults = {17: end, 90: lambda: time.sleep(600.0), 150: fill}
-    problems = [moves(faults.get(i)) for i in range(200)]
+    faults = {7: end, 20: lambda: time.sleep(600.0), 40: fill}
+    problems = [moves(faults.get(i)) for i in range(60)]
     found = rt.sweep(problems, mesh=rt.Mesh(4), time_limit=5.0, memory_limit=600.0)
-    assert [i for i, entry in enumerate(found) if not entry.success] == [17, 90, 150]
-    assert [found[i].status for i in (17, 90, 150)] == [Status.DIED, Status.TIME_LIMIT, Status.MEMORY_LIMIT]
-    assert all(found[i].objective == pytest.approx(12.0) for i in range(200) if i not in faults)
+    assert [i for i, entry in enumerate(found) if not entry.success] == [7, 20, 40]
+    assert [found[i].status for i in (7, 20, 40)] == [Status.DIED, Status.TIME_LIMIT, Status.MEMORY_LIMIT]
+    assert all(found[i].objective == pytest.approx(12.0) for i in range(60) if i not in faults)

@@ -228,6 +228,7 @@ def test_a_smooth_plan_is_retimed_under_a_limit_of_jerk(arm):
     assert np.abs(np.diff(again.at(t).a, axis=0) / np.diff(t)[:, None]).max() < 2000.0 * 1.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", [rt.Duration(), rt.Effort()], ids=["least time", "least effort"])
 def test_a_plan_under_a_limit_of_jerk_moves_near_its_own_path(arm, objective):
     duration = (0.1, 5.0) if isinstance(objective, rt.Duration) else 1.0
@@ -260,6 +261,7 @@ def test_least_work_along_a_path_is_planned_by_our_solver_and_agrees_with_ipopt(
     assert ours.objective == pytest.approx(other.objective, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_moving_obstacle_on_the_path_is_named_with_what_to_change(arm):
     """The obstacle leaves the path's end later than the motion of least time arrives there."""
     data = arm.model.createData()

@@ -274,21 +274,21 @@ def test_twenty_thousand_rows_are_opened_and_asked_within_a_second(tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_a_study_with_a_crash_a_hang_and_a_hog_has_197_results_and_three_rows(tmp_path: Path) -> None:
+def test_a_study_with_a_crash_a_hang_and_a_hog_has_the_other_results_and_three_rows(tmp_path: Path) -> None:
     def faulty(case: Any) -> rt.Phase:
-        if case["number"] == 17:
+        if case["number"] == 7:
             os.kill(os.getpid(), signal.SIGSEGV)
-        if case["number"] == 90:
+        if case["number"] == 20:
             time.sleep(600.0)
-        if case["number"] == 150:
+        if case["number"] == 40:
             assert [bytearray(100_000_000) for _ in range(20)]
         return make(case)
 
-    rows = [{"T": 1.0 + 0.01 * i, "number": i} for i in range(200)]
+    rows = [{"T": 1.0 + 0.01 * i, "number": i} for i in range(60)]
     study = rt.sweep(faulty, rows, store=tmp_path, time_limit=5.0, memory_limit=600.0, **OPTIONS)
     failed = {int(row["case_number"]): row["status"] for row in study.failures.to_pylist()}
-    assert failed == {17: Status.DIED.value, 90: Status.TIME_LIMIT.value, 150: Status.MEMORY_LIMIT.value}
-    assert sum(study.table.column("success").to_pylist()) == 197
+    assert failed == {7: Status.DIED.value, 20: Status.TIME_LIMIT.value, 40: Status.MEMORY_LIMIT.value}
+    assert sum(study.table.column("success").to_pylist()) == 57
 
 
 ARM = rt.load("two_link_arm")

@@ -26,6 +26,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("objective", [rt.Duration, rt.Effort])
 @pytest.mark.parametrize("name", CASES)
 def test_the_one_remedy_of_a_motion_that_cannot_stop_is_little_more_than_the_least(

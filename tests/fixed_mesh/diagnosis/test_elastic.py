@@ -46,6 +46,7 @@ def test_a_problem_that_has_a_solution_needs_no_slack(ur5: rt.Robot) -> None:
     assert relaxed_motion(reach(ur5), COARSE)[1] == ()
 
 
+@pytest.mark.slow
 def test_the_weak_motor_is_named_with_a_torque_that_suffices(ur5: rt.Robot) -> None:
     limits = ur5.limits.with_(effort={"shoulder_lift_joint": 20.0})
     (conflict,) = relaxed_motion(reach(ur5, limits=limits), COARSE)[1]
@@ -55,6 +56,7 @@ def test_the_weak_motor_is_named_with_a_torque_that_suffices(ur5: rt.Robot) -> N
     assert COARSE.solve(reach(ur5, limits=stronger), None).success
 
 
+@pytest.mark.slow
 def test_a_pose_out_of_reach_is_reported_with_its_distance(ur5: rt.Robot) -> None:
     far = rt.AtEnd(rt.FramePosition("tool0", [1.5, 0.0, 0.3]))
     _, found = relaxed_motion(reach(ur5, end=rt.State(v=0), constraints=[far]), COARSE)
@@ -103,6 +105,7 @@ def test_a_swing_too_high_gives_way_before_the_knees_limit() -> None:
     assert all(conflict.name.startswith("swing apex") for conflict in solution.conflicts)
 
 
+@pytest.mark.slow
 def test_rows_that_are_relaxed_on_a_coarse_mesh_are_relaxed_on_a_finer_one(ur5: rt.Robot) -> None:
     problem = reach(ur5, limits=ur5.limits.with_(effort={"shoulder_lift_joint": 20.0}))
     motion, found = relaxed_motion(problem, COARSE)

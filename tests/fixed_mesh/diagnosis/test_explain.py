@@ -14,6 +14,7 @@ from robotraj.fixed_mesh.diagnosis.explain import explained
 from robotraj.solvers.status import Status
 
 
+@pytest.mark.slow
 def test_limits_conflict_where_only_a_coarse_mesh_has_a_motion() -> None:
     """On six intervals by Simpson's rule, a jump of five_link meets limits that it exceeds between their points."""
     jump = rt.gait.jump(rt.load("five_link", root="planar"), height=0.318, length=0.473, margin=0.0)
@@ -28,6 +29,7 @@ def test_limits_conflict_where_only_a_coarse_mesh_has_a_motion() -> None:
     assert in_conflict.status is Status.NOT_FOUND and in_conflict.conflicts
 
 
+@pytest.mark.slow
 def test_a_limit_of_the_tool_speed_that_is_too_low_is_named() -> None:
     """Many motions need the same speed of the tool, so that the relaxed problem takes 80 to 420 iterations."""
     panda = rt.load("panda")

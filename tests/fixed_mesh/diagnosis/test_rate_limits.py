@@ -29,6 +29,7 @@ def test_the_jerk_that_would_do_is_that_of_the_fastest_joint() -> None:
     assert duration.name == "duration" and duration.needed == pytest.approx((32 / 6) ** (1 / 3), rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_named_values_do() -> None:
     limits = rt.constraints.JointTorqueRate(rt.between(-3, 3))
     duration, rate = failure(reach(limits)).conflicts

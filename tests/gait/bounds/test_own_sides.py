@@ -44,6 +44,7 @@ def test_the_default_walk_keeps_the_left_foot_on_the_left(bolt: rt.Robot) -> Non
     assert 0.024 < min(order.distance for order in report.foot_orders) < 0.03
 
 
+@pytest.mark.slow
 def test_crossed_legs_are_noticed(bolt: rt.Robot) -> None:
     solution = step(bolt, sides=None)
     assert lateral(solution).max() < 0.0

@@ -29,6 +29,7 @@ def hopper() -> rt.Robot:
     return rt.load("hopper", root="planar")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_a_hopper_turns_over_by_the_default_call(side: float) -> None:
     plan = rt.plan(rt.gait.flip(hopper(), axis=(0.0, side, 0.0), feet=["foot"]))

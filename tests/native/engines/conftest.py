@@ -44,9 +44,9 @@ def block() -> tuple[rt.Problem, Mesh]:
 
 
 def standing() -> tuple[rt.Problem, Mesh]:
-    """A robot with a moving root, a quaternion and two contacts."""
-    robot = rt.load("solo12", root="floating")
-    contacts = [rt.PointContact(foot) for foot in ("FL_FOOT", "HR_FOOT")]
+    """A robot with a moving root, a quaternion and a contact."""
+    robot = rt.load("hopper", root="floating")
+    contacts = [rt.PointContact("foot")]
     phase = rt.Phase(robot, 0.3, rt.State(v=0), objective=rt.Effort(), contacts=contacts)
     return rt.Problem([phase]), rt.Mesh(2)
 

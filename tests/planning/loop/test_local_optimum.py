@@ -60,6 +60,7 @@ def test_a_further_solve_gains_what_solves_that_stopped_early_have_missed(
     assert gain_from(last, first, rt.solution.Goals(), EARLY)[1] == pytest.approx(missed, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("solver", "objective", "again"),
     [(None, rt.Effort(), False), (EARLY, rt.Effort(), True), (None, rt.objectives.MechanicalWork(), True)],

@@ -112,6 +112,7 @@ def test_an_iterate_at_the_limit_of_iterations_is_a_guess_where_its_rows_nearly_
     assert is_guess(replace(ended, violation_list=(replace(far, amount=0.5 * NEARLY * far.size),)))
 
 
+@pytest.mark.slow
 def test_a_plan_by_early_ended_guesses_is_proved() -> None:
     solution = rt.plan(reach(), check=False, progress=False)
     assert solution.success

@@ -120,6 +120,7 @@ def test_a_goal_that_no_mesh_reaches_is_not_proved_and_the_plan_is_kept() -> Non
     assert "allowed 1e-14" in str(kept) and kept.objective == pytest.approx(58.80767, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_dry_friction_is_met_step_by_step() -> None:
     """From a straight line at once, the solver ends in an optimum that costs more."""
     robot = rt.load("z1", locked={"jointGripper": 0.0})
@@ -216,6 +217,7 @@ def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytes
     assert solution.proof is not None and solution.proof.error < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("objective", "early"),
     [

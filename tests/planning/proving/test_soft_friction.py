@@ -167,6 +167,7 @@ def test_rates_of_torque_balances_have_the_same_friction() -> None:
     assert rt.plan(phase, rt.Mesh(20, rt.HermiteSimpson()), solver=solver, check=False).success
 
 
+@pytest.mark.slow
 def test_trots_with_dry_friction_take_few_iterations() -> None:
     robot = rt.load("go1", root="floating")
     feet = tuple(name for name in rt.gait.limb_ends(robot) if name.endswith("foot"))

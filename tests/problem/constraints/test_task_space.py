@@ -103,6 +103,7 @@ def test_the_speed_and_the_acceleration_of_the_tool_are_limited(arm, kind):
     assert 0.98 < reached < 1 + 1e-3
 
 
+@pytest.mark.slow
 def test_reports_state_speeds_and_angles_of_the_tool_not_their_squares(arm):
     slow = rt.constraints.FrameSpeed("tool0", linear=0.1)
     upright = rt.constraints.FrameAxis("tool0", axis=_pose(arm, HOME).rotation.T @ [0.0, 0.0, 1.0], angle=0.3)

@@ -53,7 +53,13 @@ def placed(robot: Any, q: np.ndarray) -> pin.Data:
     return data
 
 
-@pytest.mark.parametrize("name", ["ur5", "talos", "double_pendulum"])
+@pytest.fixture
+def joints_of_talos(talos):
+    """Talos without its meshes, of which the next test looks at every one."""
+    return rt.load(talos.model)
+
+
+@pytest.mark.parametrize("name", ["ur5", "joints_of_talos", "double_pendulum"])
 def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(name, request, browser, wave_plan, tmp_path):
     robot = request.getfixturevalue(name)
     plan = wave_plan(robot, 3.0, start=0.5, phases=2)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pinocchio as pin
-import pytest
 
 import robotraj as rt
 from robotraj.transcription.refinement.error import interval_errors, residuals_of
@@ -19,10 +18,9 @@ def robot(damping):
     return rt.load(model, actuated=["big"])
 
 
-@pytest.mark.parametrize("damping", [0.1, 1.0])
-def test_damping_of_a_tiny_inertia_is_no_error_of_the_motion(damping):
+def test_damping_of_a_tiny_inertia_is_no_error_of_the_motion():
     end = rt.State(q={"big": 1.0}, v={"big": 0.0})
-    phase = rt.Phase(robot(damping), 1.0, rt.State(q=[0, 0], v=0), end, rt.Effort())
+    phase = rt.Phase(robot(1.0), 1.0, rt.State(q=[0, 0], v=0), end, rt.Effort())
     plan = rt.plan(phase, rt.Mesh(20))
     # Parts of the plan, simulated by themselves, are right to a thousandth; the estimate is on the safe side.
     local = rt.validate(plan).local.worst.relative

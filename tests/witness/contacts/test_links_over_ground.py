@@ -55,6 +55,7 @@ def test_a_link_below_the_ground_is_noticed(tmp_path: Path) -> None:
     assert "Link 'body' is below the ground" in str(report)
 
 
+@pytest.mark.slow
 def test_a_shape_larger_than_its_link_is_left_out() -> None:
     """simple_humanoid's body has a capsule of three metres, which lies below its feet as it stands."""
     robot = rt.load("simple_humanoid", root="floating")

@@ -23,6 +23,7 @@ def test_a_weak_rocket_needs_a_larger_thrust_and_no_negative_one() -> None:
     assert rt.plan(rocket(6.0, thrust.needed), progress=False).success
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["linear speed", "torque budget"])
 def test_what_the_user_demands_is_named_alone(name: str) -> None:
     robot = rt.load("ur10")

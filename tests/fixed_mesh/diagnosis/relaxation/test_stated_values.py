@@ -92,6 +92,7 @@ def test_limits_of_robots_and_of_tools_are_widened() -> None:
     assert rows["effort limit, shoulder"].upper == 1.0
 
 
+@pytest.mark.slow
 def test_a_slow_tool_has_time_enough_in_the_stated_duration() -> None:
     """The coarse mesh of the relaxed problem exceeds the speed between its points, and finds 2.5 s for this arm."""
     arm = rt.load("ur5")
