@@ -4,6 +4,7 @@ from .base import Ground
 from .flat import Flat
 from .function import HeightFunction, as_ground
 from .height_map import HeightMap
+from .lowest import Lowest
 from .plane import Plane
 from .slope import Slope
 from .steps import Steps
@@ -13,6 +14,7 @@ __all__ = [
     "Ground",
     "HeightFunction",
     "HeightMap",
+    "Lowest",
     "Plane",
     "Slope",
     "Steps",

@@ -21,6 +21,7 @@ from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.terrain.lowest import Lowest
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.links.periodic import Mirror
@@ -46,9 +47,8 @@ def with_feet_above_ground(phases: Sequence[Phase], links: Iterable[Link]) -> tu
     lowest = lowest_ground(phases)
     feet: dict[Ground, list[tuple[Robot, Spot]]] = {}
     for robot, spot, touched in _feet(phases, links):
-        ground = lowest if touched.below else touched
-        if ground is not None:
-            feet.setdefault(ground, []).append((robot, spot))
+        ground = lowest if lowest is not None and touched.below else touched
+        feet.setdefault(ground, []).append((robot, spot))
     for ground, spots in feet.items():
         phases = [_above(phase, spots, ground) for phase in phases]
     return tuple(phases)
@@ -64,11 +64,11 @@ def stiff_legged(robot: Robot, frame: str) -> bool:
 
 
 def lowest_ground(phases: Sequence[Phase]) -> Ground | None:
-    """Return the ground below all contacts; of several level ones the lowest, of other several ones None."""
-    grounds = {as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if c.stands}
-    if all(isinstance(each, Flat) for each in grounds):
-        return min(grounds, key=lambda each: each.level, default=None)  # type: ignore[attr-defined]
-    return grounds.pop() if len(grounds) == 1 else None
+    """Return the ground on which contacts stand, of several ones the lowest at every place; None without any."""
+    grounds = list(dict.fromkeys(as_ground(c.contact.ground) for p in phases for c in p.bound_contacts if c.stands))
+    if grounds and all(isinstance(each, Flat) for each in grounds):
+        return min(grounds, key=lambda each: each.level)  # type: ignore[attr-defined]
+    return Lowest(grounds) if len(grounds) > 1 else next(iter(grounds), None)
 
 
 def _feet(phases: Sequence[Phase], links: Iterable[Link]) -> list[tuple[Robot, Spot, Ground]]:

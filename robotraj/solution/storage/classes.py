@@ -36,6 +36,7 @@ from robotraj.dynamics.obstacles.shapes import Box, Capsule, Cylinder, HalfSpace
 from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.height_map import HeightMap
+from robotraj.dynamics.terrain.lowest import Lowest
 from robotraj.dynamics.terrain.plane import Plane
 from robotraj.dynamics.terrain.slope import Slope
 from robotraj.dynamics.terrain.steps import Steps
@@ -141,7 +142,7 @@ OF_PROBLEMS: Mapping[str, type] = {
         # dynamics, contacts, terrain
         ForwardDynamics, InverseDynamics, Kinematics, FlatFoot, ImplicitContact, LineContact, LoopClosure,
         PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, GearRatio, LinkLength,
-        BodyMass, Payload, Flat, HeightMap, Plane, Slope, Steps, ExternalForce, Thruster,
+        BodyMass, Payload, Flat, HeightMap, Lowest, Plane, Slope, Steps, ExternalForce, Thruster,
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data

@@ -12,8 +12,8 @@ SCOPE = Scope(
     "Pinocchio's constrained dynamics, and positions of the contacts' frames between the knots",
     "contacts neither slip nor sink, forces stay in their cones and are those that hold the contacts, impacts conserve "
     "momentum, swinging feet stay above the ground and land from above, each foot on its own side, and all other links "
-    "stay above the ground on which the feet's shapes stand",
-    "compliance of the ground, and shapes over several grounds of different kinds",
+    "stay above the ground on which the feet's shapes stand, or the lowest of several",
+    "compliance of the ground; walls, for links without a contact on them",
 )
 CHECKS = ("contacts", "impacts", "swinging feet", "links over the ground", "lateral order of the feet")
 """Checks of the validation that the claim needs."""

@@ -1,7 +1,7 @@
 """Heights of feet over the ground in the phases in which they swing, and their speeds when they land.
 
 Every contact of the problem is followed through all phases by plain Pinocchio, whatever rows the problem has. Feet that
-a mirror puts in the place of others are followed too.
+a mirror puts in the place of others are followed too. Between several grounds, a foot stays above the lowest of them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from robotraj.dynamics.contacts.force_measure import GRAVITY
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
-from robotraj.problem.clearance.swinging_feet import stiff_legged
+from robotraj.problem.clearance.swinging_feet import lowest_ground, stiff_legged
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.robot import Robot
@@ -77,13 +77,14 @@ def swings_of(
     solution: SolutionLike, samples: int, clock: Callable[[], None] = lambda: None
 ) -> tuple[SwingingFoot, ...]:
     """Follow every foot through the phases that do not hold it, at ``samples`` points of every interval."""
+    lowest = lowest_ground([planned.phase for planned in solution.phases if planned.phase.robot is not None])
     feet = feet_of_plan(solution)
     found: list[SwingingFoot] = []
     for index, planned in enumerate(solution.phases):
         held = {(spot.frame, spot.offset) for contact in planned.phase.bound_contacts for spot in _spots(contact)}
         swinging = [spot for spot in feet if (spot.frame, spot.offset) not in held]
         if planned.phase.robot is not None and swinging:
-            found += _followed(planned, swinging, _landing(solution, index), samples, clock)
+            found += _followed(planned, swinging, lowest, _landing(solution, index), samples, clock)
     return tuple(found)
 
 
@@ -125,7 +126,12 @@ def _landing(solution: SolutionLike, index: int) -> set[str]:
 
 
 def _followed(
-    planned: PhaseSolutionLike, spots: Sequence[FootPoint], landing: set[str], samples: int, clock: Callable[[], None]
+    planned: PhaseSolutionLike,
+    spots: Sequence[FootPoint],
+    lowest_below: Ground | None,
+    landing: set[str],
+    samples: int,
+    clock: Callable[[], None],
 ) -> list[SwingingFoot]:
     """Return the swing of each frame in one phase."""
     robot = realised(planned)
@@ -141,7 +147,8 @@ def _followed(
             for k, spot in enumerate(spots):
                 places[i, k] = pin.updateFramePlacement(model, data, indices[k]).act(np.array(spot.offset))
         for k, spot in enumerate(spots):
-            heights = np.asarray(spot.ground.gap(list(places[:, k].T)))
+            ground = lowest_below if lowest_below is not None and spot.ground.below else spot.ground
+            heights = np.asarray(ground.gap(list(places[:, k].T)))
             i = int(np.argmin(np.nan_to_num(heights, nan=-np.inf)))
             lowest[spot.frame] = min(lowest[spot.frame], (float(heights[i]), float(part.times[i])))
     size = reach(model)

@@ -1,8 +1,9 @@
 """Heights of links over the ground on which a robot stands, by the exact shapes.
 
-A contact may be the middle of a ball or an ankle, so that a part of its foot lies below the modelled ground. The ground
-of the other links is therefore that of the foot's shapes: it is lower by the depth that some contact keeps as long as
-it holds. A link that carries feet may be as deep as where one of them holds. A joint without shapes is its origin.
+Of several grounds the lowest at every place counts. A contact may be the middle of a ball or an ankle, so that a part
+of its foot lies below the modelled ground. The ground of the other links is therefore that of the foot's shapes: it is
+lower by the depth that some contact keeps as long as it holds. A link that carries feet may be as deep as where one of
+them holds. A joint without shapes is its origin.
 """
 
 from __future__ import annotations

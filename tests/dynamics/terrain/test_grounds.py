@@ -22,6 +22,7 @@ GROUNDS = {
     "steps": rt.terrain.Steps([-0.5, 0.2, 0.9], [0.0, 0.15, 0.3, 0.1], 0.3),
     "height map": HILLS,
     "function": rt.terrain.HeightFunction(lambda x, y: 0.1 * ca.sin(3 * x) * ca.cos(2 * y)),
+    "lowest": rt.terrain.Lowest([rt.terrain.Slope(0.2, -0.4, 0.1), HILLS]),
     "plain function": as_ground(lambda x, y: 0.1 * x**3 + y**2),
 }
 PLACES = RANDOM.uniform(-1.1, 1.1, (40, 2)) * [1.0, 0.5]
@@ -179,3 +180,13 @@ def test_what_is_no_ground_is_refused(make: Any, words: list[str]) -> None:
         make()
     for word in words:
         assert word in str(error.value)
+
+
+def test_the_lowest_of_several_grounds_is_below_all_of_them() -> None:
+    parts = [GROUNDS["flat"], GROUNDS["slope"], GROUNDS["steps"]]
+    lowest = rt.terrain.Lowest(parts)
+    heights = [each.height(*PLACES.T) for each in parts]
+    np.testing.assert_allclose(lowest.height(*PLACES.T), np.min(heights, axis=0), atol=1e-12)
+    assert {-0.5, 0.2, 0.9} <= set(np.round(lowest.bends()[0], 12))
+    with pytest.raises(rt.InputError, match="no wall"):
+        rt.terrain.Lowest([rt.terrain.Plane((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))])

@@ -12,6 +12,7 @@ import pytest
 import robotraj as rt
 from robotraj.dynamics.variable import Named
 from robotraj.solution.phase_solution import PhaseSolution
+from tests.lies import lying
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,35 @@ def test_a_touchdown_from_below_is_noticed(hopper: rt.Robot) -> None:
     point = rt.witness.NumericPoint(hopper, 0.0, end.q, end.v, end.a, end.tau)
     rise = max(float(point.frame("foot").velocity[2]), 0.0)
     assert rt.validate(allowed).swings[0].rise == pytest.approx(rise, abs=1e-9)
+
+
+BOX, SLOPE = rt.terrain.Flat(0.15), rt.terrain.Slope(0.2, level=-0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("onto", [BOX, SLOPE])
+def test_between_several_grounds_the_lowest_counts(hopper: rt.Robot, onto: rt.terrain.Ground) -> None:
+    """A foot on the floor is below the top of the box onto which it jumps, and no link is below both."""
+    floor = rt.terrain.Flat(0.0)
+
+    def standing(ground: rt.terrain.Ground, where: float, **ends: Any) -> rt.Phase:
+        foot = rt.PointContact("foot", friction=0.8, ground=ground)
+        return rt.Phase(hopper, (0.2, 1.0), objective=rt.Effort(), contacts=[foot], name=f"at {where}", **ends)
+
+    phases = [
+        standing(floor, 0.0, start=rt.State(q={"root_x": 0.0}, v=0)),
+        rt.Phase(hopper, (0.05, 0.8), objective=rt.Effort(), name="flight"),
+        standing(onto, 0.6, end=rt.State(q={"root_x": 0.6}, v=0)),
+    ]
+    solution = rt.plan(rt.Problem(phases, [rt.links.Liftoff(0, 1), rt.Touchdown(1, 2)]), progress=False)
+    report = rt.validate(solution)
+    assert solution.proof is not None and solution.proof.holds and report.passed
+    assert {each.link for each in report.link_depths} >= {"body", "rod"}
+    first, last = solution.phases[1].knots[[0, -1]]
+    down = 0.3 * np.array([name == "root_z" for name in hopper.position_names])
+    report = rt.validate(lying(solution, q=lambda t, q: q - down * ((t > first) & (t < last))))
+    assert max(each.depth for each in report.link_depths) > 0.1
+    assert any("below the ground" in each for each in report.failures(report.tolerances))
 
 
 def changed(solution: rt.Solution, factor: Callable[[str], float]) -> rt.Solution:
