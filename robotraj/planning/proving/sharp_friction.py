@@ -25,7 +25,8 @@ from robotraj.solution.solution import Solution
 LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
 AIM = 0.7
-"""Part of the allowed share that plans aim at: the share is of first order in v_s, and plans leave out more."""
+"""Part of what is allowed that plans aim at: shares and deviations are of first order in v_s, and plans leave out more.
+"""
 GENTLEST = 0.8
 """Factor above which a further plan would hardly differ."""
 STEPS = 8
@@ -55,13 +56,17 @@ class SharpFriction:
             return None
         if refused:
             self._factor **= 0.5
-            if self._factor > GENTLEST or is_followed(found):
+            if self._factor > GENTLEST or deviation_of(found) <= 1.0:
                 return None
         missing = friction_left_out(found)
-        if missing.objective <= AIM * FRICTION and (missing.impulse <= FRICTION or is_followed(found)):
-            return None
+        over = missing.objective / (AIM * FRICTION)
+        if over <= 1.0:
+            deviation = 0.0 if missing.impulse <= FRICTION else deviation_of(found)
+            if deviation <= 1.0:
+                return None
+            over = deviation / AIM
         self._step += 1
-        wanted = min(AIM * FRICTION / max(missing.objective, FRICTION), MOST)
+        wanted = min(1.0 / over, MOST)
         meshes = tuple(part.mesh for part in found.phases)
         solver = self._settings.solver.at_most(PATIENCE)
         near = replace(self._settings, mesh=meshes, restarts=Restarts(0), solver=solver)
@@ -86,13 +91,13 @@ def _has_friction(found: Solution) -> bool:
     return any(map(has_friction, found.problem.phases))
 
 
-def is_followed(found: Solution) -> bool:
-    """Whether a machine with Coulomb's friction stays within what ``rt.validate`` allows."""
+def deviation_of(found: Solution) -> float:
+    """Return how far a machine with Coulomb's friction leaves a plan, relative to what ``rt.validate`` allows."""
     from robotraj.witness.figures import Tolerances
     from robotraj.witness.simulation.coulomb import coulomb_drift
 
     allowed, drift = Tolerances().friction, coulomb_drift(found)
-    return drift is None or isinstance(drift, str) or (allowed is not None and drift.worst.relative <= allowed)
+    return 0.0 if drift is None or isinstance(drift, str) or allowed is None else drift.worst.relative / allowed
 
 
 def _scaled(problem: Problem, factor: float) -> Problem:

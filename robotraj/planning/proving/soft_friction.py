@@ -30,6 +30,7 @@ from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
+from robotraj.robot.tangent import floats
 from robotraj.solution.solution import Solution
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -129,13 +130,13 @@ def _softer(phase: Phase, softening: float, averaging: float) -> Phase:
 
 
 def _has_reversals(phase: Phase) -> bool:
-    """Whether a plan chooses where joints with friction reverse; a given path does."""
-    return has_friction(phase) and phase.path is None
+    """Whether a plan chooses where the joints of an arm with friction reverse; a given path does."""
+    return has_friction(phase) and phase.path is None and phase.robot is not None and phase.robot.root == "fixed"
 
 
 def has_friction(phase: Phase) -> bool:
-    """Whether a robot on a fixed root moves against dry friction."""
+    """Whether a robot on a fixed or planar root moves against dry friction; a free root keeps the smooth law."""
     robot = phase.robot
-    if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics):
+    if robot is None or floats(robot.model) or isinstance(phase.dynamics, Kinematics):
         return False
     return bool(np.any(robot.friction > 0.0))

@@ -83,8 +83,23 @@ def test_the_width_falls_by_less_after_a_plan_that_fails_unless_the_machine_foll
         return replace(attempt.guess, proof=None)
 
     monkeypatch.setattr(prove, "_run", failing)
-    monkeypatch.setattr(sharp_friction, "is_followed", lambda found: follows)
+    monkeypatch.setattr(sharp_friction, "deviation_of", lambda found: 0.5 if follows else 2.0)
     ends = rt.State(q=[0], v=0), rt.State(q=[0.2], v=0)
     plan = rt.plan(rt.Phase(mass(tmp_path, 4.0, 0.5, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()))
     assert plan.proof is not None and plan.proof.friction > FRICTION
     assert np.array(widths) / 0.5 == pytest.approx(np.array(factors), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_legs_with_dry_friction_follow_their_plan_by_coulombs_law() -> None:
+    """A jump of a hopper against friction that its file smooths over a tenth of its speeds."""
+    hopper = rt.load("hopper", root="planar")
+    rough = replace(hopper, friction=np.array([0.0, 0.0, 0.0, 1.0, 5.0]))
+    effort, foot = rt.Effort(), rt.PointContact("foot", friction=0.8)
+    stance = rt.Phase(rough, (0.2, 1.0), rt.State(q={"root_x": 0.0}, v=0), None, effort, contacts=[foot], name="stance")
+    flight = rt.Phase(rough, (0.05, 0.6), None, rt.State(q={"root_z": 0.7}), effort, name="flight")
+    solution = rt.plan(rt.Problem([stance, flight], [rt.Continuity(0, 1)]))
+    assert solution.proof is not None and solution.proof.holds
+    widths = [part.phase.robot.friction_speed for part in solution.phases if part.phase.robot is not None]
+    assert max(widths) < rough.friction_speed
+    assert rt.validate(solution).passed
