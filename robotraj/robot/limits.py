@@ -199,8 +199,11 @@ class Limits(OneLine):
         missing = tuple(joint for joint in self.missing if joint not in stated)
         return replace(self, **changed, missing=missing)  # type: ignore[arg-type]  # names of arrays
 
-    def scaled(self, **factors: float) -> Limits:
-        """Return a copy with both sides of some limits multiplied, ``limits.scaled(velocity=0.5, effort=0.8)``.
+    def scaled(self, rates: float = 1.0, **factors: float) -> Limits:
+        """Return a copy with both sides of some limits multiplied.
+
+        ``limits.scaled(velocity=0.5, effort=0.8)`` names them, ``limits.scaled(0.999)`` multiplies all but positions: a
+        proof allows an excess of 1e-3, and such a plan keeps the limits of a controller that allows none.
 
         Raises
         ------
@@ -208,7 +211,7 @@ class Limits(OneLine):
             An unknown quantity, or a factor that is not above 0.
         """
         changed: dict[str, Array] = {}
-        for quantity, factor in factors.items():
+        for quantity, factor in (dict.fromkeys(RATES, rates) | factors).items():
             if quantity not in QUANTITIES:
                 raise unknown_name("limited quantity", quantity, QUANTITIES)
             if not as_number(f"factor of {quantity}", factor) > 0.0:

@@ -78,6 +78,10 @@ def test_one_interval_holds_for_all_joints(limits):
     np.testing.assert_array_equal(new.sides("effort"), [[0, 0], [30, 30]])
     np.testing.assert_array_equal(new.scaled(effort=0.5, velocity=2.0).sides("effort"), [[0, 0], [15, 15]])
     np.testing.assert_array_equal(new.scaled(effort=0.5, velocity=2.0).velocity, [6, 6])
+    half = new.scaled(0.5, velocity=2.0)
+    np.testing.assert_array_equal(half.sides("effort"), [[0, 0], [15, 15]])
+    np.testing.assert_array_equal(half.velocity, [6, 6])
+    np.testing.assert_array_equal(half.sides("position"), new.sides("position"))
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.limits import RATES, Limits
+from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts
@@ -174,7 +174,7 @@ def _widened(phase: Phase) -> Phase:
         else each
         for each in phase.constraints
     ]
-    wider = limits.scaled(**dict.fromkeys(RATES, WIDER)) if isinstance(limits, Limits) else None
+    wider = limits.scaled(WIDER) if isinstance(limits, Limits) else None
     return phase.with_(limits=wider, constraints=rates)
 
 

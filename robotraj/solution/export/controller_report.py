@@ -30,6 +30,7 @@ HELD = 3
 _VERDICTS: Mapping[bool | None, str] = {True: "holds", False: "fails", None: "not judged"}
 ROUNDING = 1e-6
 """Largest excess of a limit that is rounding: relative, and of positions absolute."""
+REMEDY = "plan with limits=robot.limits.scaled(0.999), since a proof allows an excess of 1e-3"
 REST = 1e-6
 """Largest speed at rest [rad/s, m/s]."""
 
@@ -244,4 +245,4 @@ def _differences(
         # A proof allows a small excess. Only a controller that stops the arm there is not content with it.
         allowed = Goals().excess if order and not known.rates_limited else ROUNDING
         holds = bool(excess[k, joint] <= allowed)
-        yield Requirement(label, holds, figure, bound, unit, where, f"plan with robot.limits.scaled({name}=0.99)")
+        yield Requirement(label, holds, figure, bound, unit, where, REMEDY)

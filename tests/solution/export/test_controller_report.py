@@ -22,7 +22,7 @@ TOLERANCE = {"name", "position", "velocity", "acceleration"}
 @pytest.fixture(scope="module")
 def franka():
     robot = rt.load("panda", locked=LOCKED, limits=rt.robot.maker_limits("panda"))
-    limits = robot.limits.scaled(velocity=0.99, acceleration=0.99, jerk=0.99)
+    limits = robot.limits.scaled(0.999)
     ends = rt.State(q=START, v=0), rt.State(q=START + 0.3, v=0)
     return rt.plan(rt.Phase(robot, (0.1, 5), *ends, rt.Duration(), limits=limits))
 
@@ -49,11 +49,11 @@ def test_a_plan_within_the_makers_limits_is_accepted_and_judged_in_all(franka):
 
 
 def test_an_excess_that_a_proof_allows_is_named_by_a_controller_that_stops_there_alone(franka):
-    """The plan uses 99 percent of the makers' limits; these limits are 0.05 percent below what it uses."""
-    lower = franka.phases[0].phase.limits.scaled(velocity=0.9995, acceleration=0.9995, jerk=0.9995)
+    """The plan uses its limits to the full; these limits are 0.05 percent below."""
+    lower = franka.phases[0].phase.limits.scaled(0.9995)
     assert rt.solution.controller_report(franka, "fri", limits=lower).passed
     assert not rt.solution.controller_report(franka, "libfranka", limits=lower).passed
-    beyond = lower.scaled(velocity=0.998, acceleration=0.998, jerk=0.998)
+    beyond = lower.scaled(0.998)
     assert not rt.solution.controller_report(franka, "fri", limits=beyond).passed
 
 
