@@ -44,6 +44,15 @@ Array = NDArray[np.float64]
 
 STOPPED = (Status.TIME_LIMIT, Status.MEMORY_LIMIT, Status.INTERRUPTED)
 """Statuses of plans that end before their motion is proved."""
+WORDS = {
+    **dict.fromkeys(("trajectory", "path", "positions", "configurations"), "q"),
+    "velocities": "v",
+    "accelerations": "a",
+    "torques": "tau",
+    "states": "x",
+    "controls": "u",
+}
+"""Words of other libraries for values along a motion, and the attribute of a sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +127,8 @@ class Solution(OneLine):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> object:
-            advice = f"Read values at times: solution.at(t).{name}." if name in (*JOINTS, "x", "u") else ""
+            read = name if name in (*JOINTS, "x", "u") else WORDS.get(name)
+            advice = f"Read values at times: solution.at(t).{read}." if read else ""
             raise no_attribute(self, name, advice)
 
     def __getstate__(self) -> dict[str, object]:

@@ -835,5 +835,7 @@ def test_values_that_a_solution_has_at_times_are_said_to_be_there() -> None:
     solution = rt.plan(cartpole(), rt.Mesh(10))
     with pytest.raises(AttributeError, match=r"no attribute 'q'. Read values at times: solution.at\(t\).q"):
         _ = solution.q
-    with pytest.raises(AttributeError, match="no attribute 'trajectory'.$"):
+    with pytest.raises(AttributeError, match=r"no attribute 'trajectory'. Read values at times: solution.at\(t\).q"):
         _ = solution.trajectory
+    with pytest.raises(AttributeError, match="no attribute 'wings'.$"):
+        _ = solution.wings

@@ -415,3 +415,12 @@ def test_rooms_below_the_robot_are_found_in_a_fresh_process() -> None:
     program = "import robotraj as rt; print(rt.robot.collision.robot_spheres.__name__, 'collision' in dir(rt.robot))"
     found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["robot_spheres", "True"]
+
+
+def test_meshes_and_folders_are_named_as_what_they_are(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.stl").write_text("solid arm\nendsolid")
+    with pytest.raises(rt.InputError, match="'arm.stl' is a mesh, one shape; give the URDF"):
+        rt.load("arm.stl")
+    with pytest.raises(rt.InputError, match="no URDF file '.'. It is a folder."):
+        rt.load(".")

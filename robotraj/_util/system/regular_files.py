@@ -55,7 +55,7 @@ def near_files(path: str | os.PathLike[str]) -> str:
     """Return a sentence, after a space, on a path that is no file: what it is, or a near name; empty without one."""
     missing = Path(path)
     if os.path.exists(missing):
-        return " It is no regular file."
+        return " It is a folder." if os.path.isdir(missing) else " It is no regular file."
     try:
         if not missing.parent.is_dir():
             return f" Neither does the folder {str(missing.parent)!r}."

@@ -125,7 +125,8 @@ def phase_at(phases: Sequence[Phase], index: int, what: str) -> Phase:
         There is no such phase.
     """
     if not isinstance(index, int) or not -len(phases) <= index < len(phases):
-        raise InputError(f"{what} names phase {index!r}; the problem has phases 0 to {len(phases) - 1}.")
+        have = f"the problem has phases 0 to {len(phases) - 1}"
+        raise InputError(f"{what} names phase {index!r}; {have}. Give the number of a phase.")
     return phases[index]
 
 

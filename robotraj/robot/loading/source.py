@@ -22,6 +22,7 @@ from robotraj.robot.loading.inertia import check_bodies
 from robotraj.robot.loading.missing_meshes import missing_meshes
 from robotraj.robot.loading.packages import search_folders
 from robotraj.robot.loading.planning_model import names_of
+from robotraj.robot.meshes.reading import SUFFIXES
 from robotraj.robot.mjcf.model import is_mjcf, read_mjcf
 from robotraj.robot.urdf.balls import chains_of_balls, without_balls
 from robotraj.robot.urdf.limits import StatedLimits, stated_limits
@@ -104,6 +105,8 @@ def describe(
         raise InputError(f"rt.load reads a file of this machine; {source!r} is an address. Give the path of the file.")
     if isinstance(source, os.PathLike) or (isinstance(source, str) and _is_path(source)):
         path = input_path(source, "The robot")
+        if path.suffix.lower() in SUFFIXES:
+            raise InputError(f"{str(path)!r} is a mesh, one shape; give the URDF or MJCF file whose links name meshes.")
         if is_mjcf(path):
             return _from_mjcf(path, None if trust_paths else search_folders(path, folders))
         return _from_urdf(KnownRobot("", "", str(path), path), folders, trust_paths)
@@ -129,7 +132,7 @@ def _folders(package_dirs: str | os.PathLike[str] | Sequence[str | os.PathLike[s
 
 def _is_path(text: str) -> bool:
     """Whether a text is a path rather than a name: names of robots have neither folders nor suffixes."""
-    return "/" in text or os.sep in text or bool(os.path.splitext(text)[1])
+    return "/" in text or os.sep in text or text in (os.curdir, os.pardir) or bool(os.path.splitext(text)[1])
 
 
 def _wrapper(wrapper: pin.RobotWrapper) -> Description:

@@ -37,6 +37,13 @@ def test_a_phase_that_does_not_exist(push: Any, link: Any) -> None:
     assert "names phase 2; the problem has phases 0 to 1" in refused(phases, link)
 
 
+def test_links_name_phases_by_their_numbers(push: Any) -> None:
+    phases = [push.phase(name="ride"), push.phase(name="rest")]
+    assert "names phase 'ride'; the problem has phases 0 to 1. Give the number of a phase." in refused(
+        phases, rt.Continuity("ride", "rest")
+    )
+
+
 @pytest.mark.parametrize("link", [rt.Continuity(0, 1), rt.links.Jump(0, 1), rt.Periodic()], ids=str)
 def test_phases_of_other_states_are_named_with_their_states(push: Any, link: Any) -> None:
     phases = [push.phase(name="ride"), rt.Phase(OTHER, 1.0, name="walk")]
