@@ -35,7 +35,7 @@ LIGHTER = 0.1
 
 
 @dataclass(frozen=True)
-class Attempt:
+class WeighedAttempt:
     """One attempt from the guess.
 
     Attributes
@@ -56,7 +56,7 @@ class Attempt:
     known: dict[str, Array]
 
 
-def later_attempts(from_guess: float, factor: float) -> tuple[Attempt, Attempt]:
+def later_attempts(from_guess: float, factor: float) -> tuple[WeighedAttempt, WeighedAttempt]:
     """Return the second and the third attempt of a solve, both with a larger barrier and without multipliers.
 
     In the second one the barrier weighs as much beside the objective as in the first, and rows weigh less: a step of
@@ -68,10 +68,10 @@ def later_attempts(from_guess: float, factor: float) -> tuple[Attempt, Attempt]:
     from_guess : float
         First barrier parameter of a start from a guess.
     factor : float
-        Of ``Attempt``.
+        Of ``WeighedAttempt``.
     """
     barrier = max(LARGER * from_guess, LEAST_LARGER)
-    return Attempt(barrier, factor, barrier / from_guess, {}), Attempt(barrier, factor, LIGHTER, {})
+    return WeighedAttempt(barrier, factor, barrier / from_guess, {}), WeighedAttempt(barrier, factor, LIGHTER, {})
 
 
 class Tried(NamedTuple):
@@ -83,17 +83,17 @@ class Tried(NamedTuple):
 
 
 def solve_in_turn(
-    attempts: tuple[Attempt, ...],
+    attempts: tuple[WeighedAttempt, ...],
     patience: tuple[int, ...],
     max_iterations: int,
     final: Collection[str],
-    solve: Callable[[Attempt, int], NativeOutcome],
+    solve: Callable[[WeighedAttempt, int], NativeOutcome],
 ) -> Tried:
     """Make attempts until one ends neither at the limit of its iterations nor with a failed line search.
 
     Parameters
     ----------
-    attempts : tuple of Attempt
+    attempts : tuple of WeighedAttempt
     patience : tuple of int
         Iterations of all attempts that are made but the last one, which has those that are left.
     max_iterations : int

@@ -25,7 +25,7 @@ from robotraj.solvers.attempts import (
     FACTOR,
     PATIENCE_ASSEMBLED,
     PATIENCE_STAGES,
-    Attempt,
+    WeighedAttempt,
     later_attempts,
     solve_in_turn,
 )
@@ -231,7 +231,7 @@ class InteriorPoint(Solver):
             warm = {"lam": np.zeros(program.form_rows.size)}
             factor = self.barrier_factor or AHEAD * FACTOR
 
-        def attempt(chosen: Attempt, iterations: int) -> NativeOutcome:
+        def attempt(chosen: WeighedAttempt, iterations: int) -> NativeOutcome:
             scale = self.objective_scale or chosen.weight * of_program(native, start, program, from_guess, nlp)
             left = self._left(ready)
             return native.solve(
@@ -246,7 +246,7 @@ class InteriorPoint(Solver):
             )
 
         tried = solve_in_turn(
-            (Attempt(barrier, factor, 1.0, warm), *later),
+            (WeighedAttempt(barrier, factor, 1.0, warm), *later),
             PATIENCE_STAGES if stages else PATIENCE_ASSEMBLED,
             self.max_iterations,
             LOST_DIGITS if stages else (),
