@@ -18,6 +18,7 @@ from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.guess.reaching.descent import descended
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.robot.size.reach import reach
 from robotraj.robot.tangent import rate_matrix
@@ -37,10 +38,6 @@ Angles are in rad. Lengths are divided by the reach of the robot, so that robots
 """
 SHORT = 0.05
 """Length relative to the reach of the robot that is short: half a sole, the lowest pendulum, a joint near a bound."""
-STEPS = 60
-"""Largest number of damped steps."""
-TOLERANCE = 1e-10
-"""Norm of the feet's error [m, rad] at which Newton's method stops."""
 ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
 
 
@@ -161,8 +158,7 @@ class BalancedStance:
     ) -> Array:
         """Return a configuration (nq,) near ``near`` with given feet, centre of mass and posture.
 
-        Damped least squares minimise weighted errors. Newton's method then makes the feet exact.
-        Source: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986).
+        Damped least squares (``guess.reaching.descent``) minimise weighted errors, and then those of the feet alone.
 
         Parameters
         ----------
@@ -178,47 +174,33 @@ class BalancedStance:
         further : callable, optional
             Further rows, as important as the feet, with lengths relative to ``size``.
         """
-        robot, raised = self.robot, self.lifted(lifts)
-        q, damping = self.inside(near), 1e-6
-        error, slope = self._errors(q, feet, np.asarray(com, dtype=float), raised, posture, further)
-        for _ in range(STEPS):
-            step = self._step(q, slope, error, damping)
-            trial = self.inside(pin.integrate(robot.model, q, step))
-            after, next_slope = self._errors(trial, feet, np.asarray(com, dtype=float), raised, posture, further)
-            gain = error @ error - after @ after
-            if gain > 0:
-                q, error, slope, damping = trial, after, next_slope, max(0.2 * damping, 1e-9)
-                if gain < 1e-8 * (error @ error):
-                    break
-            else:
-                damping *= 10.0
-                if damping > 1e6:
-                    break
-        return self.settle(q, feet, raised)
+        raised, com = self.lifted(lifts), np.asarray(com, dtype=float)
+
+        def errors(q: Array) -> tuple[Array, Array]:
+            return self._errors(q, feet, com, raised, posture, further)
+
+        return self.settle(self._descended(near, errors), feet, raised)
 
     def settle(self, q: Array, feet: Mapping[str, float], raised: Array) -> Array:
-        """Move the feet to their anchors by Newton steps of least norm, as long as the error decreases."""
-        rows, slope = self.places(q, feet)
-        for _ in range(20):
-            size = np.linalg.norm(rows - raised)
-            if size < TOLERANCE:
-                break
-            trial = self.inside(pin.integrate(self.robot.model, q, self._step(q, slope, rows - raised, 1e-12)))
-            after, next_slope = self.places(trial, feet)
-            if np.linalg.norm(after - raised) >= size:
-                break
-            q, rows, slope = trial, after, next_slope
-        return q
+        """Move the feet to their anchors by steps of nearly the least norm."""
 
-    def _step(self, q: Array, slope: Array, error: Array, damping: float) -> Array:
-        """Return the Levenberg-Marquardt step; joints at bounds that it would violate are fixed."""
+        def errors(q: Array) -> tuple[Array, Array]:
+            rows, slope = self.places(q, feet)
+            return rows - raised, slope
+
+        return self._descended(q, errors)
+
+    def _descended(self, q: Array, errors: Errors) -> Array:
+        """Return the configuration (nq,) of least errors near one, within the bounds of the joints."""
+
+        def missed(each: Array) -> tuple[Array, Array]:
+            error, slope = errors(each[0])
+            return -error[None], slope[None]
+
         lower, upper = self.bounds
-        n = ROOT_FREEDOMS[self.robot.root]
-        joints, descent = q[len(q) - len(lower) :], -(slope.T @ error)[n:]
-        free = np.ones(self.robot.nv, dtype=bool)
-        free[n:] = ~((joints <= lower + 1e-9) & (descent < 0) | (joints >= upper - 1e-9) & (descent > 0))
-        held = slope * free
-        return np.asarray(-np.linalg.solve(held.T @ held + damping * np.eye(held.shape[1]), held.T @ error))
+        root = np.full(self.robot.nq - len(lower), np.inf)
+        bounds = np.concatenate([-root, lower]), np.concatenate([root, upper])
+        return np.asarray(descended(missed, q[None], bounds, model=self.robot.model)[0][0])
 
     def _errors(
         self,

@@ -10,15 +10,16 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import MET, SAME
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters, ends_of
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.minimum_jerk import through
+from robotraj.guess.reaching.descent import SEEDS, descended
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.objectives.terminal_pose import target_of
 from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION
-from robotraj.robot.tangent import PLACE, REST
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -28,21 +29,14 @@ Array = NDArray[np.float64]
 Target: TypeAlias = "ArrayLike | tuple[ArrayLike, ArrayLike] | pin.SE3"
 """A position in the world [m], or a pose."""
 
-TOLERANCE = 1e-8
-"""Norm of the error [m, rad] below which a target is reached."""
-STEPS = 300
-"""Largest number of damped steps from one configuration."""
-RESTARTS = 30
-"""Number of seeded random configurations that are tried after the given one."""
-
 
 @dataclass(frozen=True)
 class InverseKinematics(InitialGuess):
     """Joint positions at which a frame reaches a target, and the minimum-jerk motion to them.
 
-    Damped least squares start at the first configuration, then at seeded random ones. All are inside the position
-    limits of the phase and the bounds of its end. Torques are those of the inverse dynamics, as for
-    ``rt.guess.MinimumJerk``.
+    Damped least squares (``guess.reaching.descent``) start at the first configuration, then at seeded random ones.
+    All are inside the position limits of the phase and the bounds of its end. Torques are those of the inverse
+    dynamics, as for ``rt.guess.MinimumJerk``.
 
     Parameters
     ----------
@@ -123,19 +117,29 @@ def reach(
     high = np.where(np.isfinite(upper), upper, np.pi)
     if robot.root == "floating":
         low[: QUATERNION.stop] = high[: QUATERNION.stop] = near[: QUATERNION.stop]
+    data = robot.model.createData()
+
+    def errors(q: Array) -> tuple[Array, Array]:
+        gap = _error(robot, data, index, position, rotation, q[0])
+        axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        return gap[None], pin.computeFrameJacobian(robot.model, data, q[0], index, axes)[None, : len(gap)]
+
     best, least = near, np.inf
-    for start in (near, *(rng.uniform(low, np.maximum(low, high)) for _ in range(RESTARTS))):
-        q, gap = _descend(robot, index, position, rotation, np.clip(start, lower, upper), lower, upper)
+    for start in (near, *(rng.uniform(low, np.maximum(low, high)) for _ in range(SEEDS - 1))):
+        found, missed = descended(errors, start[None], (lower, upper), model=robot.model)
+        gap = float(np.linalg.norm(missed))
         if gap < least:
-            best, least = q, gap
-        if least < TOLERANCE:
-            return best
+            best, least = found[0], gap
+        if least < SAME:
+            break
+    if least < MET:
+        return best
     at_bounds = [
         f"{joint} at {value:.4g} {unit}".rstrip()
         for joint, unit, value, lo, hi in zip(
             robot.position_names, robot.position_units, best, lower, upper, strict=True
         )
-        if value - lo < 1e-6 or hi - value < 1e-6
+        if value - lo < MET or hi - value < MET
     ]
     bounds = f" with {', '.join(at_bounds)} at a bound" if at_bounds else ""
     miss = _error(robot, robot.model.createData(), index, position, rotation, best)
@@ -145,48 +149,6 @@ def reach(
         f"nearest configuration found is {np.linalg.norm(miss[:3]):.3g} m{turned} away{bounds}. Move the "
         "target, or widen the bounds."
     )
-
-
-def _descend(
-    robot: Robot, index: int, position: Array, rotation: Array | None, q: Array, lower: Array, upper: Array
-) -> tuple[Array, float]:
-    """Take damped least-squares steps, dq = J' (J J' + m 1)^-1 e; joints at bounds that a step would violate are fixed.
-
-    Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986); the
-    damping m follows Marquardt, Journal of the Society for Industrial and Applied Mathematics 11 (1963).
-    """
-    data, damping = robot.model.createData(), 1e-3
-    error = _error(robot, data, index, position, rotation, q)
-    gap = float(np.linalg.norm(error))
-    for _ in range(STEPS):
-        if gap < TOLERANCE:
-            break
-        jacobian = pin.computeFrameJacobian(robot.model, data, q, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)[
-            : len(error)
-        ]
-        gradient = jacobian.T @ error
-        held = jacobian * _free(robot, q, gradient, lower, upper)
-        step = held.T @ np.linalg.solve(held @ held.T + damping * np.eye(len(error)), error)
-        trial = np.clip(pin.integrate(robot.model, q, step), lower, upper)
-        after = _error(robot, data, index, position, rotation, trial)
-        size = float(np.linalg.norm(after))
-        if size < gap:
-            q, error, gap, damping = trial, after, size, max(damping / 5.0, 1e-12)
-        elif damping > 1e6:
-            break
-        else:
-            damping *= 4.0
-    return q, gap
-
-
-def _free(robot: Robot, q: Array, gradient: Array, lower: Array, upper: Array) -> NDArray[np.bool_]:
-    """Return which entries of v (nv,) move no position beyond a bound; fixed parts of a floating root are held."""
-    if robot.root != "floating":
-        return ~((q <= lower) & (gradient < 0) | (q >= upper) & (gradient > 0))
-    joints, along = slice(QUATERNION.stop, None), gradient[REST]
-    at, low, high = q[joints], lower[joints], upper[joints]
-    root = [not np.array_equal(lower[part], upper[part]) for part in (PLACE, QUATERNION)]
-    return np.concatenate([np.repeat(root, 3), ~((at <= low) & (along < 0) | (at >= high) & (along > 0))])
 
 
 def _error(robot: Robot, data: pin.Data, index: int, position: Array, rotation: Array | None, q: Array) -> Array:

@@ -1,10 +1,7 @@
 """Configurations that satisfy rows on positions, such as poses of a tool: several branches from many seeds at once.
 
-Each row bounds a function of the positions, lower <= c(q) <= upper. Damped least squares reduce the violations,
-from the given configuration and from seeded random ones.
-
-Sources: Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement, and Control 108 (1986); the damping follows
-Marquardt, Journal of the Society for Industrial and Applied Mathematics 11 (1963).
+Each row bounds a function of the positions, lower <= c(q) <= upper. Damped least squares (``descent``) reduce the
+violations, from the given configuration and from seeded random ones.
 """
 
 from __future__ import annotations
@@ -18,6 +15,7 @@ from numpy.typing import NDArray
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
+from robotraj.guess.reaching.descent import SEEDS, STEPS, descended
 from robotraj.guess.reaching.position_rows import values_at_rest
 from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
 from robotraj.problem.clearance.own_shapes import own_shapes
@@ -29,10 +27,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SEEDS = 48
-"""Number of initial configurations of a search, including the given one."""
-STEPS = 60
-"""Largest number of damped steps from each."""
 PULLED, PULLS, PULL, CORRECTIONS = 12, 15, 0.4, 3
 """Number of configurations that are moved towards the given one, number and share of these moves, steps after each."""
 
@@ -74,7 +68,7 @@ class OpenEnd:
         low, high = np.maximum(self.lower, near - np.pi), np.minimum(self.upper, near + np.pi)
         low, high = np.minimum(low, self.upper), np.maximum(high, self.lower)
         seeds = np.vstack([near, rng.uniform(low, np.maximum(low, high), (SEEDS - 1, len(near)))])
-        q, missed = self._descended(np.clip(seeds, self.lower, self.upper), STEPS)
+        q, missed = self._descended(seeds)
         found = q[missed < MET]
         if not len(found):
             return found
@@ -118,7 +112,7 @@ class OpenEnd:
             square = slopes @ slopes.swapaxes(1, 2) + 1e-9 * np.eye(missed.shape[1])
             lost = np.linalg.solve(square, np.einsum("mrq,mq->mr", slopes, wish)[..., None])[..., 0]
             moved = q + PULL * (wish - np.einsum("mrq,mr->mq", slopes, lost))
-            moved, left = self._descended(np.clip(moved, self.lower, self.upper), CORRECTIONS)
+            moved, left = self._descended(moved, CORRECTIONS)
             better = (left < MET) & (self.seconds(near, moved) < self.seconds(near, q))
             if not better.any():
                 break
@@ -138,30 +132,10 @@ class OpenEnd:
         active = (missed != 0.0) | (lower == upper)
         return missed, np.array(slopes).reshape(len(every), len(q), -1).swapaxes(0, 1) * active[..., None]
 
-    def _descended(self, q: Array, steps: int) -> tuple[Array, Array]:
-        """Take damped steps dq = J' (J J' + m 1)^-1 e from configurations (m, nq), and return the violations (m,) too.
-
-        Joints at bounds that a step would violate are fixed. If a step does not help, the damping m is increased.
-        """
-        missed, slopes = self._errors(q)
-        damping, eye = np.full(len(q), 1e-3), np.eye(missed.shape[1])
-        for _ in range(steps):
-            size = np.linalg.norm(missed, axis=1)
-            if (size < 1e-3 * MET).all() or (damping > 1e8).all():
-                break
-            along = np.einsum("mrq,mr->mq", slopes, missed)
-            held = (q <= self.lower) & (along < 0) | (q >= self.upper) & (along > 0)
-            free = slopes * ~held[:, None]
-            square = free @ free.swapaxes(1, 2) + damping[:, None, None] * eye
-            step = np.einsum("mrq,mr->mq", free, np.linalg.solve(square, missed[..., None])[..., 0])
-            trial = np.clip(q + np.clip(step, -0.5, 0.5), self.lower, self.upper)
-            missed_there, slopes_there = self._errors(trial)
-            better = np.linalg.norm(missed_there, axis=1) < size
-            q = np.where(better[:, None], trial, q)
-            missed = np.where(better[:, None], missed_there, missed)
-            slopes = np.where(better[:, None, None], slopes_there, slopes)
-            damping = np.where(better, np.maximum(0.2 * damping, 1e-12), 4.0 * damping)
-        return q, np.abs(missed).max(axis=1, initial=0.0)
+    def _descended(self, q: Array, steps: int = STEPS) -> tuple[Array, Array]:
+        """Return configurations (m, nq) where the rows hold as far as possible, and their largest violations (m,)."""
+        found, missed = descended(self._errors, q, (self.lower, self.upper), steps)
+        return found, np.abs(missed).max(axis=1, initial=0.0)
 
     def _turned(self, q: Array, near: Array) -> Array:
         """Turn joints by whole turns to the positions nearest to ``near``, if the rows are satisfied there."""
