@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Scalar
-from robotraj.guess.legs.stance import ROOT_FREEDOMS
+from robotraj.guess.legs.stance import root_freedoms
 from robotraj.problem.objectives.base import Objective
 from robotraj.problem.objectives.effort import Effort
 from robotraj.problem.objectives.expressions import Lagrange, Mayer
@@ -102,7 +102,7 @@ def posture_objective(robot: Robot, standing: NDArray[np.float64]) -> Objective:
     worth, pendulum = _sizes(robot, standing)
     joints = {name: 1.0 for name in robot.joint_names if name in robot.position_names}
     posture = Tracking(FixedPosture(tuple(float(v) for v in standing)), q=joints)
-    calm = Lagrange(SquaredAccelerations(ROOT_FREEDOMS[robot.root]))
+    calm = Lagrange(SquaredAccelerations(root_freedoms(robot)))
     return Effort() + worth * posture + worth * CALM * pendulum**2 * calm
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
 from robotraj.guess.ends import default_parameters
@@ -23,12 +24,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PLACES = np.linspace(0.0, 1.0, 65)
+PLACES = np.linspace(0.0, 1.0, SAMPLES)
 """Fractions of the motion at which rows are compared with their bounds."""
-SHORTEST, LONGER, TRIES = 0.05, 1.5, 24
-"""First duration [s], factor by which it grows while rows are violated, and largest number of times."""
-QUICKEST = 1e-3
-"""First duration of a stop [s]."""
+SHORTEST, LONGER, TRIES = 1e-3, 1.5, 36
+"""First duration [s], factor by which it grows while rows are violated, and largest number of times.
+
+The last duration is half an hour.
+"""
 
 
 @dataclass(frozen=True)
@@ -102,9 +104,9 @@ class _Cubic:
     @property
     def durations(self) -> Array:
         """The durations that are tried, ascending [s]."""
-        kept = self.span / self.entry if self.entry and self.leaving else SHORTEST
+        keeps = self.entry and self.leaving and not self.stops
         growing: Array = LONGER ** np.arange(TRIES + 1.0)
-        return growing * (QUICKEST if self.stops else kept)
+        return growing * (self.span / self.entry if keeps else SHORTEST)
 
     @property
     def longest(self) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.robot.root import QUATERNION
@@ -64,7 +65,7 @@ class Perturbed(InitialGuess):
         body = phase.body
         robot = phase.state_robot
         nx, nu = len(body.states), len(body.controls)
-        s = np.linspace(0.0, 1.0, 101)
+        s = np.linspace(0.0, 1.0, SAMPLES)
         x, u = known.states(s)[:, :nx], known.controls(s)[:, :nu]
         nq, nv = (nx, nx) if robot is None else (robot.nq, robot.nv)
         sizes = self._sizes(phase, body.states[:nq], x[:, :nq])

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LARGEST = 1e6
-"""Growth of a state, relative to its value at the start and at least 1, at which a simulation ends."""
-
 
 @dataclass(frozen=True)
 class Simulated(InitialGuess):
@@ -90,7 +87,8 @@ def _simulated(rates: Callable[..., ca.DM], first: Array, controls: Array, param
     """Integrate the rates from ``first`` (nx,) and return the states at the times, (m, nx)."""
     import scipy
 
-    most = LARGEST * np.maximum(1.0, np.abs(first))
+    # Beyond this growth the error that is allowed at the start may be as large as the state was.
+    most = np.maximum(1.0, np.abs(first)) / MET
 
     def rate(t: float, x: Array) -> Array:
         return np.asarray(rates(t, x, controls, parameters)).ravel()

@@ -8,7 +8,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 
-LARGEST = 2**31 - 1
+LARGEST = np.iinfo(np.intc).max
 """Largest count: solvers count with C's int."""
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import ROUND_OFF
 from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
@@ -57,8 +58,6 @@ UNSOLVED = (Status.STALLED, Status.SOLVER_ERROR)
 Limits of the user and divergence, which any solver would meet, are not among them. Neither is an infeasible problem:
 ``rt.plan`` decides whether it has a second opinion.
 """
-RUN_OFF = 1e12
-"""Size of a scaled variable above which an unsolved solve has diverged."""
 
 
 @dataclass(frozen=True)
@@ -253,7 +252,7 @@ class InteriorPoint(Solver):
             attempt,
         )
         status, iterations, found = tried.status, tried.iterations, tried.found[-1]
-        if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.max(np.abs(found.y), initial=0.0) > RUN_OFF:
+        if status in (Status.ITERATION_LIMIT, Status.STALLED) and np.abs(found.y).max(initial=0.0) > 1.0 / ROUND_OFF:
             status = Status.DIVERGED
         spent = used_time() - ready
         if stages and found.status in LOST_DIGITS and iterations < self.max_iterations:

@@ -48,9 +48,6 @@ LOADED = dict.fromkeys(("ma27", "ma57", "ma77", "ma86", "ma97"), "hsllib") | {"p
 NO_FILE: Mapping[str, object] = {"option_file_name": ""}
 """Without it IPOPT reads ``ipopt.opt`` of the working folder, which may load a library or overwrite a file."""
 
-ACCEPTED = 1e-8
-"""Optimality error at which IPOPT may end where round-off keeps it above the tolerance."""
-
 
 @dataclass(frozen=True)
 class Ipopt(Solver):
@@ -138,7 +135,7 @@ class Ipopt(Solver):
             "tol": self.tolerance,
             "constr_viol_tol": self.tolerance,
             # IPOPT's own level of 1e-6 lets a motion pass that is a third longer than the optimum.
-            "acceptable_tol": max(10.0 * self.tolerance, ACCEPTED),
+            "acceptable_tol": max(10.0 * self.tolerance, Ipopt.tolerance),
             "max_iter": self.max_iterations,
             "mu_strategy": self.barrier,
             "mu_init": self.initial_barrier,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.precision import ROUND_OFF
+from robotraj._util.precision import MET, ROUND_OFF
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.schemes.mesh import MovingMesh
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
-DIGITS = 6
-"""Digits of the place in an interval by which rows of two meshes are compared."""
+PLACES = round(1.0 / MET)
+"""Number of places in an interval that rows of two meshes share or do not."""
 
 
 def interpolated(known: Formulation, lam: Array, new: Formulation) -> tuple[Array, Array] | None:
@@ -96,7 +96,7 @@ def _table(formulation: Formulation) -> _Table:
             _place(table, keys, chosen, numbers[chosen], scalars, nlp)
             table.factor[chosen] = factors[numbers[chosen]]
     ranks = int(keys[:, 2].max(initial=0)) + 1
-    codes = ((keys[:, 0] * (10**DIGITS + 1) + keys[:, 1]) * ranks + keys[:, 2]) * 4 + sides
+    codes = ((keys[:, 0] * (PLACES + 1) + keys[:, 1]) * ranks + keys[:, 2]) * 4 + sides
     ordered = np.lexsort((table.middle, codes))
     ends = np.flatnonzero(np.diff(codes[ordered])) + 1
     for group in np.split(ordered, ends) if count else ():
@@ -122,7 +122,7 @@ def _place(table: _Table, keys: Indices, chosen: Indices, numbers: Indices, scal
         knot = np.clip(np.searchsorted(knots, at - ROUND_OFF), 0, lengths.size)
         table.length[chosen[own]] = np.where(at_knot, beside[knot], lengths[interval])
         table.middle[chosen[own]] = at
-        keys[chosen[own], 1] = np.where(at_knot, 0, np.round(place * 10**DIGITS))
+        keys[chosen[own], 1] = np.where(at_knot, 0, np.round(place * PLACES))
     ranked = np.lexsort((numbers, fraction, meaning))
     first = np.append(True, (np.diff(meaning[ranked]) != 0) | (np.diff(fraction[ranked]) != 0))
     begins = np.maximum.accumulate(np.where(first, np.arange(first.size), 0))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.precision import ROUND_OFF, SAME
+from robotraj._util.precision import DIFFERENCE, ROUND_OFF, SAME
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.collocation.symbols import phase_scalars
@@ -36,9 +36,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int_]
-
-SMALL = 1e-3
-"""Change of a number that finds its column of M, relative to its scale. A larger one may exceed its bounds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +74,8 @@ class Numbers:
         return np.append(lower, [every[i].value for i in self.scalars])
 
     def steps(self, nlp: Nlp) -> Array:
-        """Return the changes of the numbers (m + scalars,) that find M."""
-        return SMALL * np.append(nlp.scale[self.columns], np.ones(len(self.scalars)))
+        """Return the changes of the numbers (m + scalars,) that find M; larger ones may exceed bounds."""
+        return DIFFERENCE * np.append(nlp.scale[self.columns], np.ones(len(self.scalars)))
 
     def changed(self, nlp: Nlp, values: Array) -> Nlp:
         """Return an NLP with other numbers."""

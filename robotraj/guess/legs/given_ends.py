@@ -15,6 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.precision import MET
 from robotraj._util.splines import hermite
 from robotraj._util.values import dataclass
 from robotraj.guess.reaching.position_rows import of_positions, values_at_rest
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
-
-LEAST = 1e-3
-"""Distance of a given joint from the standing configuration [rad, m] below which the end is that configuration."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +81,7 @@ class GivenEnds:
             q, fixed = np.where(low == high, low, q), fixed | (low == high)
         further = _rows(steps.stance, tuple((phases[phase], end) for phase, end in ends), t)
         joints = slice(len(q) - len(steps.stance.bounds[0]), None)
-        if further is None and np.all(np.abs(q - standing)[joints] < LEAST):
+        if further is None and np.all(np.abs(q - standing)[joints] < MET):
             return np.zeros(steps.stance.robot.nv + 3) if fixed[joints].all() else None
         com = steps.com(t)
         aim = np.array([com[0], com[1] if steps.stance.robot.root == "floating" else np.nan, np.nan])

@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.precision import DIFFERENCE, MET
-from robotraj.guess.legs.stance import ROOT_FREEDOMS, BalancedStance
+from robotraj.guess.legs.stance import BalancedStance, root_freedoms
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def bent(stance: BalancedStance, q: Array, feet: Mapping[str, float], rows: list
 
 def _slope(stance: BalancedStance, q: Array, feet: Mapping[str, float]) -> Array:
     """Slopes (m, joints) of all rows, per rad or per reach."""
-    n = ROOT_FREEDOMS[stance.robot.root]
+    n = root_freedoms(stance.robot)
     slope: Array = stance.places(q, feet)[1][:, n:] * stance.scales(stance.robot.units[n:])
     return slope
 
@@ -86,7 +86,7 @@ def _motions(stance: BalancedStance, slope: Array, row: int) -> Array:
 
 def _hessians(stance: BalancedStance, q: Array, feet: Mapping[str, float], rows: list[int]) -> Array:
     """Return the second derivatives (rows, joints, joints) of heights by finite differences of their slopes."""
-    robot, n = stance.robot, ROOT_FREEDOMS[stance.robot.root]
+    robot, n = stance.robot, root_freedoms(stance.robot)
     columns = []
     for unit in np.diag(stance.scales(robot.units))[n:]:
         ahead, behind = (pin.integrate(robot.model, q, sign * DIFFERENCE * unit) for sign in (1.0, -1.0))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.robot.chart import PITCH
-from robotraj.robot.root import QUATERNION
+from robotraj.robot.root import PLANAR, QUATERNION
 from robotraj.robot.tangent import product
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 EASE = 0.25
 """Time in which the stances accelerate and brake the rotation, relative to that of the flight."""
-PLANAR_PITCH = 2
+PLANAR_PITCH = PLANAR.index("root_pitch")
 """Index of a planar root's pitch in q."""
 
 

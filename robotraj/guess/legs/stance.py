@@ -20,6 +20,7 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.reaching.descent import descended
 from robotraj.problem.constraints.base import symbols_of
+from robotraj.robot.root import ROOTS
 from robotraj.robot.size.reach import reach
 from robotraj.robot.tangent import rate_matrix
 
@@ -38,7 +39,11 @@ Angles are in rad. Lengths are divided by the reach of the robot, so that robots
 """
 SHORT = 0.05
 """Length relative to the reach of the robot that is short: half a sole, the lowest pendulum, a joint near a bound."""
-ROOT_FREEDOMS = {"fixed": 0, "planar": 3, "floating": 6}
+
+
+def root_freedoms(robot: Robot) -> int:
+    """Return the number of velocities of a robot's root."""
+    return len(ROOTS[robot.root].velocities)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +216,7 @@ class BalancedStance:
         posture: Array,
         further: Errors | None,
     ) -> tuple[Array, Array]:
-        robot, n = self.robot, ROOT_FREEDOMS[self.robot.root]
+        robot, n = self.robot, root_freedoms(self.robot)
         rows, slope = self.places(q, feet)
         jacobian = pin.jacobianCenterOfMass(robot.model, self.data, q)
         known = np.isfinite(com)
@@ -233,7 +238,7 @@ class BalancedStance:
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the joints, without those of the root [rad, m]."""
-        n = ROOT_FREEDOMS[self.robot.root]
+        n = root_freedoms(self.robot)
         return self.robot.limits.position_lower[n:], self.robot.limits.position_upper[n:]
 
     def inside(self, q: Array) -> Array:

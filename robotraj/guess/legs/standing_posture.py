@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robotraj._util.precision import MET
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.singular_legs import BEND, bent, singular_legs
-from robotraj.guess.legs.stance import ROOT_FREEDOMS, SHORT, BalancedStance
+from robotraj.guess.legs.stance import SHORT, BalancedStance, root_freedoms
 from robotraj.robot.neutral import amid
 from robotraj.robot.root import QUATERNION
 
@@ -56,7 +56,7 @@ def standing(stance: BalancedStance, height: float | None = None) -> Array:
     robot = stance.robot
     q = upright(robot, robot.neutral)
     feet = stance.locate(q)
-    n = ROOT_FREEDOMS[robot.root]
+    n = root_freedoms(robot)
     model, data = robot.model, robot.model.createData()
     if n:
         q = _grounded(stance, q, feet)
@@ -116,14 +116,14 @@ def _spread(feet: Mapping[str, float]) -> float:
 def _stretched(stance: BalancedStance, slope: Array, joints: Array) -> bool:
     """Whether a joint that moves the feet is at a bound, so that a leg cannot extend, or bend to one side."""
     lower, upper = stance.bounds
-    scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
+    scales = stance.scales(stance.robot.units[root_freedoms(stance.robot) :])
     near = np.minimum(joints - lower, upper - joints) < SHORT * scales
     return bool(np.any(_move_feet(stance, slope) & near))
 
 
 def _move_feet(stance: BalancedStance, slope: Array) -> NDArray[np.bool_]:
     """Return which joints move the feet, from the slopes (m, joints) of the feet's rows."""
-    scales = stance.scales(stance.robot.units[ROOT_FREEDOMS[stance.robot.root] :])
+    scales = stance.scales(stance.robot.units[root_freedoms(stance.robot) :])
     return np.asarray(scales * np.max(np.abs(slope), axis=0, initial=0.0) > MET * stance.size)
 
 
@@ -133,7 +133,7 @@ def _at_height(stance: BalancedStance, q: Array, feet: Mapping[str, float], com:
     The other joints keep near those of ``home``. They would lower the centre of mass as well: a torso would roll aside.
     """
     joints = slice(len(q) - len(stance.bounds[0]), None)
-    legs = _move_feet(stance, stance.places(q, feet)[1][:, ROOT_FREEDOMS[stance.robot.root] :])
+    legs = _move_feet(stance, stance.places(q, feet)[1][:, root_freedoms(stance.robot) :])
     for _ in range(REPEATS):
         posture = upright(stance.robot, q)
         posture[joints] = np.where(legs, q[joints], home[joints])

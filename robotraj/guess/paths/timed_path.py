@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.precision import MET
+from robotraj._util.precision import DIFFERENCE, MET, SAME
 from robotraj._util.values import dataclass
 from robotraj.guess.least_time import LineLimits, Trapezoid
 
@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 
 ROUNDING = 0.05
 """Largest deviation of a motion from a corner [rad, m]."""
-NEARBY = 1e-3
-"""Length of the line on which the acceleration at a corner is computed [rad, m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +84,10 @@ def timed_path(limits: LineLimits, corners: Array) -> TimedPath | None:
         turn = directions[k] - directions[k - 1]
         widest = float(np.abs(turn).max())
         squares[k] = min(fastest[k - 1], fastest[k]) ** 2
-        if widest > 1e-9:
+        if widest > SAME:
             # A short line, since the robot stays at the corner.
-            _, slope = limits.along(corners[k], NEARBY * turn)
-            squares[k] = min(squares[k], 8.0 * ROUNDING * NEARBY * max(slope, 0.0) / widest)
+            _, slope = limits.along(corners[k], DIFFERENCE * turn)
+            squares[k] = min(squares[k], 8.0 * ROUNDING * DIFFERENCE * max(slope, 0.0) / widest)
     gains = 2.0 * slopes * lengths
     for k in range(len(lines)):
         squares[k + 1] = min(squares[k + 1], squares[k] + gains[k])

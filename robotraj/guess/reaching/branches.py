@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.guess.ends import guessed_duration
 from robotraj.guess.reaching.open_end import OpenEnd
 from robotraj.guess.reaching.position_rows import of_positions
 from robotraj.problem.constraints.base import Where
@@ -33,8 +34,6 @@ APART = 0.3
 """Least difference of a joint [rad, m] between two branches."""
 BRANCHES = 8
 """Largest number of branches of an end; the fastest are kept."""
-LONG = 10.0
-"""Assumed range of a duration without an upper bound [s], for rows that depend on time."""
 
 
 def reached_ends(problem: Problem, branch: int = 0) -> Mapping[int, tuple[Array, Array]]:
@@ -76,7 +75,7 @@ def nodes_of(problem: Problem) -> tuple[list[OpenEnd | Array | None], list[int],
         nodes[-1].append((phase, Where.START))
         nodes.append([(phase, Where.END)])
         ends.append(len(nodes) - 1)
-    times = np.cumsum([0.0, *(_middle(phase) for phase in phases)])
+    times = np.cumsum([0.0, *(guessed_duration(phase, None) for phase in phases)])
     reached: list[OpenEnd | Array | None] = []
     for k, node in enumerate(nodes):
         time = times[ends.index(k) + 1] if k in ends else times[starts.index(k)]
@@ -87,11 +86,6 @@ def nodes_of(problem: Problem) -> tuple[list[OpenEnd | Array | None], list[int],
 def _is_searched(phase: Phase) -> bool:
     robot = phase.robot
     return robot is not None and robot.root == "fixed" and robot.nq == robot.nv and not phase.bound_contacts
-
-
-def _middle(phase: Phase) -> float:
-    low, high = phase.duration_bounds
-    return 0.5 * (low + min(high, low + LONG))
 
 
 def _at(node: Node, time: float) -> OpenEnd | Array | None:

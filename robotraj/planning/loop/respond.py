@@ -22,9 +22,10 @@ from robotraj.planning.proving.soft_friction import nearer
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
 from robotraj.solution.solution import Solution
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
-from robotraj.transcription.refinement.linear_controls import ENDLESS, on_lines
+from robotraj.transcription.refinement.linear_controls import on_lines
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 
 MOST_MESHES = 8
@@ -120,7 +121,7 @@ def _after_failure(state: PlanState, failed: Solution) -> PlanState | PlanEnd:
         return PlanEnd(state, failed.status.value)
     lines, first = on_lines(state.problem, state.coarsest), state.approximates
     # Free controls may exploit the program of a coarse mesh.
-    endless = failed.iterations >= ENDLESS and lines != state.coarsest
+    endless = failed.iterations >= InteriorPoint.max_iterations and lines != state.coarsest
     if (not first or endless) and failed.status not in SPENT:
         calmer = on_lines(state.problem, state.meshes)
         if calmer != state.meshes:

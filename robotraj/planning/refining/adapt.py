@@ -18,11 +18,12 @@ from robotraj.solution.records import Lack, MeshStep, Round, added_times, answer
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH, Equidistribute
-from robotraj.transcription.refinement.linear_controls import ENDLESS, HARDLY, on_lines
+from robotraj.transcription.refinement.linear_controls import HARDLY, on_lines
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -203,7 +204,7 @@ class _Adaptation:
         failed = not solution.success and solution.status not in ENDING
         astray = failed or (worst > self.tolerance and _hardly_falls(self.steps))
         first = len(self.steps) == 1
-        if not astray or (first and solution.iterations < ENDLESS) or self.refinement == CALM:
+        if not astray or (first and solution.iterations < InteriorPoint.max_iterations) or self.refinement == CALM:
             return False
         # The program of a failed mesh leads astray from the motion on the last one.
         last = start if failed else solution

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from robotraj.native import Csr
 
 Indices = NDArray[np.int_]
-EVER = np.iinfo(np.int64).max // 2
+EVER = np.iinfo(np.int32).max
 """Number beyond all stages."""
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.polynomials import basis
+from robotraj._util.precision import SAME
 from robotraj.robot.size.error_window import WINDOWS, error_window
 from robotraj.transcription.driven_motion import inputs_of, is_driven
 from robotraj.transcription.exact_motion import is_exact
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
 Array = NDArray[np.float64]
-
-STILL = 1e-8
-"""Values of a state on an interval below this share of its largest one in the phase are rounding."""
 
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
@@ -124,7 +122,8 @@ def _coarse(trajectory: PhaseTrajectory, moving: bool) -> Array:
 def _decays(trajectory: PhaseTrajectory) -> Array:
     """Return the least decay -d log10 |c_n| / dn of the Legendre coefficients of the states (K,)."""
     decays = []
-    least = STILL * np.abs(np.vstack(list(trajectory.x.values))).max(axis=0)
+    # Values below this share of the largest one in the phase are rounding.
+    least = SAME * np.abs(np.vstack(list(trajectory.x.values))).max(axis=0)
     for sites, values in zip(trajectory.x.sites, trajectory.x.values, strict=True):
         degree = len(sites) - 1
         coefficients = np.abs(np.polynomial.legendre.legfit(2 * sites - 1, values, degree))

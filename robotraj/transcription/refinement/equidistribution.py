@@ -39,13 +39,6 @@ On few intervals a smooth control changes by as much in each of them.
 """
 LEAST_GROWTH = 1.1
 """Least growth of the number of intervals; with less, the change of the objective would not be significant."""
-HALVED, NEARLY = 2.0, 0.3
-"""Least parts of an interval on which a path row is violated between the points, and share of the goal to aim at.
-
-The excess is taken to fall with the cube of the length, as the error of quadratic controls does. Knots change with the
-number of intervals, so that a violation near an end may be in the next interval of the new mesh; intervals beside it
-get as many parts.
-"""
 
 
 @dataclass(frozen=True)
@@ -98,8 +91,11 @@ class Equidistribute(Refinement):
         parts = np.where(assessment.errors > tolerance, np.maximum(parts, 1.0), 1.0)
         broken = np.append(0.0, np.append(assessment.broken, 0.0))
         beside = np.maximum(broken[1:-1], np.maximum(broken[:-2], broken[2:]))
-        violated = NEARLY * self.path if broken.max() > self.path else np.inf
-        finer = np.maximum(HALVED, np.cbrt(beside / (NEARLY * self.path)))
+        # The excess is taken to fall with the cube of the length, as the error of quadratic controls does. Knots change
+        # with the number of intervals, so that a violation near an end may be in the next interval of the new mesh:
+        # intervals beside it get as many parts.
+        violated = SAFETY * self.path if broken.max() > self.path else np.inf
+        finer = np.maximum(2.0, np.cbrt(beside / (SAFETY * self.path)))
         parts = np.maximum(parts, np.where(beside > violated, finer, 1.0))
         needed = np.clip(parts, 1.0, self.most)
         parts = np.maximum(needed, assessment.growth)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MORE = 8
-"""Number of points of the finer rule beyond those of the scheme."""
+"""Number of points of the finer rule beyond those of the scheme, for integrands of controls that alternate."""
 
 
 def integral_errors(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme]) -> Array:

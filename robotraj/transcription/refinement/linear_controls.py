@@ -21,8 +21,6 @@ LINES = HermiteSimpson(control=LinearControl())
 """Hermite-Simpson with controls that are lines on every interval."""
 HARDLY = 0.7
 """Ratio of the errors of successive meshes above which an error hardly falls: controls may alternate."""
-ENDLESS = 1000
-"""Iterations without a solution on a first mesh after which controls become lines: free ones may exploit it."""
 
 
 def on_lines(problem: Problem, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:

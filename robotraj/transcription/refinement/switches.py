@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -29,13 +30,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FLAT, JUMP = 1e-3, 0.02
-"""Largest change of a constant rate on an interval, and least jump, relative to the limit."""
+"""Largest change of a constant rate on an interval, and least jump, relative to the limit.
+
+A jump that is nearer to a knot, relative to the interval, is at the knot.
+"""
 WIDEST = 2
 """Largest number of intervals on which a jump is spread."""
-SITES, SIMPSON = np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6.0
+SITES, SIMPSON = HermiteSimpson().nodes, HermiteSimpson().objective_weights
 """Places in an interval, and the weights of Simpson's rule there."""
-AT_KNOT = 0.02
-"""Distance from a knot, relative to the interval, below which a jump is at the knot."""
 
 
 def switches(phase: Phase, trajectory: PhaseTrajectory) -> Array:
@@ -65,7 +67,7 @@ def _jumps(knots: Array, values: Array, rates: Array, limit: float) -> Iterator[
         jump, changed = levels[i] - levels[j], values[j, 0] - values[i, -1] - levels[j] * length
         if abs(jump) >= JUMP * limit:
             places = [changed / jump]
-        elif abs(changed) > AT_KNOT * limit * length:
+        elif abs(changed) > JUMP * limit * length:
             between = slice(i + 1, j)
             mean = np.diff(knots[i + 1 : j + 1]) @ (values[between] @ SIMPSON) / length
             # An arc in the middle of the intervals changes the mean by half of what it changes the value.
@@ -88,6 +90,6 @@ def with_knots_at(mesh: Mesh, fractions: Array) -> Mesh:
         at = free[nearest]
         length = min(knots[at + 1] - knots[at], knots[at] - knots[at - 1])
         free = np.delete(free, nearest)
-        if abs(knots[at] - fraction) > AT_KNOT * length and knots[at - 1] < fraction < knots[at + 1]:
+        if abs(knots[at] - fraction) > JUMP * length and knots[at - 1] < fraction < knots[at + 1]:
             knots[at] = fraction
     return mesh if np.array_equal(knots, mesh.knots) else replace(mesh, intervals=tuple(knots.tolist()))

@@ -17,7 +17,9 @@ from robotraj.planning.settings import resolve
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import Lack
 from robotraj.solvers.status import Status
-from robotraj.transcription.refinement.linear_controls import ENDLESS, LINES
+from robotraj.transcription.refinement.linear_controls import LINES
+
+ENDLESS = rt.InteriorPoint.max_iterations
 
 GOALS = rt.solution.Goals()
 BLOCK = rt.System(["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"]])
@@ -99,7 +101,13 @@ MESHES = [
     ("an objective near its goal has the least growth", state(ROUGH), found(unsettled=1.1e-3), Task.MESH, 48),
     ("a first mesh that fails has a finer one", state(), failed(), Task.MESH, 45),
     ("a later mesh that fails has lines", state(ROUGH, meshes=(COARSE,)), failed(), Task.MESH, LINED),
-    ("a first mesh without end has lines", state(), failed(iterations=ENDLESS), Task.MESH, LINED),
+    (
+        "a first mesh without end has lines",
+        state(),
+        failed(iterations=ENDLESS),
+        Task.MESH,
+        LINED,
+    ),
     ("where lines fail, a motion that is none is dropped", state(ROUGH, meshes=(LINED,)), failed(), Task.MESH, 45),
     ("errors that stagnate have lines", state(ROUGH), found(1e-2, before=ROUGH.measures), Task.MESH, LINES),
     ("a motion that is proved ends a plan", state(ROUGH), PROVED, PlanEnd, ""),

@@ -13,7 +13,9 @@ from scipy.optimize import fsolve
 import robotraj as rt
 from robotraj.planning.loop import run as loop
 from robotraj.planning.refining import adapt
-from robotraj.transcription.refinement.linear_controls import ENDLESS, LINES, on_lines
+from robotraj.transcription.refinement.linear_controls import LINES, on_lines
+
+ENDLESS = rt.InteriorPoint.max_iterations
 
 LENGTH = 4.0
 
