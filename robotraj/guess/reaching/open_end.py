@@ -27,8 +27,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PULLED, PULLS, PULL, CORRECTIONS = 12, 15, 0.4, 3
-"""Number of configurations that are moved towards the given one, number and share of these moves, steps after each."""
+PULL = 0.1
+"""Weight of the distance from the given configuration beside that of rows, which are then met exactly.
+
+Times to 40 drawn places differ by 1 % from a third to three times as much.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +79,9 @@ class OpenEnd:
         found = found[np.argsort(self.seconds(near, found))]
         clear = self._is_clear(found)
         found, some = (found[clear], True) if clear.any() else (found, False)
-        pulled = self._pulled(found[:PULLED], near)
+        pulled = self._pulled(found, near)
         kept = self._is_clear(pulled) | (not some)
-        return np.vstack([np.where(kept[:, None], pulled, found[:PULLED]), found[PULLED:]])
+        return np.where(kept[:, None], pulled, found)
 
     def _is_clear(self, q: Array) -> NDArray[np.bool_]:
         """Whether configurations (m, nq) are clear of obstacles, and no links of the robot overlap, (m,)."""
@@ -103,21 +106,19 @@ class OpenEnd:
         return np.asarray(np.max(np.abs(q - near) / self.speeds, axis=1))
 
     def _pulled(self, q: Array, near: Array) -> Array:
-        """Move configurations towards ``near`` along the motions that change no row, the slowest joints most."""
-        for _ in range(PULLS):
-            missed, slopes = self._errors(q)
-            far = (near - q) / self.speeds
-            share = np.abs(far) / np.maximum(np.abs(far).max(axis=1, keepdims=True), 1e-12)
-            wish = self.speeds * far * share**2
-            square = slopes @ slopes.swapaxes(1, 2) + 1e-9 * np.eye(missed.shape[1])
-            lost = np.linalg.solve(square, np.einsum("mrq,mq->mr", slopes, wish)[..., None])[..., 0]
-            moved = q + PULL * (wish - np.einsum("mrq,mr->mq", slopes, lost))
-            moved, left = self._descended(moved, CORRECTIONS)
-            better = (left < MET) & (self.seconds(near, moved) < self.seconds(near, q))
-            if not better.any():
-                break
-            q = np.where(better[:, None], moved, q)
-        return q
+        """Move configurations towards ``near`` along motions that change no row: a weak pull, then the rows alone."""
+
+        def errors(at: Array) -> tuple[Array, Array]:
+            missed, slopes = self._errors(at)
+            # The sum of fourth powers weighs the slowest joint most.
+            time = (near - at) / self.speeds
+            pulls = 2.0 * PULL * np.abs(time) / self.speeds
+            away = pulls[:, None] * np.eye(len(near))
+            return np.hstack([missed, PULL * time * np.abs(time)]), np.concatenate([slopes, away], axis=1)
+
+        moved, left = self._descended(descended(errors, q, (self.lower, self.upper))[0])
+        better = (left < MET) & (self.seconds(near, moved) < self.seconds(near, q))
+        return np.where(better[:, None], moved, q)
 
     def _errors(self, q: Array) -> tuple[Array, Array]:
         """Return the violations (m, rows) at configurations (m, nq), and the slopes (m, rows, nq) of violated rows.
