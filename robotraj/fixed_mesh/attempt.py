@@ -83,7 +83,5 @@ def attempted(
         progress.before_solve(problem, settings.mesh)
     began = used_time()
     posed, multipliers = posed_problem(problem, guess, settings, surfaces)
-    # Restarts of a plan, which have none themselves, need no second opinion.
-    first = settings.restarts.count > 0 or watch is not None
-    solution, w = solve_nlp(posed.nlp, guess, multipliers, settings.solver, watch or progress, began, first)
+    solution, w = solve_nlp(posed.nlp, guess, multipliers, settings.solver, watch or progress, began)
     return Attempt(posed, solution, w)

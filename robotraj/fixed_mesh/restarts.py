@@ -55,9 +55,6 @@ RESTARTED = (Status.INFEASIBLE, Status.STALLED, Status.ROWS_VIOLATED)
 VARIATION = "variation of the guess, which did not converge"
 """Description of a start from a variation of the guess."""
 
-UNRELAXED = 2
-"""Largest number of variations from which the problem itself is solved, although its relaxed form has conflicts."""
-
 
 def restarted(
     failed: Attempt, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
@@ -123,8 +120,8 @@ def restarted(
         # All rows are met on a coarse mesh, so no limit excludes a motion.
         least, relaxed = (), motion
     if not all(conflict.physical for conflict in least) and not isinstance(guess, Solution):
-        # Constraints of the user, such as obstacles, may be passed on another side.
-        for branch, seed in enumerate(restarts.seeds[:UNRELAXED], 1):
+        # Constraints of the user, such as obstacles, may be passed on another side. More variations seldom help there.
+        for branch, seed in enumerate(restarts.seeds[: len(Restarts.seeds)], 1):
             varied = other_guess(problem, branch, (seed,), given=guess)
             failed = _attempt(failed, varied, VARIATION, brief, progress)
             if failed.is_over:

@@ -56,7 +56,7 @@ UNSOLVED = (Status.STALLED, Status.SOLVER_ERROR)
 """Statuses after which the fallback solves the problem.
 
 Limits of the user and divergence, which any solver would meet, are not among them. Neither is an infeasible problem:
-``rt.plan`` decides whether it has a second opinion.
+``rt.plan`` solves it from other guesses.
 """
 
 
@@ -88,8 +88,7 @@ class InteriorPoint(Solver):
         bitwise identical for any number.
     fallback : Solver or None
         Solves the problem where the line search or the iterations of this method fail, unless it diverged or reached a
-        ``max_iterations`` set by the user. ``rt.plan`` also lets it solve what this method finds infeasible, where
-        durations are free or joints have no motor. The message names the reason. None switches it off.
+        ``max_iterations`` set by the user. The message names the reason. None switches it off.
     objective_scale : float, optional
         Factor of the objective. The default makes the weight of the first barrier independent of the mesh. Except for
         small objectives on coarse meshes, it is independent of the unit too; see ``robotraj.solvers.objective_scale``.

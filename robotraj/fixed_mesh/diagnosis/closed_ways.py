@@ -47,11 +47,6 @@ def closed_ways(problem: Problem) -> tuple[Conflict, ...]:
     return tuple(found)
 
 
-def has_closed_way(problem: Problem) -> bool:
-    """Whether no path was found for a phase. The search of a default guess is not repeated."""
-    return any(True for _ in _closed(problem))
-
-
 def _closed(problem: Problem) -> Iterator[tuple[Phase, Array, Array]]:
     """Yield the phases whose way is closed, with the configurations (nq,) of their ends."""
     guess = GeometricPath(StraightLine()).prepared(problem)
