@@ -163,48 +163,44 @@ def plan(
     -----
     Settings that are left open. The first rule of a setting whose conditions hold applies:
 
-    ===============  ==========================================  =====================================================
-    setting          where                                       choice
-    ===============  ==========================================  =====================================================
-    tolerance        otherwise                                   None
-    goals            no mesh                                     Goals()
-                     otherwise                                   None
-    mesh             a path                                      MeshesOnPaths()
-                     goals, arms, friction, free rates           Mesh of 16 intervals, RadauIIA()
-                     goals, fully actuated, a kinked cost        MeshesOfLines()
-                     goals, fully actuated                       MeshOfShares()
-                     goals, contacts                             ProportionalMeshes()
-                     goals                                       Mesh of 30 intervals, HermiteSimpson()
-                     free rates                                  Mesh of 20 intervals, RadauIIA()
-                     otherwise                                   Mesh of 20 intervals, HermiteSimpson()
-    solver           engine=Compiled()                           Ipopt()
-                     shooting or moving knots                    Ipopt()
-                     goals, fully actuated, a kinked cost        InteriorPoint(tolerance=1e-06, initial_barrier=0.001)
-                     a kinked cost                               Ipopt()
-                     goals                                       InteriorPoint(tolerance=1e-06)
-                     otherwise                                   InteriorPoint()
-    engine           all roots floating                          Native()
-                     solver in C++                               Native()
-                     otherwise                                   VirtualMachine()
-    interval_limits  goals                                       BernsteinBounds(controls=True, positions=True)
-                     tolerance, systems                          BernsteinBounds(controls=True, states=False)
-                     tolerance, solver by stages, free duration  BernsteinBounds(controls=True)
-                     tolerance, solver by stages                 BernsteinBounds(controls=True, states=False)
-                     robots, solver by stages                    BernsteinBounds()
-                     otherwise                                   ConstraintGeneration()
-    refinement       goals, a path                               Equidistribute(most=8.0)
-                     goals, arms, friction                       Equidistribute(second=3.0, finest=400, slope=0.3)
-                     goals, fully actuated                       RefinementOfShares()
-                     goals                                       RefinementOfStates()
-                     tolerance, a path                           SplitAndMerge()
-                     tolerance                                   SplitOrRaise()
-                     otherwise                                   None
-    restarts         contacts                                    Restarts(count=0)
-                     joints without a motor                      Restarts(count=12, seeds=(0, 1, 2, 3, 4, 5, 6, 7, 8))
-                     otherwise                                   Restarts()
-    smoothing        goals                                       0.005
-                     otherwise                                   0.0
-    ===============  ==========================================  =====================================================
+    ===============  ========================================  =====================================================
+    setting          where                                     choice
+    ===============  ========================================  =====================================================
+    tolerance        otherwise                                 None
+    goals            no mesh                                   Goals()
+                     otherwise                                 None
+    mesh             a path                                    MeshesOnPaths()
+                     goals, arms, friction, free rates         Mesh of 16 intervals, RadauIIA()
+                     goals, fully actuated, a kinked cost      MeshesOfLines()
+                     goals, fully actuated                     MeshOfShares()
+                     goals, contacts                           ProportionalMeshes()
+                     goals                                     Mesh of 30 intervals, HermiteSimpson()
+                     free rates                                Mesh of 20 intervals, RadauIIA()
+                     otherwise                                 Mesh of 20 intervals, HermiteSimpson()
+    solver           Compiled(), shooting or moving knots      Ipopt()
+                     goals, fully actuated, a kinked cost      InteriorPoint(tolerance=1e-06, initial_barrier=0.001)
+                     a kinked cost                             Ipopt()
+                     goals                                     InteriorPoint(tolerance=1e-06)
+                     otherwise                                 InteriorPoint()
+    engine           otherwise                                 Native()
+    interval_limits  goals                                     BernsteinBounds(controls=True, positions=True)
+                     tolerance, robots, stages, free duration  BernsteinBounds(controls=True)
+                     tolerance, stages or systems              BernsteinBounds(controls=True, states=False)
+                     robots, stages                            BernsteinBounds()
+                     otherwise                                 ConstraintGeneration()
+    refinement       goals, a path                             Equidistribute(most=8.0)
+                     goals, arms, friction                     Equidistribute(second=3.0, finest=400, slope=0.3)
+                     goals, fully actuated                     RefinementOfShares()
+                     goals                                     RefinementOfStates()
+                     tolerance, a path                         SplitAndMerge()
+                     tolerance                                 SplitOrRaise()
+                     otherwise                                 None
+    restarts         contacts                                  Restarts(count=0)
+                     joints without a motor                    Restarts(count=12, seeds=(0, 1, 2, 3, 4, 5, 6, 7, 8))
+                     otherwise                                 Restarts()
+    smoothing        goals                                     0.005
+                     otherwise                                 0.0
+    ===============  ========================================  =====================================================
     """
     if isinstance(problem, Phase):
         problem = Problem([problem])

@@ -125,10 +125,6 @@ def _follows_path(case: Case) -> bool:
     return len(others) < len(phases) and all(is_exact(phase, (HermiteSimpson(),)) for phase in others)
 
 
-def _floats(phase: Phase) -> bool:
-    return phase.robot is not None and phase.robot.root == "floating"
-
-
 def _is_arm(phase: Phase) -> bool:
     """Whether a robot on a fixed root has a motor at every joint, alone or in closed loops."""
     robot, contacts = phase.robot, phase.bound_contacts
@@ -154,14 +150,11 @@ ARMS = Condition("arms", lambda case: all(map(_is_arm, case.problem.phases)))
 ON_PATH = Condition("a path", _follows_path)
 STICKING = Condition("friction", lambda case: shares_of(case.problem).sticking)
 PROVED = Condition("goals", lambda case: case.settled["goals"] is not None)
-COMPILED = Condition("engine=Compiled()", _needs_ipopt)
-NO_STAGES = Condition("shooting or moving knots", _without_stages)
+FOR_IPOPT = Condition("Compiled(), shooting or moving knots", lambda case: _needs_ipopt(case) or _without_stages(case))
 KINKED = Condition("a kinked cost", lambda case: has_kinks(case.problem))
-FLOATING = Condition("all roots floating", lambda case: all(map(_floats, case.problem.phases)))
-NATIVE = Condition("solver in C++", _calls_native)
-STAGEWISE = Condition("solver by stages", _has_narrow_stages)
+STAGEWISE = Condition("stages", _has_narrow_stages)
 ROBOTS = Condition("robots", lambda case: all(phase.robot is not None for phase in case.problem.phases))
-SYSTEM = any_phase("systems", lambda phase: phase.robot is None)
+STAGES_OR_SYSTEM = Condition("stages or systems", lambda case: _has_narrow_stages(case) or not ROBOTS.holds(case))
 FREE_RATES = Condition("free rates", lambda case: not any(phase.rows.rates for phase in case.problem.phases))
 FREE_TIME = any_phase("free duration", lambda phase: phase.duration_bounds[0] < phase.duration_bounds[1])
 CONTACTS = any_phase("contacts", lambda phase: bool(phase.bound_contacts))

@@ -14,7 +14,7 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.printing import as_call
 from robotraj._util.values import dataclass
-from robotraj.native.engines.base import Engine, VirtualMachine
+from robotraj.native.engines.base import Engine
 from robotraj.native.engines.native import Native
 from robotraj.planning import setting_conditions as when
 from robotraj.planning.proving.first_mesh import (
@@ -37,7 +37,7 @@ from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
 from robotraj.solution.settings import Settings as Settings
 from robotraj.solvers.base import Solver
-from robotraj.solvers.interior_point import InteriorPoint
+from robotraj.solvers.interior_point import ALTERED_BARRIER, InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
@@ -105,22 +105,19 @@ RULES: tuple[Rule, ...] = (
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
     _rule("mesh", when.FREE_RATES, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
     _rule("mesh", when.ALWAYS, Mesh(20), "a variable whose rate is limited is continuous at the knots"),
-    _rule("solver", when.COMPILED, Ipopt(), "the engine keeps the functions that IPOPT calls"),
-    _rule("solver", when.NO_STAGES, Ipopt(), "shooting and moving knots have no form in stages"),
+    _rule("solver", when.FOR_IPOPT, Ipopt(), "other solvers call no such engine, and have no stages of such meshes"),
     _rule(
         "solver",
         when.PROVED,
         when.EXACT,
         when.KINKED,
-        InteriorPoint(tolerance=1e-6, initial_barrier=1e-3),
+        InteriorPoint(tolerance=1e-6, initial_barrier=ALTERED_BARRIER),
         "it is several times faster than IPOPT",
     ),
     _rule("solver", when.KINKED, Ipopt(), "it finds the local optimum next to the guess"),
     _rule("solver", when.PROVED, InteriorPoint(tolerance=1e-6), "a hundredth of the allowed errors"),
     _rule("solver", when.ALWAYS, InteriorPoint(), "it finds the optima of IPOPT in less time"),
-    _rule("engine", when.FLOATING, Native(), "large graphs are evaluated fastest by compiled code"),
-    _rule("engine", when.NATIVE, Native(), "the solver calls it directly, without CasADi"),
-    _rule("engine", when.ALWAYS, VirtualMachine(), "small graphs need no compiled code"),
+    _rule("engine", when.ALWAYS, Native(), "it needs no compiler at run time, and is the fastest for large graphs"),
     _rule(
         "interval_limits",
         when.PROVED,
@@ -130,13 +127,7 @@ RULES: tuple[Rule, ...] = (
     _rule(
         "interval_limits",
         when.TOLERANCE,
-        when.SYSTEM,
-        BernsteinBounds(states=False, controls=True),
-        "controls that switch would exceed their limits between the points; the excess falls with the mesh",
-    ),
-    _rule(
-        "interval_limits",
-        when.TOLERANCE,
+        when.ROBOTS,
         when.STAGEWISE,
         when.FREE_TIME,
         BernsteinBounds(controls=True),
@@ -145,7 +136,7 @@ RULES: tuple[Rule, ...] = (
     _rule(
         "interval_limits",
         when.TOLERANCE,
-        when.STAGEWISE,
+        when.STAGES_OR_SYSTEM,
         BernsteinBounds(states=False, controls=True),
         "bounds on coefficients of speeds would raise the objective by more than the tolerance at a fixed duration",
     ),
