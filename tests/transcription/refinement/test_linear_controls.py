@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -60,16 +58,15 @@ def test_a_chain_hangs_as_a_catenary(options):
 
 @pytest.mark.parametrize(("module", "options"), [(loop, {}), (adapt, {"tolerance": 1e-4})])
 def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypatch, module, options):
-    real, meshes = module.solve, []
+    real, meshes = module.solved_at_points, []
 
     def endless_at_first(*given, **named):
         found = real(*given, **named)
-        meshes.append(found.phases[0].mesh.given)
-        return (
-            found if len(meshes) > 1 else replace(found, status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
-        )
+        meshes.append(found.solution.phases[0].mesh.given)
+        ended = found.changed(status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
+        return found if len(meshes) > 1 else ended
 
-    monkeypatch.setattr(module, "solve", endless_at_first)
+    monkeypatch.setattr(module, "solved_at_points", endless_at_first)
     solution = rt.plan(hanging_chain(), progress=False, **options)
     assert meshes[0] != (LINES,) and set(meshes[1:]) == {(LINES,)}
     assert solution.objective == pytest.approx(catenary(), rel=2e-4)
@@ -77,18 +74,18 @@ def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypa
 
 def test_lines_that_end_without_a_solution_start_again_from_the_guess(monkeypatch):
     """The second mesh is exploited, and its solution may lead away on lines too, depending on round-off."""
-    real, starts = loop.solve, []
+    real, starts = loop.solved_at_points, []
 
     def endless_on_lines(problem, guess, *others, **named):
         found = real(problem, guess, *others, **named)
-        if found.phases[0].mesh.given != (LINES,):
+        if found.solution.phases[0].mesh.given != (LINES,):
             return found
         starts.append(guess)
         if len(starts) > 1:
             return found
-        return replace(found, status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
+        return found.changed(status=rt.solvers.Status.ITERATION_LIMIT, iterations=ENDLESS)
 
-    monkeypatch.setattr(loop, "solve", endless_on_lines)
+    monkeypatch.setattr(loop, "solved_at_points", endless_on_lines)
     solution = rt.plan(hanging_chain(), progress=False)
     assert starts[0] is not None and starts[1] is None
     assert solution.success and solution.objective == pytest.approx(catenary(), rel=2e-4)

@@ -237,11 +237,11 @@ def test_rows_are_held_between_the_knots_once_a_mesh_is_fine_enough_or_no_better
     solved: list[rt.Solution] = []
 
     def watched(*arguments: Any) -> rt.Solution:
-        solved.append(solve(*arguments))
+        solved.append(limited(*arguments))
         return solved[-1]
 
-    solve = adaptive.solve
-    monkeypatch.setattr(adaptive, "solve", watched)
+    limited = adaptive.limited_between
+    monkeypatch.setattr(adaptive, "limited_between", watched)
     solution = rt.plan(s_curve(), tolerance=1e-6, solver=solver)
     held = [bool(each.added_rows) for each in solved]
     assert not held[0] and held[-1]
