@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
@@ -25,28 +26,31 @@ class PlanAttempt(NamedTuple):
     Attributes
     ----------
     problem : Problem
-    guess : Solution
+    guess : InitialGuess or Solution
     settings : Settings
     surfaces : sequence of NearSurfaces or None
         For each phase, links of the robot that rows keep apart.
     is_brief : bool
         Whether the plan ends with the first solve that fails.
+    is_single : bool
+        Whether it is one solve on the mesh of the settings, whose solution is a guess.
     """
 
     problem: Problem
-    guess: Solution
+    guess: InitialGuess | Solution
     settings: Settings
     surfaces: Sequence[NearSurfaces | None]
     is_brief: bool = True
+    is_single: bool = False
 
 
 class Correction(Protocol):
     """A comparison of plans with what their rows do not state, such as exact shapes or Coulomb's law."""
 
-    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
+    def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the next plan where a solution lacks something; None where it does not, or nothing is left to try.
 
-        ``refused`` tells that the plan of the last attempt was dropped.
+        ``dropped`` is the plan of the last attempt where it did not replace the one before it.
         """
 
     def accepts(self, again: Solution) -> bool:

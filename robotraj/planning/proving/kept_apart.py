@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj.fixed_mesh.solve import solve
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
@@ -27,10 +26,8 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import pairs_within
 from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
-from robotraj.solution.records import with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress
 
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
@@ -61,16 +58,16 @@ class KeptApart:
     ----------
     problem : Problem
     settings : Settings
-    progress : callable, optional
     """
 
-    def __init__(self, problem: Problem, settings: Settings, progress: Progress | None = None) -> None:
-        self._problem, self._settings, self._progress = problem, settings, progress
+    def __init__(self, problem: Problem, settings: Settings) -> None:
+        self._problem, self._settings = problem, settings
         self._overlaps = OwnOverlaps(problem)
         self._search: FreeSearch | None = None
+        self._coarse: FreeSearch | None = None
+        self._left, self._from_routes = 0, False
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = 0
-        self._cuts: list[Solution] = []
         self._deep = NONE_YET
         self._patience = 0
 
@@ -94,34 +91,34 @@ class KeptApart:
         if not any(pairs):
             return None
         self._search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
-        return PlanAttempt(
-            self._problem, guess, replace(self._settings, restarts=Restarts(0)), self._search.surfaces, True
-        )
+        settings = replace(self._settings, restarts=Restarts(0))
+        return PlanAttempt(self._problem, guess, settings, self._search.surfaces)
 
-    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
-        """Return the next plan where links overlap along a solution; None where none is left to try."""
+    def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
+        """Return the next plan where links overlap along a solution; None where none is left to try.
+
+        Solves on the coarse mesh look for a solution without overlaps first, from which the plan is then made.
+        """
         if not found.success:
             return None
-        if not refused:
+        if dropped is None:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
-        if self._search is not None:
-            further = None if refused or not self._has_routes(found) else self._further(found, self._search)
-            if further is not None:
-                return further
-            if self._search.best is not None and self._search.behind is not None:
-                return self._behind(self._search.best, self._search.behind)
-        while not self._is_stopped and (routes := self._next_routes(found)) is not None:
+        if self._coarse is not None and dropped is not None:
+            attempt = self._after_coarse(dropped)
+        elif self._search is not None:
+            attempt = self._after_plan(found, self._search, dropped is not None)
+        else:
+            attempt = None
+        if attempt is None and (routes := self._next_routes(found)) is not None:
             attempt = self._along(routes, found)
-            if attempt is not None:
-                return attempt
-        return None
+        return attempt
 
     def accepts(self, again: Solution) -> bool:
-        """Whether the plan of an attempt was solved, whether or not its links overlap elsewhere."""
-        return again.success
+        """Whether a plan was solved, whether or not its links overlap elsewhere; a coarse solution is none."""
+        return again.success and self._coarse is None
 
     @property
     def surfaces(self) -> Sequence[NearSurfaces | None]:
@@ -137,54 +134,62 @@ class KeptApart:
 
         It counts as solved if no row can move the links: on a given path, or where legs overlap in their gait.
         """
-        for each in self._cuts:
-            found = with_effort_of(each, found)
         if not any(self._open) or found.proof is None:
             return found
-        stopped = self._is_stopped or found.status in STOPPED
+        stopped = found.status in STOPPED
         overlaps = self._overlaps.at_known_times(found, self._open) if stopped else self._overlaps.deepest(found)
         movable = any(self._is_movable(each) for each in overlaps)
         depth = max((each.depth for each in overlaps), default=0.0)
-        found = short_of(found, depth, list(map(self._overlaps.violation, overlaps)), is_met=not movable)
-        return replace(found, status=self._cuts[-1].status) if self._is_stopped else found
+        return short_of(found, depth, list(map(self._overlaps.violation, overlaps)), is_met=not movable)
 
-    @property
-    def _is_stopped(self) -> bool:
-        return bool(self._cuts) and self._cuts[-1].status in STOPPED
-
-    def _along(self, routes: tuple[Route | None, ...], found: Solution) -> PlanAttempt | None:
-        """Return the plan from a solution without overlaps on the coarse mesh, from free motions; None without one."""
+    def _along(self, routes: tuple[Route | None, ...], found: Solution) -> PlanAttempt:
+        """Return the first solve on the coarse mesh with rows along free motions, or along the solution itself."""
         are_free = any(routes)
         guess = AroundItself(routes, FromSolution(found)) if are_free else found
         motions: list[Motion] = [route or motion_of(part) for route, part in zip(routes, found.phases, strict=True)]
-        search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, are_free, self._open, guess)
-        coarse = replace(
-            self._settings,
-            restarts=Restarts(0),
-            solver=self._settings.solver.at_most(self._patience if are_free else self._patience // PUSHES),
-            interval_limits=replace(self._settings.interval_limits, rounds=0),
+        self._left = SOLVES if are_free else PUSHES
+        self._from_routes = are_free
+        return self._on_coarse(
+            FreeSearch.begin(self._problem, self._overlaps.bodies, motions, are_free, self._open, guess)
         )
-        soft = softest(self._problem)
-        for _ in range(SOLVES if are_free else PUSHES):
-            near = replace(coarse, solver=coarse.solver.from_nearby()) if isinstance(search.start, Solution) else coarse
-            solution = solve(soft, search.start, near, self._progress, surfaces=search.surfaces)
-            self._cuts.append(solution)
-            if self._is_stopped:
-                return None
-            if not solution.success:
-                break
+
+    def _on_coarse(self, search: FreeSearch) -> PlanAttempt:
+        """Return the next solve on the coarse mesh."""
+        self._coarse, self._left = search, self._left - 1
+        own = replace(self._on_way, interval_limits=replace(self._settings.interval_limits, rounds=0))
+        if isinstance(search.start, Solution):
+            own = replace(own, solver=own.solver.from_nearby())
+        return PlanAttempt(softest(self._problem), search.start, own, search.surfaces, is_single=True)
+
+    def _after_coarse(self, solution: Solution) -> PlanAttempt | None:
+        """Return what follows from a solve on the coarse mesh: a further one, or the plan from the best of them."""
+        search, self._coarse = self._coarse, None
+        assert search is not None
+        if solution.success:
             motions = [motion_of(part) for part in solution.phases]
             hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
             search = search.respond(solution, motions, hit)
-            if search.is_over:
-                break
+            if self._left and not search.is_over:
+                return self._on_coarse(search)
         if search.best is None:
             return None
         self._search, self._deep = search.along_best, NONE_YET
-        settings = replace(self._settings, restarts=Restarts(0))
-        if not are_free:
-            settings = replace(settings, solver=coarse.solver)
-        return PlanAttempt(self._problem, search.best, settings, self._search.surfaces, not are_free)
+        settings = replace(self._settings, restarts=Restarts(0)) if self._from_routes else self._on_way
+        return PlanAttempt(self._problem, search.best, settings, self._search.surfaces, not self._from_routes)
+
+    @property
+    def _on_way(self) -> Settings:
+        """Settings of solves along routes, or along the motion that overlaps."""
+        return self._briefly(self._patience if self._from_routes else self._patience // PUSHES)
+
+    def _after_plan(self, found: Solution, search: FreeSearch, refused: bool) -> PlanAttempt | None:
+        """Return the plan with further rows against one that overlaps, or with the rows of the best free solution."""
+        further = None if refused or not self._has_routes(found) else self._further(found, search)
+        if further is not None or search.best is None or search.behind is None:
+            return further
+        # The rows at which the best free solution ended keep a finer one near it.
+        self._deep, self._search = NONE_YET, replace(search.behind, best=None, behind=None)
+        return PlanAttempt(self._problem, search.best, self._briefly(self._patience), self._search.surfaces)
 
     def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
@@ -194,18 +199,12 @@ class KeptApart:
             return None
         self._deep = (self._deep[1], deep)
         self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
-        settings = replace(self._near, mesh=tuple(part.mesh for part in found.phases))
-        return PlanAttempt(self._problem, found, settings, self._search.surfaces, True)
+        settings = replace(self._briefly(self._patience), mesh=tuple(part.mesh for part in found.phases))
+        return PlanAttempt(self._problem, found, settings, self._search.surfaces)
 
-    def _behind(self, best: Solution, search: FreeSearch) -> PlanAttempt:
-        """Return the plan with the rows at which the best free solution ended, which keep a finer one near it."""
-        self._deep, self._search = NONE_YET, replace(search, best=None, behind=None)
-        return PlanAttempt(self._problem, best, self._near, self._search.surfaces, True)
-
-    @property
-    def _near(self) -> Settings:
-        """Settings of a plan near a known one."""
-        return replace(self._settings, restarts=Restarts(0), solver=self._settings.solver.at_most(self._patience))
+    def _briefly(self, iterations: int) -> Settings:
+        """Return settings of a plan near a known one."""
+        return replace(self._settings, restarts=Restarts(0), solver=self._settings.solver.at_most(iterations))
 
     def _next_routes(self, found: Solution) -> tuple[Route | None, ...] | None:
         """Return the next free motions of the phases with overlaps; None where none is left.

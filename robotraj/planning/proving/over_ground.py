@@ -59,10 +59,10 @@ class AboveGround:
         self._apart = apart
         self._round = 0
 
-    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
+    def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the plan with rows for the lowest points of links below the ground; None where there are none."""
         self._round += 1
-        low = [] if refused or self._round > ROUNDS else _below(found)
+        low = [] if dropped is not None or self._round > ROUNDS else _below(found)
         return PlanAttempt(_raised(found, low), found, self._near, self._apart.surfaces) if low else None
 
     def accepts(self, again: Solution) -> bool:

@@ -52,13 +52,13 @@ def _begun(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None
 ) -> tuple[Solution, KeptApart]:
     """Return the first plan and what is known of overlaps. It has rows where they kept the links of the guess apart."""
-    apart, spent = KeptApart(problem, settings, progress), None
+    apart, spent = KeptApart(problem, settings), None
     near = apart.from_guess(guess)
     if near is not None:
         spent = _run(near, progress)
         if spent.success or spent.status in STOPPED:
             return spent, apart
-        apart = KeptApart(problem, settings, progress)
+        apart = KeptApart(problem, settings)
     found = run(problem, guess, settings, progress)
     return (found if spent is None else with_effort_of(spent, found)), apart
 
@@ -67,17 +67,20 @@ def _corrected(
     found: Solution, correction: Correction, corrections: Sequence[Correction], progress: Progress | None
 ) -> Solution:
     """Plan again until a correction has nothing left to try. A plan that another correction refuses is dropped."""
-    refused = False
-    while found.status not in STOPPED and (attempt := correction.next_attempt(found, refused)) is not None:
+    dropped: Solution | None = None
+    while found.status not in STOPPED and (attempt := correction.next_attempt(found, dropped)) is not None:
         again = _run(attempt, progress)
         if again.status in STOPPED:
             # Nothing else is tried; the plan before it is a motion, although it lacks something.
             return replace(with_effort_of(again, found), status=again.status)
         others = (each for each in corrections if each is not correction)
-        refused = not (correction.accepts(again) and all(each.allows(again) for each in others))
-        found = with_effort_of(again, found) if refused else with_effort_of(found, again)
+        is_better = correction.accepts(again) and all(each.allows(again) for each in others)
+        found = with_effort_of(found, again) if is_better else with_effort_of(again, found)
+        dropped = None if is_better else again
     return found
 
 
 def _run(attempt: PlanAttempt, progress: Progress | None) -> Solution:
+    if attempt.is_single:
+        return solve(attempt.problem, attempt.guess, attempt.settings, progress, attempt.surfaces)
     return run(attempt.problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)

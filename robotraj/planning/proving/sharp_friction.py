@@ -50,11 +50,11 @@ class SharpFriction:
         self._settings, self._apart = settings, apart
         self._factor, self._step = LEAST, 0
 
-    def next_attempt(self, found: Solution, refused: bool) -> PlanAttempt | None:
+    def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the plan with a smaller v_s where the law of a proved plan leaves out too much friction."""
         if found.proof is None or not found.proof.holds or self._step == STEPS or not _has_friction(found):
             return None
-        if refused:
+        if dropped is not None:
             self._factor **= 0.5
             if self._factor > GENTLEST or deviation_of(found) <= 1.0:
                 return None

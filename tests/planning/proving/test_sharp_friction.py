@@ -80,6 +80,7 @@ def test_the_width_falls_by_less_after_a_plan_that_fails_unless_the_machine_foll
         robot = attempt.problem.phases[0].robot
         assert robot is not None
         widths.append(robot.friction_speed)
+        assert isinstance(attempt.guess, rt.Solution)
         return replace(attempt.guess, proof=None)
 
     monkeypatch.setattr(prove, "_run", failing)
