@@ -32,6 +32,8 @@ class PlanAttempt(NamedTuple):
         For each phase, links of the robot that rows keep apart.
     is_brief : bool
         Whether the plan ends with the first solve that fails.
+    lacked, why : str
+        What the solution before it lacks, and what this one does about it, for the history of the plan.
     is_single : bool
         Whether it is one solve on the mesh of the settings, whose solution is a guess.
     """
@@ -40,6 +42,8 @@ class PlanAttempt(NamedTuple):
     guess: InitialGuess | Solution
     settings: Settings
     surfaces: Sequence[NearSurfaces | None]
+    lacked: str
+    why: str
     is_brief: bool = True
     is_single: bool = False
 

@@ -43,6 +43,7 @@ PUSHES = 2
 """The same along a motion that overlaps, which share the iterations of the plan without rows."""
 LEAST_ITERATIONS = 100
 """Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
+OVERLAPS = "links that overlap"
 NONE_YET = (np.inf, np.inf)
 """Depths of overlaps, in sum, of the last two plans with rows.
 
@@ -92,7 +93,7 @@ class KeptApart:
             return None
         self._search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
         settings = replace(self._settings, restarts=Restarts(0))
-        return PlanAttempt(self._problem, guess, settings, self._search.surfaces)
+        return PlanAttempt(self._problem, guess, settings, self._search.surfaces, "", "rows of the guess")
 
     def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try.
@@ -149,17 +150,17 @@ class KeptApart:
         motions: list[Motion] = [route or motion_of(part) for route, part in zip(routes, found.phases, strict=True)]
         self._left = SOLVES if are_free else PUSHES
         self._from_routes = are_free
-        return self._on_coarse(
-            FreeSearch.begin(self._problem, self._overlaps.bodies, motions, are_free, self._open, guess)
-        )
+        search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, are_free, self._open, guess)
+        return self._on_coarse(search, OVERLAPS, "a way around itself" if are_free else "rows along the motion")
 
-    def _on_coarse(self, search: FreeSearch) -> PlanAttempt:
+    def _on_coarse(self, search: FreeSearch, lacked: str, why: str) -> PlanAttempt:
         """Return the next solve on the coarse mesh."""
         self._coarse, self._left = search, self._left - 1
         own = replace(self._on_way, interval_limits=replace(self._settings.interval_limits, rounds=0))
         if isinstance(search.start, Solution):
             own = replace(own, solver=own.solver.from_nearby())
-        return PlanAttempt(softest(self._problem), search.start, own, search.surfaces, is_single=True)
+        soft = softest(self._problem)
+        return PlanAttempt(soft, search.start, own, search.surfaces, lacked, why, is_single=True)
 
     def _after_coarse(self, solution: Solution) -> PlanAttempt | None:
         """Return what follows from a solve on the coarse mesh: a further one, or the plan from the best of them."""
@@ -170,12 +171,15 @@ class KeptApart:
             hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
             search = search.respond(solution, motions, hit)
             if self._left and not search.is_over:
-                return self._on_coarse(search)
+                return self._on_coarse(search, OVERLAPS if any(hit) else "", "rows along the free motion")
         if search.best is None:
             return None
         self._search, self._deep = search.along_best, NONE_YET
         settings = replace(self._settings, restarts=Restarts(0)) if self._from_routes else self._on_way
-        return PlanAttempt(self._problem, search.best, settings, self._search.surfaces, not self._from_routes)
+        brief = not self._from_routes
+        return PlanAttempt(
+            self._problem, search.best, settings, self._search.surfaces, "", "the plan from the free motion", brief
+        )
 
     @property
     def _on_way(self) -> Settings:
@@ -189,7 +193,8 @@ class KeptApart:
             return further
         # The rows at which the best free solution ended keep a finer one near it.
         self._deep, self._search = NONE_YET, replace(search.behind, best=None, behind=None)
-        return PlanAttempt(self._problem, search.best, self._briefly(self._patience), self._search.surfaces)
+        own = self._briefly(self._patience)
+        return PlanAttempt(self._problem, search.best, own, self._search.surfaces, OVERLAPS, "the rows before it")
 
     def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
@@ -200,7 +205,7 @@ class KeptApart:
         self._deep = (self._deep[1], deep)
         self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
         settings = replace(self._briefly(self._patience), mesh=tuple(part.mesh for part in found.phases))
-        return PlanAttempt(self._problem, found, settings, self._search.surfaces)
+        return PlanAttempt(self._problem, found, settings, self._search.surfaces, OVERLAPS, "further rows")
 
     def _briefly(self, iterations: int) -> Settings:
         """Return settings of a plan near a known one."""

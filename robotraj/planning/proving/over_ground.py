@@ -63,7 +63,10 @@ class AboveGround:
         """Return the plan with rows for the lowest points of links below the ground; None where there are none."""
         self._round += 1
         low = [] if dropped is not None or self._round > ROUNDS else _below(found)
-        return PlanAttempt(_raised(found, low), found, self._near, self._apart.surfaces) if low else None
+        if not low:
+            return None
+        lacked, why = "links below the ground", "rows for their lowest points"
+        return PlanAttempt(_raised(found, low), found, self._near, self._apart.surfaces, lacked, why)
 
     def accepts(self, again: Solution) -> bool:
         """Whether a plan is proved."""

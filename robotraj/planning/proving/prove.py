@@ -15,7 +15,7 @@ from robotraj.planning.proving.over_ground import AboveGround
 from robotraj.planning.proving.sharp_friction import SharpFriction
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.solution.records import with_effort_of
+from robotraj.solution.records import Round, answered, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
@@ -69,6 +69,7 @@ def _corrected(
     """Plan again until a correction has nothing left to try. A plan that another correction refuses is dropped."""
     dropped: Solution | None = None
     while found.status not in STOPPED and (attempt := correction.next_attempt(found, dropped)) is not None:
+        found = replace(found, rounds=_answered(found.rounds, attempt))
         again = _run(attempt, progress)
         if again.status in STOPPED:
             # Nothing else is tried; the plan before it is a motion, although it lacks something.
@@ -84,3 +85,10 @@ def _run(attempt: PlanAttempt, progress: Progress | None) -> Solution:
     if attempt.is_single:
         return solve(attempt.problem, attempt.guess, attempt.settings, progress, attempt.surfaces)
     return run(attempt.problem, attempt.guess, attempt.settings, progress, attempt.surfaces, attempt.is_brief)
+
+
+def _answered(rounds: Sequence[Round], attempt: PlanAttempt) -> tuple[Round, ...]:
+    """Return the rounds so far, whose last one has what it lacks and what is planned next."""
+    last = rounds[-1]
+    lacked = attempt.lacked if last.status is Status.SOLVED else last.status.value
+    return answered(rounds, lacked, attempt.why)

@@ -70,7 +70,9 @@ class SharpFriction:
         meshes = tuple(part.mesh for part in found.phases)
         solver = self._settings.solver.at_most(PATIENCE)
         near = replace(self._settings, mesh=meshes, restarts=Restarts(0), solver=solver)
-        return PlanAttempt(_scaled(found.problem, max(self._factor, wanted)), found, near, self._apart.surfaces)
+        factor = max(self._factor, wanted)
+        lacked, why = "friction that the smooth law leaves out", f"sharper friction, {factor:.2g} times"
+        return PlanAttempt(_scaled(found.problem, factor), found, near, self._apart.surfaces, lacked, why)
 
     def accepts(self, again: Solution) -> bool:
         """Whether a plan is proved."""

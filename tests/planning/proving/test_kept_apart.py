@@ -10,7 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.planning.proving.free_solution import FreeSearch
-from robotraj.planning.proving.kept_apart import LEAST_ITERATIONS, KeptApart
+from robotraj.planning.proving.kept_apart import LEAST_ITERATIONS, OVERLAPS, KeptApart
 from robotraj.planning.proving.own_overlaps import motion_of
 from robotraj.robot.collision.own_body import own_body
 from robotraj.solvers.status import Status
@@ -121,6 +121,8 @@ def test_an_arm_that_would_fold_through_itself_goes_around_itself() -> None:
     through, around = rt.plan(phase.with_(self_collision=False)), rt.plan(phase)
     assert overlapping_times(through) > 100 and not overlapping_times(around)
     assert around.proof.holds and around.objective > through.objective
+    assert all(each.response for each in around.history.rounds)
+    assert around.history.rounds[len(through.history.rounds) - 1].lacked == OVERLAPS
 
 
 @pytest.mark.slow
