@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj._util.values import dataclass
-from robotraj.fixed_mesh.attempt import attempted
+from robotraj.fixed_mesh.at_points import solved_once
 from robotraj.fixed_mesh.between.limits_between import limited_between
 from robotraj.native.engines.native import Native
 from robotraj.problem.initial_guess import InitialGuess
@@ -55,7 +55,7 @@ class CoarseSolves:
     def solve(self, problem: Problem, guess: InitialGuess | Solution | None) -> Solution:
         """Solve a relaxed problem once."""
         own = self._settings(problem)
-        return limited_between(attempted(problem, guess, own, self.progress), own, self.progress)
+        return limited_between(solved_once(problem, guess, own, self.progress), own, self.progress)
 
     def has_motion(self, problem: Problem) -> bool:
         """Whether a brief solve on the mesh of the plan finds a motion, and another one near it on a finer mesh.
@@ -78,7 +78,7 @@ class CoarseSolves:
         return self._without_limits(problem, found, near).success
 
     def _without_limits(self, problem: Problem, guess: Solution | None, settings: Settings) -> Solution:
-        return limited_between(attempted(problem, guess, settings, self.progress), settings, self.progress, False)
+        return limited_between(solved_once(problem, guess, settings, self.progress), settings, self.progress, False)
 
     def _settings(self, problem: Problem) -> Settings:
         contacts = any(phase.contacts for phase in problem.phases)

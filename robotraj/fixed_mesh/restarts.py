@@ -26,7 +26,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.fixed_mesh.attempt import Attempt
+from robotraj.fixed_mesh.at_points import AtPoints
 from robotraj.fixed_mesh.coarse import CoarseSolves
 from robotraj.fixed_mesh.diagnosis.closed_ways import closed_ways
 from robotraj.fixed_mesh.diagnosis.elastic import motion_near, relaxed_motion
@@ -57,8 +57,11 @@ VARIATION = "variation of the guess, which did not converge"
 
 
 def restarted(
-    failed: Attempt, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
-) -> Attempt:
+    failed: AtPoints,
+    guess: InitialGuess | Solution | None,
+    settings: Settings,
+    progress: Progress | None = None,
+) -> AtPoints:
     """Solve a problem that failed again, or find why it has no solution.
 
     Nothing is tried where no motion exists (``diagnosis.explain.excluded``), or where an obstacle closes the way
@@ -68,7 +71,7 @@ def restarted(
 
     Parameters
     ----------
-    failed : Attempt
+    failed : AtPoints
     guess : InitialGuess, Solution or None
         Guess of the user. It is varied, but for a solution; the default guess is varied where none is given.
     settings : Settings
@@ -76,7 +79,7 @@ def restarted(
 
     Returns
     -------
-    Attempt
+    AtPoints
         The first that was found, else the failed one, with the times and iterations of all attempts.
     """
     problem, nlp, restarts = failed.posed.problem, failed.posed.nlp, settings.restarts
@@ -131,12 +134,12 @@ def restarted(
 
 
 def _attempt(
-    failed: Attempt,
+    failed: AtPoints,
     guess: InitialGuess | Solution,
     described: str | Callable[[Solution], str],
     settings: Settings,
     progress: Progress | None,
-) -> Attempt:
+) -> AtPoints:
     """Solve the problem of a failed attempt from another guess.
 
     Returns the attempt, or else the failed one, with the times and iterations of both. An interrupt is its status.

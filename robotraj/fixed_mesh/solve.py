@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robotraj.fixed_mesh.attempt import Attempt, attempted
+from robotraj.fixed_mesh.at_points import AtPoints, solved_once
 from robotraj.fixed_mesh.between.limits_between import limited_between
 from robotraj.fixed_mesh.warm_start import PATIENCE, separated_form
 from robotraj.fixed_mesh.watched import watched_attempt
@@ -52,7 +52,7 @@ def solved_at_points(
     settings: Settings,
     progress: Progress | None = None,
     surfaces: Sequence[NearSurfaces | None] = (),
-) -> Attempt:
+) -> AtPoints:
     """Solve a problem on a mesh without limits between its points; the parameters are those of ``solve``.
 
     A problem that cannot be solved from its guess is solved from other ones (``restarts``). A problem in compressed
@@ -69,7 +69,7 @@ def solved_at_points(
         return first
     near = replace(settings, solver=settings.solver.from_nearby().at_most(PATIENCE), restarts=Restarts(0))
     try:
-        found = attempted(problem, first.solution, near, progress, surfaces)
+        found = solved_once(problem, first.solution, near, progress, surfaces)
     except KeyboardInterrupt:
         # Ctrl-C or a limit between two solves: the solution of the separated form is kept.
         return first.changed(status=Status.INTERRUPTED)
@@ -84,7 +84,7 @@ def _from_starts(
     settings: Settings,
     progress: Progress | None,
     surfaces: Sequence[NearSurfaces | None],
-) -> Attempt:
+) -> AtPoints:
     found = watched_attempt(problem, guess, settings, progress, surfaces)
     if found.solution.success or found.solution.conflicts or not settings.restarts.count:
         return found

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robotraj.fixed_mesh.attempt import Attempt, attempted
+from robotraj.fixed_mesh.at_points import AtPoints, solved_once
 from robotraj.fixed_mesh.diagnosis.exclusions.work_budgets import limits_work
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -25,7 +25,7 @@ def watched_attempt(
     settings: Settings,
     progress: Progress | None = None,
     surfaces: Sequence[NearSurfaces | None] = (),
-) -> Attempt:
+) -> AtPoints:
     """Solve a problem once from one guess, and look for conflicts meanwhile where limits of work or contacts need it.
 
     With contacts, only a solve without restarts is watched.
@@ -33,15 +33,15 @@ def watched_attempt(
     known = isinstance(guess, Solution) and guess.success
     contacts = any(phase.contacts for phase in problem.phases) and not settings.restarts.count
     if known or not (contacts or any(map(limits_work, problem.phases))):
-        return attempted(problem, guess, settings, progress, surfaces)
+        return solved_once(problem, guess, settings, progress, surfaces)
     from robotraj.fixed_mesh.coarse import CoarseSolves
     from robotraj.fixed_mesh.diagnosis.infeasibility_check import InfeasibilityCheck
 
     check = InfeasibilityCheck(problem, CoarseSolves(settings, progress), progress)
-    found = attempted(problem, guess, settings, progress, surfaces, check)
+    found = solved_once(problem, guess, settings, progress, surfaces, check)
     if check.conflicts:
         return found.changed(status=Status.INFEASIBLE, conflicts=check.conflicts)
     if check.motion is None:
         return found
     near = replace(settings, solver=settings.solver.from_nearby())
-    return attempted(problem, check.motion, near, progress, surfaces).after(found.solution)
+    return solved_once(problem, check.motion, near, progress, surfaces).after(found.solution)

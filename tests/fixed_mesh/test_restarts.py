@@ -11,7 +11,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.fixed_mesh import posed
-from robotraj.fixed_mesh.attempt import attempted
+from robotraj.fixed_mesh.at_points import solved_once
 from robotraj.fixed_mesh.restarts import restarted
 from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.settings import resolve
@@ -151,7 +151,7 @@ def test_a_longer_motion_that_conflicts_is_shortened() -> None:
     settings = resolve(problem, {"mesh": rt.Mesh(10), "restarts": rt.planning.Restarts(0)})
     guess = rt.guess.StraightLine(duration=2.0)
     once = replace(settings, solver=rt.InteriorPoint(max_iterations=1, fallback=None))
-    failed = attempted(problem, guess, once).changed(status=Status.INFEASIBLE)
+    failed = solved_once(problem, guess, once).changed(status=Status.INFEASIBLE)
     found = restarted(failed, guess, replace(settings, restarts=rt.planning.Restarts(1)))
     assert found.solution.success and found.solution.duration == pytest.approx(2.0, rel=1e-2)
 

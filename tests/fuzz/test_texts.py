@@ -12,7 +12,7 @@ from texts import EXAMPLES, MESHES, PROBLEMS, good_mesh, hostile_mesh, hostile_p
 COUNT = int(os.environ.get("FUZZ_TEXTS", "60"))
 
 
-def attempted(kind: str, name: str, data: bytes, folder: Path, guard: Guard) -> str:
+def solved_once(kind: str, name: str, data: bytes, folder: Path, guard: Guard) -> str:
     path = folder / name
     path.write_bytes(data)
     verdict = guard.attempt(kind, str(path))
@@ -30,7 +30,7 @@ def test_hostile_texts_are_refused_or_harmless(kind: str, tmp_path: Path) -> Non
                 "srdf": lambda seed: ("srdf", hostile_srdf(seed)),
                 "mesh": hostile_mesh,
             }[kind](seed)
-            if fault := attempted(kind, f"hostile.{suffix}", data, tmp_path, guard):
+            if fault := solved_once(kind, f"hostile.{suffix}", data, tmp_path, guard):
                 wrong[seed] = fault
     assert not wrong
 

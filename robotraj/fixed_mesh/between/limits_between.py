@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.time_left import used_time
-from robotraj.fixed_mesh.attempt import Attempt
+from robotraj.fixed_mesh.at_points import AtPoints
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL, ROUNDS
 from robotraj.fixed_mesh.between.lowered_limits import LoweredLimits
 from robotraj.fixed_mesh.between.nlp_violations import between_points
@@ -32,7 +32,11 @@ Array = NDArray[np.float64]
 
 
 def limited_between(
-    attempt: Attempt, settings: Settings, progress: Progress | None = None, imposed: bool = True, lower: bool = False
+    attempt: AtPoints,
+    settings: Settings,
+    progress: Progress | None = None,
+    imposed: bool = True,
+    lower: bool = False,
 ) -> Solution:
     """Return a solution that holds its limits between the points, too, or lists where it exceeds them.
 
@@ -42,7 +46,7 @@ def limited_between(
 
     Parameters
     ----------
-    attempt : Attempt
+    attempt : AtPoints
     settings : Settings
     progress : callable, optional
     imposed : bool

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.fixed_mesh import attempt as one_attempt
+from robotraj.fixed_mesh import at_points
 from robotraj.fixed_mesh import solve as one_solve
-from robotraj.fixed_mesh.attempt import Attempt
+from robotraj.fixed_mesh.at_points import AtPoints
 from robotraj.fixed_mesh.between import limits_between
 from robotraj.planning.loop import run as loop
 from robotraj.planning.loop.respond import ENOUGH_OF_POWERS, NEARLY, is_guess
@@ -36,7 +36,7 @@ def _damped() -> rt.Phase:
 def test_solves_with_lower_limits_on_the_same_mesh_start_from_a_small_barrier(monkeypatch):
     """Limits of rates alternate from mesh to mesh, but not where limits are lowered on the same mesh."""
     barriers: list[tuple[tuple[object, ...], float]] = []
-    plain = one_attempt.solve_nlp
+    plain = at_points.solve_nlp
 
     def recorded(nlp, guess, multipliers, solver, *rest):
         # Sharper friction is another problem.
@@ -44,7 +44,7 @@ def test_solves_with_lower_limits_on_the_same_mesh_start_from_a_small_barrier(mo
         barriers.append(((*speeds, *(layout.mesh for layout in nlp.layouts)), solver.initial_barrier))
         return plain(nlp, guess, multipliers, solver, *rest)
 
-    for module in (one_attempt, limits_between):
+    for module in (at_points, limits_between):
         monkeypatch.setattr(module, "solve_nlp", recorded)
     assert rt.plan(_damped()).proof.motion_holds
     again = [
@@ -69,7 +69,7 @@ def test_limits_between_the_points_wait_for_a_finer_mesh_where_they_are_exceeded
         return replace(mesh, status=Status.STALLED)
 
     monkeypatch.setattr(loop, "measured", lambda *given: measures)
-    monkeypatch.setattr(loop, "solved_at_points", lambda *given: Attempt(None, mesh, None))
+    monkeypatch.setattr(loop, "solved_at_points", lambda *given: AtPoints(None, mesh, None))
     monkeypatch.setattr(loop, "limited_between", limited)
     second = replace(begin(rt.Problem([phase]), None, settings), number=1)
     without = replace(second.traits, full_friction=False)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.fixed_mesh.attempt import Attempt
+from robotraj.fixed_mesh.at_points import AtPoints
 from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.loop import run as loop
 from robotraj.planning.proving.first_mesh import ProportionalMeshes, graded
@@ -186,7 +186,7 @@ def test_controls_become_lines_where_finer_meshes_are_not_solved(
     """Jacobson, Gershwin and Lele (1970): from -1 the control enters a singular arc."""
     real, free = loop.solved_at_points, rt.HermiteSimpson()
 
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> Attempt:
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> AtPoints:
         found = real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
         fails = alternating and isinstance(start, rt.Solution) and found.solution.phases[0].mesh.given == (free,)
         return found.changed(status=Status.STALLED) if fails else found
@@ -204,7 +204,7 @@ def test_controls_become_lines_where_finer_meshes_are_not_solved(
 def test_a_coarse_solution_that_leads_to_no_motion_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     real, starts = loop.solved_at_points, []
 
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> Attempt:
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> AtPoints:
         found = real(problem, start, settings, *more, **named)  # type: ignore[arg-type]
         starts.append(isinstance(start, rt.Solution))
         return found.changed(status=Status.INFEASIBLE) if starts[-1] else found
@@ -231,7 +231,7 @@ def test_solves_with_kinked_objectives_end_where_these_hardly_change(
 ) -> None:
     real, changes = loop.solved_at_points, []
 
-    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> Attempt:
+    def solve(problem: rt.Problem, start: object, settings: Settings, *more: object, **named: object) -> AtPoints:
         assert isinstance(settings.solver, rt.InteriorPoint)
         changes.append(settings.solver.objective_change is not None)
         return real(problem, start, settings, *more, **named)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""One solve from one guess, without limits between the points."""
+"""One solve from one guess: a solution at the collocation points, without limits between the points."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
-class Attempt(NamedTuple):
+class AtPoints(NamedTuple):
     """A solution at the collocation points, and what is needed to impose limits between them.
 
     Attributes
@@ -47,23 +47,23 @@ class Attempt(NamedTuple):
         """Whether nothing else is tried: it is solved or was interrupted."""
         return self.solution.success or self.solution.status is Status.INTERRUPTED
 
-    def after(self, spent: Solution) -> Attempt:
+    def after(self, spent: Solution) -> AtPoints:
         """Return the attempt with the effort of an earlier solve, too."""
         return self._replace(solution=with_effort_of(spent, self.solution))
 
-    def changed(self, **changes: object) -> Attempt:
+    def changed(self, **changes: object) -> AtPoints:
         """Return the attempt with changes of its solution."""
         return self._replace(solution=replace(self.solution, **changes))  # type: ignore[arg-type]
 
 
-def attempted(
+def solved_once(
     problem: Problem,
     guess: InitialGuess | Solution | None,
     settings: Settings,
     progress: Progress | None = None,
     surfaces: Sequence[NearSurfaces | None] = (),
     watch: Progress | None = None,
-) -> Attempt:
+) -> AtPoints:
     """Transcribe a problem, solve it from one guess, and evaluate every row again.
 
     Parameters
@@ -84,4 +84,4 @@ def attempted(
     began = used_time()
     posed, multipliers = posed_problem(problem, guess, settings, surfaces)
     solution, w = solve_nlp(posed.nlp, guess, multipliers, settings.solver, watch or progress, began)
-    return Attempt(posed, solution, w)
+    return AtPoints(posed, solution, w)
