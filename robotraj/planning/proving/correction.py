@@ -26,7 +26,7 @@ class PlanAttempt(NamedTuple):
     Attributes
     ----------
     problem : Problem
-    guess : InitialGuess or Solution
+    guess : InitialGuess, Solution or None
     settings : Settings
     surfaces : sequence of NearSurfaces or None
         For each phase, links of the robot that rows keep apart.
@@ -39,7 +39,7 @@ class PlanAttempt(NamedTuple):
     """
 
     problem: Problem
-    guess: InitialGuess | Solution
+    guess: InitialGuess | Solution | None
     settings: Settings
     surfaces: Sequence[NearSurfaces | None]
     lacked: str

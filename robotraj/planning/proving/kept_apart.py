@@ -1,13 +1,14 @@
 """Plans that keep the robot's links from overlapping: rows are added only where a plan comes too near.
 
-A plan is made as if links could overlap, and its motion is compared with the exact shapes. Where they overlap, a random
-search finds a motion around it. Solves on the coarse mesh start there and end at a free solution (``free_solution``),
-from which the plan is then made.
+A plan is made as if links could overlap, and its motion is compared with the exact shapes. A shallow overlap is pushed
+out by rows along the motion. Elsewhere a random search finds a motion around the overlap. Solves on the coarse mesh
+start there and end at a free solution (``free_solution``), from which the plan is then made. Where this fails, the next
+plan keeps spheres around the links apart, and a last one has rows on the exact shapes along it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
+from robotraj.planning.proving.among_spheres import among_spheres
 from robotraj.planning.proving.correction import STOPPED, PlanAttempt, short_of
 from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
 from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
@@ -36,7 +38,7 @@ Array = NDArray[np.float64]
 
 SEEDS = 4
 """Number of motions from which solves with rows start: the motion that overlaps, where this is shallow; the same with a
-way around the overlaps; and others between its ends."""
+way around the overlaps; one that keeps spheres around the links apart; and another between its ends."""
 SOLVES = 6
 """Largest number of solves on the coarse mesh along one such motion."""
 PUSHES = 2
@@ -67,6 +69,9 @@ class KeptApart:
         self._search: FreeSearch | None = None
         self._coarse: FreeSearch | None = None
         self._left, self._from_routes = 0, False
+        self._among_spheres: Problem | None = None
+        self._plain: tuple[Problem, list[dict[int, float]]] | None = None
+        self._bar = np.inf
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = 0
         self._deep = NONE_YET
@@ -102,10 +107,15 @@ class KeptApart:
         """
         if not found.success:
             return None
+        if self._among_spheres is not None:
+            if dropped is None:
+                # Overlaps of links that spheres do not tell apart are left to rows along the motion, from the start.
+                self._plain, self._problem, self._seed = (self._problem, self._open), self._among_spheres, 0
+            self._among_spheres = None
         if dropped is None:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
-            return None
+            return None if self._plain is None else self._without_spheres(found, *self._plain)
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
         if self._coarse is not None and dropped is not None:
             attempt = self._after_coarse(dropped)
@@ -113,12 +123,16 @@ class KeptApart:
             attempt = self._after_plan(found, self._search, dropped is not None)
         else:
             attempt = None
-        if attempt is None and (routes := self._next_routes(found)) is not None:
-            attempt = self._along(routes, found)
+        while attempt is None and self._seed < SEEDS:
+            self._seed += 1
+            attempt = self._from_seed(found)
         return attempt
 
     def accepts(self, again: Solution) -> bool:
         """Whether a plan was solved, whether or not its links overlap elsewhere; a coarse solution is none."""
+        if self._bar < np.inf:
+            proved = again.proof is not None and again.proof.holds
+            return proved and again.objective < self._bar and self.allows(again)
         return again.success and self._coarse is None
 
     @property
@@ -156,7 +170,7 @@ class KeptApart:
     def _on_coarse(self, search: FreeSearch, lacked: str, why: str) -> PlanAttempt:
         """Return the next solve on the coarse mesh."""
         self._coarse, self._left = search, self._left - 1
-        own = replace(self._on_way, interval_limits=replace(self._settings.interval_limits, rounds=0))
+        own = self._coarsely(self._on_way)
         if isinstance(search.start, Solution):
             own = replace(own, solver=own.solver.from_nearby())
         soft = softest(self._problem)
@@ -207,28 +221,42 @@ class KeptApart:
         settings = replace(self._briefly(self._patience), mesh=tuple(part.mesh for part in found.phases))
         return PlanAttempt(self._problem, found, settings, self._search.surfaces, OVERLAPS, "further rows")
 
+    def _coarsely(self, settings: Settings) -> Settings:
+        """Return settings of a solve whose solution is a guess."""
+        return replace(settings, interval_limits=replace(settings.interval_limits, rounds=0))
+
     def _briefly(self, iterations: int) -> Settings:
         """Return settings of a plan near a known one."""
         return replace(self._settings, restarts=Restarts(0), solver=self._settings.solver.at_most(iterations))
 
-    def _next_routes(self, found: Solution) -> tuple[Route | None, ...] | None:
-        """Return the next free motions of the phases with overlaps; None where none is left.
+    def _from_seed(self, found: Solution) -> PlanAttempt | None:
+        """Return the first solve from the next motion; None without one."""
+        if self._seed == 1:
+            return self._along((None,) * len(found.phases), found) if self._is_shallow(found) else None
+        if self._seed == 3:
+            return self._with_spheres() if self._has_routes(found) else None
+        routes = tuple(
+            self._route(number, part, self._seed) if self._open[number] else None
+            for number, part in enumerate(found.phases)
+        )
+        complete = all(route or not pairs for route, pairs in zip(routes, self._open, strict=True))
+        return self._along(routes, found) if complete else None
 
-        Where all overlaps are shallow, the first ones are no routes but the motions themselves.
-        """
-        while self._seed < SEEDS:
-            self._seed += 1
-            if self._seed == 1:
-                if self._is_shallow(found):
-                    return (None,) * len(found.phases)
-                continue
-            routes = tuple(
-                self._route(number, part, self._seed) if self._open[number] else None
-                for number, part in enumerate(found.phases)
-            )
-            if all(route or not pairs for route, pairs in zip(routes, self._open, strict=True)):
-                return routes
-        return None
+    def _with_spheres(self) -> PlanAttempt | None:
+        """Return the plan that keeps spheres around the links apart; None where they are apart, or refuse an end."""
+        self._among_spheres = among_spheres(self._problem, self._open)
+        if self._among_spheres is None:
+            return None
+        settings = replace(self._settings, restarts=Restarts(0))
+        return PlanAttempt(self._among_spheres, None, settings, (), OVERLAPS, "spheres around the links")
+
+    def _without_spheres(self, found: Solution, problem: Problem, pairs: Sequence[Mapping[int, float]]) -> PlanAttempt:
+        """Return the plan with rows on the exact shapes along one with spheres, which are larger than the links."""
+        self._plain, self._bar = None, found.objective
+        motions = [motion_of(part) for part in found.phases]
+        self._search = FreeSearch.begin(problem, self._overlaps.bodies, motions, True, pairs, found)
+        own = self._briefly(self._patience)
+        return PlanAttempt(problem, found, own, self._search.surfaces, "", "the exact shapes along it")
 
     def _has_routes(self, found: Solution) -> bool:
         """Whether all overlaps are those of arms with a motor at every joint, whose guesses can be routes."""
@@ -259,7 +287,7 @@ class KeptApart:
         def free(q: Array) -> NDArray[np.bool_]:
             return np.asarray(~pairs_within(robot, body, q).any(axis=1))
 
-        return route_around(motion, part.duration, free, bounds, seed, whole=seed > 2)
+        return route_around(motion, part.duration, free, bounds, seed, whole=seed > 3)
 
     def _is_movable(self, each: Overlap) -> bool:
         phase = self._problem.phases[each.phase]

@@ -78,6 +78,8 @@ def _corrected(
         is_better = correction.accepts(again) and all(each.allows(again) for each in others)
         found = with_effort_of(found, again) if is_better else with_effort_of(again, found)
         dropped = None if is_better else again
+    if dropped is not None:
+        found = replace(found, rounds=answered(found.rounds, found.rounds[-1].lacked, "the plan before it is kept"))
     return found
 
 
