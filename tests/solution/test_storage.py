@@ -318,7 +318,7 @@ def test_a_class_outside_the_list_is_neither_written_nor_made() -> None:
 
 def _is_kept(kind: type) -> bool:
     """Whether users construct values of the class; higher rooms define internal classes for one solve."""
-    above = ("robotraj.indirect.", "robotraj.planning.", "tests.")
+    above = ("robotraj.indirect.", "robotraj.fixed_mesh.", "robotraj.planning.", "tests.")
     return kind.__module__.startswith("robotraj.") and not (
         kind.__module__.startswith(above) or inspect.isabstract(kind)
     )

@@ -82,13 +82,13 @@ def test_the_default_guess_goes_around_a_box() -> None:
 
 
 def test_a_base_that_stands_in_a_table_blocks_no_way() -> None:
-    table = rt.obstacles.Box((1.5, 1.5, 0.1), (0.0, 0.0, -0.06))
+    table = rt.obstacles.Box((1.5, 1.5, 0.1), (0.0, 0.0, -0.065))
     phase = reach(BOX, table)
     scene, (constraint,) = scene_of(phase), phase.constraints
     assert scene is not None and isinstance(constraint, rt.CollisionFree)
     spheres = constraint.pairs(phase.robot).spheres
     base = spheres.joint == 0
-    assert np.any(spheres.centre[base, 2] - spheres.radius[base] < -0.01)
+    assert np.any(spheres.centre[base, 2] - spheres.radius[base] < -0.015)
     assert scene.clearance(START, GOAL) > 0.0
     guess = rt.guess.GeometricPath()
     assert not guess.is_closed(phase, 0)
