@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.lazy_values import cached_property
@@ -116,12 +115,7 @@ class Foothold(OneLine):
 
     def _spots(self, robot: Robot, q: Array) -> Array:
         """Return the places (m, 3) [m] of the contact's point in configurations (m, nq)."""
-        model, data, spot = robot.model, robot.model.createData(), self.contact.touching
-        frame, offset, places = robot.frame(spot.frame), np.array(spot.offset), np.empty((len(q), 3))
-        for k, configuration in enumerate(q):
-            pin.framesForwardKinematics(model, data, configuration)
-            places[k] = data.oMf[frame].act(offset)
-        return places
+        return np.array([self.contact.touched(robot, configuration) for configuration in q])
 
 
 class FoundContact(Foothold):

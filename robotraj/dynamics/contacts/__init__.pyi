@@ -1,5 +1,6 @@
 """Contacts: what holds the robot, with which forces. Values, bound to a robot by ``bind``."""
 
+from .arc_foot import ArcFoot
 from .base import BoundContact, Contact
 from .cones import FrictionCone, Linearised, SecondOrder
 from .flat_foot import FlatFoot
@@ -7,9 +8,11 @@ from .implicit import ImplicitContact
 from .line_contact import LineContact
 from .loop_closure import LoopClosure
 from .point_contact import PointContact
+from .point_on_frame import Spot
 from .soles import FourCorners, PressureAndTorsion, Sole
 
 __all__ = [
+    "ArcFoot",
     "BoundContact",
     "Contact",
     "FlatFoot",
@@ -23,4 +26,5 @@ __all__ = [
     "PressureAndTorsion",
     "SecondOrder",
     "Sole",
+    "Spot",
 ]

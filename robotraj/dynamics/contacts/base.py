@@ -157,9 +157,18 @@ class BoundContact(OneLine, ABC):
             [anchors.get(f"{self.name}.{axis}", 0.0) for axis in AXES]
         )
 
-    def outline(self) -> list[tuple[str, tuple[float, float, float]]]:
-        """Points that must stay above the ground while the foot swings, as (frame, offset [m]): the frame's origin."""
-        return [(self.frame, (0.0, 0.0, 0.0))]
+    @property
+    def half_width(self) -> float:
+        """Half the width of the sole [m]; 0, the default, for a point."""
+        return 0.0
+
+    def touched(self, robot: Robot, q: Array) -> Array:
+        """Place (3,) [m] where the force acts in configuration q; by default the ``touching`` point."""
+        return self.touching.placed(robot, q)[0]
+
+    def outline(self) -> list[Spot]:
+        """Points and balls that must stay above the ground while the foot swings: by default the frame's origin."""
+        return [Spot(self.frame)]
 
     @abstractmethod
     def position(self, point: FramePoint, anchors: Mapping[str, Scalar]) -> list[Scalar]:

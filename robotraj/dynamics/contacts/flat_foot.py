@@ -114,7 +114,7 @@ class FlatFoot(Contact):
                 f"rt.contacts.FourCorners()."
             )
         keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
-        keep(self, length=_length(self.length, f"length of {what}"))
+        keep(self, length=sole_length(self.length, f"length of {what}"))
         if self.width is not None:
             keep(self, width=positive(self.width, f"width of {what}", "m"))
         if self.normal is not None:
@@ -194,7 +194,7 @@ class FlatFoot(Contact):
         return (normal, *(Row(name, unit, 0.0, np.inf, self.label) for name, unit in labels))
 
 
-def _length(value: float | Sequence[float], what: str) -> tuple[float, float]:
+def sole_length(value: float | Sequence[float], what: str) -> tuple[float, float]:
     """Read the extent of a sole backwards and forwards [m]; one of the two may be zero."""
     if np.ndim(value) == 0:
         half = positive(value, what, "m") / 2.0
@@ -271,12 +271,17 @@ class BoundFlatFoot(BoundFoothold):
         """Evaluate the ground's foothold rows for the whole sole."""
         return self.where.values(anchors, (self.shape.back, self.shape.front, self.shape.half))
 
-    def outline(self) -> list[tuple[str, Triple]]:
+    @property
+    def half_width(self) -> float:
+        """Half the width of the sole [m]."""
+        return self.shape.half
+
+    def outline(self) -> list[Spot]:
         """Return the corners of the sole, or its two ends for a robot in a plane."""
         ahead, left, shape = np.array(self.feet.forward), np.array(self.feet.left), self.shape
         corners = itertools.product((-shape.back, shape.front), sorted({-shape.half, shape.half}))
         places = (np.array(self.spot.offset) + x * ahead + y * left for x, y in corners)
-        return [(self.frame, (float(p[0]), float(p[1]), float(p[2]))) for p in places]
+        return [Spot(self.frame, (float(p[0]), float(p[1]), float(p[2]))) for p in places]
 
     def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the sole's point and heading of the foot in configuration q."""

@@ -140,7 +140,7 @@ class BoundFoothold(BoundContact):
         """The spot."""
         return self.spot
 
-    def place(self, anchors: Mapping[str, Scalar]) -> list[Scalar]:
+    def place(self, anchors: Mapping[str, Scalar]) -> list[Scalar] | None:
         """Place on the ground (3) [m]."""
         return self.where.place(anchors)
 

@@ -47,8 +47,20 @@ Array = NDArray[np.float64]
 VERTICAL = (0.0, 0.0, 1.0)
 
 
+class EdgeContact(FrictionContact):
+    """A contact along a line: its frame can turn about the line alone.
+
+    Attributes
+    ----------
+    width : float or None
+        Length of the line [m].
+    """
+
+    width: float | None
+
+
 @dataclass(frozen=True)
-class LineContact(FrictionContact):
+class LineContact(EdgeContact):
     """An edge of a foot held on the ground: five rows; in a plane, the two rows of a point.
 
     The edge's middle is held at (x, y, h(x, y)). Its direction l lies in the ground's tangent plane, at right angles
@@ -113,53 +125,64 @@ class LineContact(FrictionContact):
 
     def bind(self, robot: Robot) -> BoundContact:
         """Bind an edge in space; in a plane, bind the point where the plane cuts the edge."""
-        what = f"LineContact {self.label!r}"
         robot.frame(self.frame)
         spot = Spot(self.frame, self.offset)
         axes, about = mobility(robot, lambda q: spot.jacobian(robot, q))
         require_plane(robot, self.frame, axes, about)
         if len(axes) < 3:
             return bind_point(self, robot, spot)
-        if self.width is None:
-            raise InputError(f"{what} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
         place, rotation = spot.placed(robot, robot.neutral)
-        ground = as_ground(self.ground)
-        if not ground.below:
-            raise InputError(f"{what} touches a ground that is not below it; use PointContact or FlatFoot on a wall.")
-        along = self._along(rotation, ground.normal(float(place[0]), float(place[1])))
-
-        def held(q: Array) -> Array:
-            jacobian = spot.jacobian(robot, q)
-            left = spot.placed(robot, q)[1] @ np.array(along)
-            return np.vstack([jacobian[:3], np.array(_across(left)) @ jacobian[3:]])
-
-        require_rank(robot, held, 5, what)
-        where = Footing(self.label, ground, axes, (float(place[0]), float(place[1]), float(place[2])))
-        least, greatest = self.normal_force
-        rows = [("friction cone", unit) for unit in self.cone.units]
-        rows += [("centre of pressure", "N m")] * 2 + [("torsional friction", "N m")] * 2
-        forces = _forces(self.label)
-        normal = Row("normal force", "N", float(least), float(greatest), self.label, where.normal_variable(forces[:3]))
-        return BoundLineContact(
-            self,
-            self.label,
-            self.frame,
-            forces,
-            (*where.anchors, Variable(f"{self.label}.yaw", "rad", "foothold", self.label)),
-            held_rows(self.label, axes, (0, 2)),
-            (normal, *(Row(name, unit, 0.0, np.inf, self.label) for name, unit in rows)),
-            where.rows(),
-            spot,
-            where,
-            along,
-            float(self.width),
-        )
+        return bind_edge(self, robot, spot, self._along(rotation, as_ground(self.ground).normal_at(place.tolist())))
 
     def _along(self, rotation: Column, normal: Sequence[Scalar]) -> Triple:
         """Direction of the edge in the frame's axes, a unit vector."""
         if self.direction is None:
             return foot_axes(rotation, normal, None, None, f"LineContact {self.label!r}").left
         return self.direction
+
+
+def bind_edge(contact: EdgeContact, robot: Robot, spot: Spot, along: Triple) -> BoundLineContact:
+    """Bind a contact that holds a spot and lets its frame turn about an axis alone.
+
+    Raises
+    ------
+    InputError
+        The contact has no width, its ground is not below it, or the frame cannot move in the five rows.
+    """
+    name, what = contact.label, f"{type(contact).__name__} {contact.label!r}"
+    if contact.width is None:
+        raise InputError(f"{what} has no width; give width= [m], since {robot.name!r} does not move in a plane.")
+    ground = as_ground(contact.ground)
+    if not ground.below:
+        raise InputError(f"{what} touches a ground that is not below it; use PointContact or FlatFoot on a wall.")
+
+    def held(q: Array) -> Array:
+        jacobian = spot.jacobian(robot, q)
+        left = spot.placed(robot, q)[1] @ np.array(along)
+        return np.vstack([jacobian[:3], np.array(_across(left)) @ jacobian[3:]])
+
+    require_rank(robot, held, 5, what)
+    place, _ = spot.placed(robot, robot.neutral)
+    where = Footing(name, ground, (0, 1, 2), (float(place[0]), float(place[1]), float(place[2])))
+    least, greatest = contact.normal_force
+    rows = [("friction cone", unit) for unit in contact.cone.units]
+    rows += [("centre of pressure", "N m")] * 2 + [("torsional friction", "N m")] * 2
+    forces = _forces(name)
+    normal = Row("normal force", "N", float(least), float(greatest), name, where.normal_variable(forces[:3]))
+    return BoundLineContact(
+        contact,
+        name,
+        spot.frame,
+        forces,
+        (*where.anchors, Variable(f"{name}.yaw", "rad", "foothold", name)),
+        held_rows(name, (0, 1, 2), (0, 2)),
+        (normal, *(Row(title, unit, 0.0, np.inf, name) for title, unit in rows)),
+        where.rows(),
+        spot,
+        where,
+        along,
+        float(contact.width),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +226,7 @@ class BoundLineContact(BoundFoothold):
 
     def limits(self, point: FramePoint, forces: Sequence[Scalar], anchors: Mapping[str, Scalar]) -> list[Scalar]:
         """Evaluate normal force, friction, centre of pressure on the edge, torsion."""
-        contact: LineContact = self.contact  # type: ignore[assignment]
+        contact: EdgeContact = self.contact  # type: ignore[assignment]
         normal, tangential = self.where.components([forces[i] for i in range(3)], anchors)
         moment = self._moment(point, forces)
         ahead, upward = self._heading_and_normal(anchors)
@@ -226,9 +249,14 @@ class BoundLineContact(BoundFoothold):
         """Evaluate the ground's foothold rows for the whole edge."""
         return self.where.values(anchors, (0.0, 0.0, 0.5 * self.width))
 
-    def outline(self) -> list[tuple[str, Triple]]:
+    @property
+    def half_width(self) -> float:
+        """Half the length of the edge [m]."""
+        return 0.5 * self.width
+
+    def outline(self) -> list[Spot]:
         """Return the middle of the edge."""
-        return [(self.frame, self.spot.offset)]
+        return [self.spot]
 
     def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the edge's middle and heading across it in configuration q."""

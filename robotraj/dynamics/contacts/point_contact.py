@@ -209,9 +209,9 @@ class BoundPointContact(BoundFoothold):
         """Evaluate the ground's foothold rows."""
         return self.where.values(anchors)
 
-    def outline(self) -> list[tuple[str, Triple]]:
+    def outline(self) -> list[Spot]:
         """Return the spot."""
-        return [(self.frame, self.spot.offset)]
+        return [self.spot]
 
     def locate(self, robot: Robot, q: Array) -> dict[str, float]:
         """Place of the spot in configuration q."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.vectors import add, cross, turned
+from robotraj.dynamics.contacts.vectors import add, cross, dot, scale, turned
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.variable import Column, Scalar
 
@@ -31,10 +32,20 @@ class Spot:
     frame : str
     offset : tuple of 3 float
         s, in the frame's axes [m].
+    radius : float
+        Radius of the ball about the point that touches [m]; 0 for the point itself.
     """
 
     frame: str
     offset: Triple = (0.0, 0.0, 0.0)
+    radius: float = 0.0
+
+    @property
+    def plainly(self) -> str | tuple[str, Triple] | Spot:
+        """The frame of an origin, the frame and offset of another point, or the ball."""
+        if self.radius:
+            return self
+        return (self.frame, self.offset) if any(self.offset) else self.frame
 
     def position(self, point: FramePoint) -> list[Scalar]:
         """Place in the world (3,) [m]."""
@@ -95,6 +106,59 @@ class Spot:
     def _arm(self, point: FramePoint) -> list[Scalar] | None:
         """R s, or None where the spot is the frame's origin."""
         return self.axis(point, self.offset) if any(self.offset) else None
+
+
+@dataclass(frozen=True)
+class RollingSpot(Spot):
+    """The place where a ball or cylinder about a point of a frame touches a plane: c - r n.
+
+    c is the point at ``offset``, and r the radius. Its velocity is that of the body there, which is zero where the body
+    rolls without slipping.
+
+    Attributes
+    ----------
+    normal : tuple of 3 float
+        n, the plane's unit normal in world axes.
+    up : tuple of 3 float
+        Axis of the foot in the frame's axes, along n where the foot is upright.
+    """
+
+    normal: Triple = (0.0, 0.0, 1.0)
+    up: Triple = (0.0, 0.0, 1.0)
+
+    def position(self, point: FramePoint) -> list[Scalar]:
+        """Place in the world, c - r n (3,) [m]."""
+        return add(super().position(point), scale(-self.radius, self.normal))
+
+    def velocity(self, point: FramePoint) -> list[Scalar]:
+        """Velocity of the body where it touches, dc/dt - r w x n (3,) [m/s]."""
+        return add(super().velocity(point), scale(-self.radius, cross(self.angular_velocity(point), self.normal)))
+
+    def acceleration(self, point: FramePoint) -> list[Scalar]:
+        """Rate of ``velocity`` (3,) [m/s^2]."""
+        turning = cross(self.angular_acceleration(point), self.normal)
+        return add(super().acceleration(point), scale(-self.radius, turning))
+
+    def wrench(self, point: FramePoint, force: Sequence[Scalar], moment: Sequence[Scalar]) -> list[Scalar]:
+        """Force and moment where it touches as a wrench at the frame's origin (6,) [N, N m]."""
+        about_centre = add(moment, scale(-self.radius, cross(self.normal, force)))
+        return super().wrench(point, force, about_centre)
+
+    def placed(self, robot: Robot, q: Array) -> tuple[Array, Array]:
+        """Place (3,) [m] where it touches, and rotation (3, 3) of its frame in configuration q, in numbers."""
+        place, rotation = super().placed(robot, q)
+        return place - self.radius * np.array(self.normal), rotation
+
+    def rolled(self, point: FramePoint, ahead: Sequence[Scalar]) -> Scalar:
+        """Way r a [m] that it has rolled along a heading since the foot was upright, a between -pi and pi."""
+        up = self.axis(point, self.up)
+        return self.radius * ca.atan2(dot(up, ahead), dot(up, self.normal))
+
+    def rolled_in(self, robot: Robot, q: Array, ahead: Sequence[Scalar]) -> float:
+        """Return ``rolled`` in configuration q, in numbers."""
+        up = super().placed(robot, q)[1] @ np.array(self.up)
+        forward = up @ np.array([float(part) for part in ahead])
+        return self.radius * float(np.arctan2(forward, up @ np.array(self.normal)))
 
 
 def offset_of(value: object, what: str) -> Triple:

@@ -77,10 +77,16 @@ class Ground(OneLine, ABC):
         """Point (3) on the ground [m] in world axes: [x, y, h(x, y)] where the height is along z."""
         return self._in_world(x, y, self.height(x, y))
 
-    def gap(self, place: Sequence[Scalar]) -> Scalar:
-        """Distance [m] of a place (3) from the surface along ``axis``, z - h(x, y); negative inside the ground."""
+    def gap(self, place: Sequence[Scalar], radius: float = 0.0) -> Scalar:
+        """Distance [m] of a place (3) from the surface along ``axis``, z - h(x, y); negative inside the ground.
+
+        The lowest point of a ball of radius r lies r sqrt(1 + h_x^2 + h_y^2) below its centre.
+        """
         first, second = self.plan
-        return self.side * (place[self.axis] - self.height(place[first], place[second]))
+        if radius == 0.0:
+            return self.side * (place[self.axis] - self.height(place[first], place[second]))
+        height, slope_x, slope_y = self.plane(place[first], place[second])
+        return self.side * (place[self.axis] - height) - radius * (1.0 + slope_x * slope_x + slope_y * slope_y) ** 0.5
 
     def normal_at(self, place: Sequence[Scalar]) -> list[Scalar]:
         """Return the unit normal (3) at the point of the surface that a place (3) [m] has along ``axis``."""

@@ -76,7 +76,7 @@ class OwnSides(OneLine):
         for pair in foot_pairs(robot, list(contacts), standing):
             if pair.first in held and pair.second in held:
                 continue
-            soles = min(sum(_half_width(contacts[foot]) for foot in pair[:2]), pair.distance)
+            soles = min(sum(contacts[foot].half_width for foot in pair[:2]), pair.distance)
             width = min(soles + self.share * (pair.distance - soles), most)
             if width > 0.0:
                 x, y, z = (float(part) for part in turned @ pair.across)
@@ -113,12 +113,3 @@ class LateralDistance:
         first, second = (point.frame(name).position for name in (self.first, self.second))
         axis = [sum(turn[i, k] * part for k, part in enumerate(self.across) if part) for i in range(self.parts)]
         return sum(axis[i] * (first[i] - second[i]) for i in range(self.parts))
-
-
-def _half_width(contact: BoundContact) -> float:
-    """Return half the width of a sole [m], 0 for a point."""
-    corners = np.array([offset for _, offset in contact.outline()])
-    if len(corners) < 4:
-        return 0.0
-    sides = sorted(float(np.linalg.norm(corners[k] - corners[0])) for k in range(1, len(corners)))
-    return 0.5 * sides[0]

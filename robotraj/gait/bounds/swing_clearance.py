@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from robotraj._util.errors import warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar
@@ -53,18 +54,19 @@ def swing_clearance(
         gain = 0.5 * gain
     rows: list[Constraint] = []
     parameters: dict[str, float] = {}
-    level: list[tuple[str, tuple[float, ...]]] = []
+    level: list[Spot] = []
     low: list[str] = []
     for foot in swinging:
-        other, corners = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot).outline()
+        other, bound = partners.get(foot, foot), foot_contact(terms.contact, foot).bound_to(robot)
+        outline = bound.outline()
         if terms.clearance > 0.0 and other in support.feet and isinstance(gain, int | float) and gain != 0.0:
             # Gaits of other lengths have the same rows, since the length is a parameter.
             parameters = {STEP: float(gain)}
             arc = SwingArc(terms.clearance, f"{foot_contact(terms.contact, other).label}.x", STEP)
-            rows.append(GroundClearance(_contact_point(robot, terms, foot), arc, ground))
-            level += corners if len(corners) > 1 else []
+            rows.append(GroundClearance(bound.touching.plainly, arc, ground))
+            level += outline if outline != [bound.touching] else []
         else:
-            level += corners
+            level += outline
             low.append(foot)
     if low and support.feet and terms.clearance > 0.0:
         warn(
@@ -72,19 +74,13 @@ def swing_clearance(
             "above the ground. It needs a standing partner that the foot passes, and a step of known length. "
             "Add rt.GroundClearance(foot, rt.constraints.SwingApex(...)) for these feet."
         )
-    spots = [(frame, offset) if any(offset) else frame for frame, offset in level]
+    spots = [spot.plainly for spot in level]
     return [*rows, GroundClearance(spots, -TOUCH, ground)] if spots else rows, parameters
 
 
 def through_ground(feet: Sequence[BoundContact]) -> GroundClearance:
     """Return the constraint without rows that lets swinging feet pass through the ground."""
-    return GroundClearance([point for foot in feet for point in foot.outline()], None)
-
-
-def _contact_point(robot: Robot, terms: GaitTerms, foot: str) -> str | tuple[str, tuple[float, ...]]:
-    """Return the contact point of a foot: its frame, or its frame and offset."""
-    at = foot_contact(terms.contact, foot).bound_to(robot).touching
-    return (at.frame, at.offset) if any(at.offset) else at.frame
+    return GroundClearance([spot.plainly for foot in feet for spot in foot.outline()], None)
 
 
 @dataclass(frozen=True)

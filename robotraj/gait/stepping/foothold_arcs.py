@@ -90,10 +90,11 @@ def step_clearances(
     """
     names = [f"{contact.name}.{axis}" for axis in "xy" if f"{contact.name}.{axis}" in before]
     start, end = (tuple(side[name] for name in names) for side in (before, after))
-    at = contact.touching
-    spot = (at.frame, at.offset) if any(at.offset) else at.frame
+    spot = contact.touching.plainly
     short = np.linalg.norm(np.subtract(end, start)) < apex
     arc = TimedArc(apex, *air) if short else FootholdArc(apex, start, end)
     rows = [GroundClearance(spot, arc if apex > 0.0 else -TOUCH, ground)]
-    corners = contact.outline()
-    return [*rows, GroundClearance(corners, -TOUCH, ground)] if len(corners) > 1 else rows
+    outline = contact.outline()
+    if outline == [contact.touching]:
+        return rows
+    return [*rows, GroundClearance([corner.plainly for corner in outline], -TOUCH, ground)]

@@ -171,6 +171,6 @@ def _over(
 
 def _extent(contact: BoundContact) -> tuple[float, float]:
     """Return the extent of a foot behind and before its foothold along x [m]."""
-    along = np.array([offset for _, offset in contact.outline()])
+    along = np.array([spot.offset for spot in contact.outline()])
     sole = along - along.mean(axis=0)
     return (0.0, 0.0) if len(sole) < 2 else (float(-sole[:, 0].min()), float(sole[:, 0].max()))

@@ -88,8 +88,7 @@ def _feet(phases: Sequence[Phase], links: Iterable[Link]) -> list[tuple[Robot, S
             for foot in feet:
                 if foot.ground is not None:
                     found |= dict.fromkeys(
-                        (phase.robot, Spot(*point), as_ground(foot.ground))
-                        for point in foot.bound_to(phase.robot).outline()
+                        (phase.robot, spot, as_ground(foot.ground)) for spot in foot.bound_to(phase.robot).outline()
                     )
     return list(found)
 
@@ -99,7 +98,7 @@ def _above(phase: Phase, feet: Sequence[tuple[Robot, Spot]], ground: Ground) -> 
     robot = phase.robot
     if robot is None:
         return phase
-    held = {Spot(*point) for contact in phase.bound_contacts for point in contact.outline()}
+    held = {spot for contact in phase.bound_contacts for spot in contact.outline()}
     swinging = [spot for of, spot in feet if of is robot and spot not in held]
     if phase.contacts:
         swinging = [spot for spot in swinging if not stiff_legged(robot, spot.frame)]
@@ -108,15 +107,15 @@ def _above(phase: Phase, feet: Sequence[tuple[Robot, Spot]], ground: Ground) -> 
     if not free:
         return phase
     _check_ends(phase, robot, free, ground)
-    spots = [(spot.frame, spot.offset) if any(spot.offset) else spot.frame for spot in free]
-    return replace(phase, constraints=[*phase.constraints, GroundClearance(spots, -TOUCH, ground)])
+    places = [spot.plainly for spot in free]
+    return replace(phase, constraints=[*phase.constraints, GroundClearance(places, -TOUCH, ground)])
 
 
 def _replaces(row: GroundClearance, robot: Robot, spot: Spot, ground: Ground) -> bool:
     """Return whether a row of the phase keeps a point above the ground, or lets it pass through."""
     if isinstance(row.height, int | float) and row.height < -TOUCH:
         return False
-    return (row.height is None or as_ground(row.ground) == ground) and row.covers(robot, spot.frame, spot.offset)
+    return (row.height is None or as_ground(row.ground) == ground) and row.covers(robot, spot)
 
 
 def _check_ends(phase: Phase, robot: Robot, spots: Sequence[Spot], ground: Ground) -> None:
@@ -129,7 +128,7 @@ def _check_ends(phase: Phase, robot: Robot, spots: Sequence[Spot], ground: Groun
         pin.framesForwardKinematics(model, data, q)
         for spot in spots:
             place = [float(v) for v in data.oMf[robot.frame(spot.frame)].act(np.array(spot.offset))]
-            depth = -float(ground.gap(place))
+            depth = -float(ground.gap(place, spot.radius))
             if depth > TOUCH:
                 inside = "below the ground" if ground.below else "behind its wall"
                 away = f"Raise the robot by {depth:.3g} m" if ground.below else f"Move it back by {depth:.3g} m"

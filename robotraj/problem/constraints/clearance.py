@@ -10,6 +10,7 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
@@ -36,7 +37,7 @@ class GroundClearance(Constraint):
 
     Parameters
     ----------
-    frames : str, (str, offset), CollisionShapes, or sequence of these
+    frames : str, (str, offset), Spot, CollisionShapes, or sequence of these
         Frames, whose origins keep the clearance; points ``("foot", (0.1, 0, -0.02))`` fixed in a frame [m]; or
         ``rt.constraints.CollisionShapes("foot")``, the shapes of a link in the URDF.
     height : float, RequiredHeight, callable or None
@@ -94,10 +95,11 @@ class GroundClearance(Constraint):
         )
         return BoundConstraint("ground clearance", rows, expression)
 
-    def covers(self, robot: Robot, frame: str, offset: Sequence[float]) -> bool:
-        """Return whether a point of a frame is among the places."""
+    def covers(self, robot: Robot, place: Spot) -> bool:
+        """Return whether a point or ball of a frame is among the places."""
+        wanted = np.array([*place.offset, place.radius])
         return any(
-            spot.frame == frame and not spot.radius and np.allclose(spot.offset, offset, rtol=0.0, atol=1e-9)
+            spot.frame == place.frame and np.allclose([*spot.offset, spot.radius], wanted, rtol=0.0, atol=1e-9)
             for spot in spots_of(self.frames, robot)
         )
 

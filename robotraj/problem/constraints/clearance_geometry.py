@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.terrain.base import Ground
 
 if TYPE_CHECKING:
@@ -67,15 +68,13 @@ class ClearancePoint(OneLine):
         With g = (-h_x, -h_y, 1), a ball's lowest point lies r |g| below its centre, a disc's
         r sqrt(|g|^2 - (g . axis)^2), rounded where the disc lies along the ground.
         """
-        if self.radius == 0.0:
-            return ground.gap(position)
+        if self.axis is None:
+            return ground.gap(position, self.radius)
         (first, second), up = ground.plan, ground.axis
         height, slope_x, slope_y = ground.plane(position[first], position[second])
-        steep = 1.0 + slope_x * slope_x + slope_y * slope_y
-        if self.axis is not None:
-            axis = _turned(point.frame(self.frame), self.axis)
-            along = axis[up] - slope_x * axis[first] - slope_y * axis[second]
-            steep = (1.0 + ROUNDING**2) * steep - along * along
+        axis = _turned(point.frame(self.frame), self.axis)
+        along = axis[up] - slope_x * axis[first] - slope_y * axis[second]
+        steep = (1.0 + ROUNDING**2) * (1.0 + slope_x * slope_x + slope_y * slope_y) - along * along
         return ground.side * (position[up] - height) - self.radius * steep**0.5
 
 
@@ -128,8 +127,8 @@ class CollisionShapes(OneLine):
         return [spot for link, shape in shapes if link in chosen for spot in _spots(robot, link, shape)]
 
 
-PlacesLike: TypeAlias = "str | tuple[str, Triple] | CollisionShapes | Sequence[PlacesLike]"
-"""Frames, points fixed in a frame [m], collision shapes of links, or several of these."""
+PlacesLike: TypeAlias = "str | tuple[str, Triple] | Spot | CollisionShapes | Sequence[PlacesLike]"
+"""Frames, points and balls fixed in a frame [m], collision shapes of links, or several of these."""
 
 
 def _spots(robot: Robot, link: str, shape: pin.GeometryObject) -> list[ClearancePoint]:
@@ -182,6 +181,9 @@ def spots_of(what: PlacesLike, robot: Robot) -> list[ClearancePoint]:
     if isinstance(what, str):
         robot.frame(what)
         return [ClearancePoint(what, what)]
+    if isinstance(what, Spot):
+        robot.frame(what.frame)
+        return [ClearancePoint(what.frame, what.frame, what.offset, what.radius)]
     if _is_point(what):
         frame, offset = what[0], _vector(what[1])
         robot.frame(frame)

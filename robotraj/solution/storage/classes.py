@@ -18,12 +18,14 @@ import numpy as np
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.applied_forces.external_force import ExternalForce
 from robotraj.dynamics.applied_forces.thruster import Thruster
+from robotraj.dynamics.contacts.arc_foot import ArcFoot
 from robotraj.dynamics.contacts.cones import Linearised, SecondOrder
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.implicit import ImplicitContact
 from robotraj.dynamics.contacts.line_contact import LineContact
 from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.dynamics.contacts.point_contact import PointContact
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.contacts.soles import FourCorners, PressureAndTorsion
 from robotraj.dynamics.design.damping import JointDamping
 from robotraj.dynamics.design.gear import GearRatio
@@ -140,9 +142,10 @@ OF_PROBLEMS: Mapping[str, type] = {
         CentroidalMomentum, Jerk, TorqueRate, FrameSmoothness, TerminalPose, Tracking, CostOfTransport, AbsolutePower,
         MechanicalWork,
         # dynamics, contacts, terrain
-        ForwardDynamics, InverseDynamics, Kinematics, FlatFoot, ImplicitContact, LineContact, LoopClosure,
-        PointContact, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, GearRatio, LinkLength,
-        BodyMass, Payload, Flat, HeightMap, Lowest, Plane, Slope, Steps, ExternalForce, Thruster,
+        ForwardDynamics, InverseDynamics, Kinematics, ArcFoot, FlatFoot, ImplicitContact, LineContact, LoopClosure,
+        PointContact, Spot, Linearised, SecondOrder, FourCorners, PressureAndTorsion, JointDamping, GearRatio,
+        LinkLength, BodyMass, Payload, Flat, HeightMap, Lowest, Plane, Slope, Steps, ExternalForce,
+        Thruster,
         # obstacles
         CollisionFree, Box, Capsule, ConvexMesh, Cylinder, HalfSpace, Sphere,
         # expressions of gaits that are plain data

@@ -16,6 +16,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, copied
 from robotraj.dynamics.contacts.force_measure import GRAVITY
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
@@ -66,11 +67,12 @@ class SwingingFoot(OneLine):
 
 
 class FootPoint(NamedTuple):
-    """A point of a frame that touches a ground in some phase."""
+    """A point of a frame that touches a ground in some phase, or the middle of a ball of ``radius`` [m] that does."""
 
     frame: str
     offset: tuple[float, float, float]
     ground: Ground
+    radius: float = 0.0
 
 
 def swings_of(
@@ -110,7 +112,7 @@ def _spots(contact: BoundContact) -> list[FootPoint]:
     ground = contact.contact.ground
     if ground is None:
         return []
-    return [FootPoint(frame, offset, as_ground(ground)) for frame, offset in contact.outline()]
+    return [FootPoint(spot.frame, spot.offset, as_ground(ground), spot.radius) for spot in contact.outline()]
 
 
 def _landing(solution: SolutionLike, index: int) -> set[str]:
@@ -148,7 +150,7 @@ def _followed(
                 places[i, k] = pin.updateFramePlacement(model, data, indices[k]).act(np.array(spot.offset))
         for k, spot in enumerate(spots):
             ground = lowest_below if lowest_below is not None and spot.ground.below else spot.ground
-            heights = np.asarray(ground.gap(list(places[:, k].T)))
+            heights = np.asarray(ground.gap(list(places[:, k].T), spot.radius))
             i = int(np.argmin(np.nan_to_num(heights, nan=-np.inf)))
             lowest[spot.frame] = min(lowest[spot.frame], (float(heights[i]), float(part.times[i])))
     size = reach(model)
@@ -169,7 +171,11 @@ def _passing(planned: PhaseSolutionLike, robot: Robot, spots: Sequence[FootPoint
     """Return the frames that may pass through the ground: by a constraint, or because their legs cannot be bent."""
     phase = planned.phase
     rows = [each for each in phase.constraints if isinstance(each, GroundClearance) and each.height is None]
-    allowed = {spot.frame for spot in spots if any(row.covers(robot, spot.frame, spot.offset) for row in rows)}
+    allowed = {
+        spot.frame
+        for spot in spots
+        if any(row.covers(robot, Spot(spot.frame, spot.offset, spot.radius)) for row in rows)
+    }
     stiff = {spot.frame for spot in spots if phase.contacts and stiff_legged(robot, spot.frame)}
     return allowed | stiff
 

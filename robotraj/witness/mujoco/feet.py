@@ -1,8 +1,9 @@
 """Feet and ground for MuJoCo: shapes, places and stiffness.
 
 A point foot is a small sphere about its contact point, a flat one a thin box, a line a capsule. All have the same
-radius r. The ground is lower by r along its normal, so that each foot touches it at its planned place. A foot that
-turns rolls by at most r times its angle. Each foot collides only with the ground of its contact.
+radius r, by which the radius of an arc grows. The ground is lower by r along its normal, so that each foot touches it
+at its planned place. A foot that turns rolls by at most r times its angle more than planned. Each foot collides only
+with the ground of its contact.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.arc_foot import Rolling
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.dynamics.contacts.line_contact import BoundLineContact
@@ -106,6 +108,8 @@ class Foot:
     friction : float
     grounds : tuple of Ground
         The ground, and the walls that the contact touches in other phases.
+    arc : float
+        Radius of an arc [m], 0 for other feet.
     """
 
     name: str
@@ -115,6 +119,7 @@ class Foot:
     half: tuple[float, ...]
     friction: float
     grounds: tuple[Ground, ...]
+    arc: float = 0.0
 
     def touched(self, at: Array) -> Ground:
         """Return the ground that is nearest to a place (3,) [m]."""
@@ -122,7 +127,7 @@ class Foot:
 
     def size(self, radius: float) -> list[float]:
         """Return the sizes (3,) of MuJoCo's shape; half the height of a box is the radius."""
-        sizes = [*self.half, radius] if self.shape == "BOX" else [radius, *self.half]
+        sizes = [*self.half, radius] if self.shape == "BOX" else [radius + self.arc, *self.half]
         return sizes + [0.0] * (3 - len(sizes))
 
 
@@ -207,7 +212,8 @@ def _foot(course: ReferenceMotion, bound: BoundContact) -> Foot:
         )
     contact = cast("FrictionContact | FlatFoot | ImplicitContact", bound.contact)
     frame, ground = course.robot.frame(bound.frame), as_ground(contact.ground)
-    return Foot(bound.name, frame, pose, shape, half, float(contact.friction), (ground,))
+    arc = bound.spot.radius if isinstance(bound, Rolling) else 0.0
+    return Foot(bound.name, frame, pose, shape, half, float(contact.friction), (ground,), arc)
 
 
 def _partner(course: ReferenceMotion, frame: str, name: str, partners: Mapping[str, str]) -> int:

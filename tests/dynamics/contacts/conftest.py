@@ -13,6 +13,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.contacts.arc_foot import ArcFoot
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.line_contact import LineContact
@@ -63,6 +64,8 @@ class Case:
         x, y, z = frame.position + frame.rotation @ np.array(self.contact.offset)
         bound = self.bind()
         up, axes = np.array([0.1, -0.2, 1.0]), {}
+        if isinstance(self.contact, ArcFoot):
+            return self.on_arc(frame)
         if isinstance(self.contact, FlatFoot):
             axes = {"normal": bound.feet.up, "forward": bound.feet.forward}  # type: ignore[attr-defined]
             up = frame.rotation @ np.array(axes["normal"])
@@ -72,6 +75,23 @@ class Case:
             up = up - (up @ left) * left
         slopes = -up[:2] / up[2]
         ground = rt.terrain.Slope(*slopes, z - slopes @ np.array([x, y]))
+        return replace(self, contact=replace(self.contact, ground=ground, **axes))
+
+    def on_arc(self, frame: Any) -> Case:
+        """Return the case with a ground that the arc touches: along its axis, at the arc's radius from it."""
+        bound: Any = self.bind()
+        up, axes = np.array([0.1, -0.2, 1.0]), {"normal": bound.spot.up}
+        if len(bound.anchors) == 3:
+            left = np.array(bound.along)
+            axes["forward"] = tuple(np.cross(left, bound.spot.up))
+            left = frame.rotation @ left
+            up = up - (up @ left) * left
+        else:
+            up[1] = 0.0
+        up = up / np.linalg.norm(up)
+        place = frame.position + frame.rotation @ np.array(bound.spot.offset) - self.contact.radius * up
+        slopes = -up[:2] / up[2]
+        ground = rt.terrain.Slope(*slopes, place[2] - slopes @ place[:2])
         return replace(self, contact=replace(self.contact, ground=ground, **axes))
 
     def on_wall(self, q: Array) -> Case:
@@ -122,6 +142,14 @@ CASES: dict[str, Callable[[], Case]] = {
     ),
     "edge at its frame, fixed root": lambda: Case(load("talos_legs", "fixed"), LineContact(SOLE, 0.1), 5),
     "toe, planar root": lambda: Case(load("five_link", "planar"), LineContact("left_foot", offset=(0.1, 0, 0)), 2),
+    "arc, planar root": lambda: Case(load("five_link", "planar"), ArcFoot("left_foot", 0.3, 0.4), 2),
+    "arc that leans in its frame, planar root": lambda: Case(
+        load("five_link", "planar"), ArcFoot("left_foot", 0.2, (0.1, 0.2), offset=(0.1, 0, 0), normal=(0.3, 0, 1)), 2
+    ),
+    "arc, floating root": lambda: Case(
+        load("talos_legs", "floating"), ArcFoot(SOLE, 0.25, 0.3, 0.1, offset=(0.02, 0.01, 0.0)), 5
+    ),
+    "arc, fixed root": lambda: Case(load("talos_legs", "fixed"), ArcFoot(SOLE, 0.1, 0.2, 0.1), 5),
     "loop of two points": lambda: Case(load("talos_legs", "floating"), LoopClosure(SOLE, "right_sole_link"), 3),
     "loop of two placements": lambda: Case(
         load("talos_legs", "floating"), LoopClosure(SOLE, "right_sole_link", rigid=True), 6

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import robotraj as rt
+from robotraj.dynamics.contacts.arc_foot import ArcFoot
 from robotraj.dynamics.contacts.cones import Linearised
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.line_contact import LineContact
@@ -51,6 +52,9 @@ ALONE: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: FlatFoot("foot", 0.1, normal=(0, 0, 1), forward=(0, 0, 2)),
         "forward axis of FlatFoot 'foot' is along its normal",
     ),
+    "arc without radius": (lambda: ArcFoot("foot", 0.0, 0.2), "radius of ArcFoot 'foot' is 0"),
+    "arc without length": (lambda: ArcFoot("foot", 0.1, -0.2), "length of ArcFoot 'foot' is -0.2"),
+    "arc on stairs": (lambda: ArcFoot("foot", 0.1, 0.2, ground=lambda x, y: 0.1 * x * x), "rolls on a plane"),
     "edge without width": (lambda: LineContact("foot", 0.0), "width of LineContact 'foot' is 0"),
     "edge without direction": (
         lambda: LineContact("foot", 0.1, direction=(0, 0, 0)),
@@ -96,6 +100,8 @@ BOUND: dict[str, tuple[Any, tuple[str, str], str]] = {
         "do not lie in the plane",
     ),
     "foot on a leg of three joints": (FlatFoot("FL_FOOT", 0.1, 0.1), ("solo12", "fixed"), "holds 6 rows.*3 of them"),
+    "arc without width in space": (ArcFoot(SOLE, 0.1, 0.2), ("talos_legs", "floating"), "ArcFoot .* has no width"),
+    "arc that cannot turn": (ArcFoot("block", 0.1, 0.2), ("block", "fixed"), "moves along the ground and turns"),
     "edge on a leg of three joints": (LineContact("FL_FOOT", 0.1), ("solo12", "fixed"), "holds 5 rows.*3 of them"),
     "point on one joint": (PointContact("left_foot"), ("compass_walker", "fixed"), "holds 2 rows.*1 of them"),
     "frame that stands still": (PointContact("universe"), ("solo12", "floating"), "cannot move up or down"),

@@ -18,6 +18,7 @@ VALUES = [
     ),
     rt.FlatFoot("foot", np.array([0.1, 0.2]), 0.1, sole=rt.contacts.FourCorners(), normal=[0, 0, 2], forward=[1, 0, 0]),
     rt.FlatFoot("foot", 0.2, 0.1, sole=rt.contacts.PressureAndTorsion(rt.contacts.Linearised(6), radius=0.02)),
+    rt.contacts.ArcFoot("foot", 0.1, 0.2, normal=np.array([0.0, 0.0, 2.0])),
     rt.contacts.LineContact("foot", 0.1, direction=np.array([0.0, 3.0, 0.0])),
     rt.contacts.LoopClosure("left", "right", rigid=True),
 ]
@@ -34,7 +35,7 @@ def test_contacts_compare_pickle_and_are_stored_by_value(contact: Any) -> None:
 
 def test_directions_are_kept_as_unit_vectors() -> None:
     assert VALUES[1].normal == (0.0, 0.0, 1.0) and VALUES[1].length == (0.1, 0.2)
-    assert VALUES[3].direction == (0.0, 1.0, 0.0)
+    assert VALUES[3].normal == (0.0, 0.0, 1.0) and VALUES[4].direction == (0.0, 1.0, 0.0)
 
 
 def test_a_bound_contact_travels_to_another_process(case: Any) -> None:
