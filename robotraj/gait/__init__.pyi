@@ -10,6 +10,7 @@ from .contact_orders import orders
 from .crawls import crawl
 from .feet import feet_of, limb_ends
 from .flight import Flight
+from .heel_to_toe import heel_to_toe
 from .leaping.flips import flip
 from .leaping.jumps import jump
 from .mirroring.mirror import mirror
@@ -36,6 +37,7 @@ __all__ = [
     "gap",
     "gait_objective",
     "haste",
+    "heel_to_toe",
     "jump",
     "limb_ends",
     "mirror",

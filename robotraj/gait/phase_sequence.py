@@ -116,7 +116,7 @@ def sequence(
                 end=end if i == len(supports) - 1 else None,
                 objective=costs[i] if terms.objective is None else terms.objective,
                 constraints=rows,
-                contacts=[contacts[foot] for foot in support.feet],
+                contacts=[contact_with(each, margin) for each in support.contacts(terms.contact)],
                 parameters=parameters,
                 states=states,
                 name=support.name,

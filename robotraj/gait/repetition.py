@@ -73,7 +73,7 @@ def repeating(
     if repeat is None:
         repeat = _symmetric_repeat(robot, sides)
     if isinstance(repeat, Periodic):
-        other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side") for p in phases]
+        other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side", p.kinds) for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
         problem = sequence(robot, [*phases, *other], terms, moved, passes=sides)
         _check_legs(robot, problem, phases, parts, sides, terms, length)

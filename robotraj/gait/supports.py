@@ -8,6 +8,7 @@ from typing import TypedDict
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
@@ -15,7 +16,7 @@ from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.gait.bounds.margins import MARGIN
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
-from robotraj.gait.feet import FootKind
+from robotraj.gait.feet import FootKind, foot_contact
 from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.objectives.base import Objective
 
@@ -31,11 +32,20 @@ class Support(OneLine):
     duration : float or (float, float)
         Duration, fixed or bounded [s].
     name : str
+    kinds : tuple of Contact or callable
+        Contact of each of the feet in this phase, such as the heel of one and the toe of another; the gait's own
+        contact of every foot by default.
     """
 
     feet: tuple[str, ...]
     duration: float | Sequence[float] | Between
     name: str
+    kinds: tuple[FootKind, ...] = ()
+
+    def contacts(self, kind: FootKind) -> list[Contact]:
+        """Return the contacts of the phase; ``kind`` is the gait's own."""
+        kinds = self.kinds or (kind,) * len(self.feet)
+        return [foot_contact(each, foot) for each, foot in zip(kinds, self.feet, strict=True)]
 
 
 class GaitOptions(TypedDict, total=False):

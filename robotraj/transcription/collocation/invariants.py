@@ -22,6 +22,8 @@ from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.scalar_table import ScalarTable
 
 if TYPE_CHECKING:
+    from robotraj.dynamics.contacts.base import BoundContact
+    from robotraj.dynamics.variable import Variable
     from robotraj.problem.constraints.bounds import Bounds
     from robotraj.problem.phase import Phase
 
@@ -102,14 +104,42 @@ def _determined(phase: Phase, bounds: Bounds, anchored: Mask | None = None) -> M
 
 
 def _carried(phases: Sequence[Phase], index: int, links: Sequence[BoundLink]) -> Mask:
-    """Return the rows that hold at the start because a link equates it to the end of a phase with these rows."""
+    """Return the rows that hold at the start because a link equates it to the end of a phase with these rows.
+
+    A contact may hold less than that of the same name before, or more, as a sole after its heel: its row along or about
+    an axis is carried if the contact before has a row for this axis.
+    """
     here = phases[index].dae.invariants
     carried = np.zeros(len(here), dtype=bool)
     for carry in (carry for link in links for carry in link.carries if carry.target == index):
-        there = {(row.quantity, row.label) for row in phases[carry.source].dae.invariants}
+        there = {(row.quantity, row.label, _axis(row)) for row in phases[carry.source].dae.invariants}
+        moved = _moved_contacts(phases[carry.source], phases[index]) if not carry.partners else set()
         for i, row in enumerate(here):
-            partner = carry.partners.get(row.label, row.label)
-            carried[i] |= row.quantity in carry.quantities and (row.quantity, partner) in there
+            partner = (row.quantity, carry.partners.get(row.label, row.label), _axis(row))
+            carried[i] |= row.quantity in carry.quantities and partner in there and row.label not in moved
     # The start determines the place of a contact, whose rows have the names of its anchors.
     footholds = {anchor.name for contact in phases[index].bound_contacts for anchor in contact.anchors}
     return carried & ~np.array([row.name in footholds for row in here], dtype=bool)
+
+
+def _axis(row: Variable) -> str:
+    """Return the part of a row's name for its axis, such as ``"x"`` of ``"rate.foot.x"``."""
+    return row.name.rpartition(".")[2]
+
+
+def _moved_contacts(before: Phase, after: Phase) -> set[str]:
+    """Return the contacts that hold another point of their frame than before, and leave the frame free to turn."""
+    old = {contact.name: contact for contact in before.bound_contacts}
+    return {
+        contact.name
+        for contact in after.bound_contacts
+        if contact.name in old
+        and contact.touching != old[contact.name].touching
+        and not any(_holds_attitude(each) for each in (contact, old[contact.name]))
+    }
+
+
+def _holds_attitude(contact: BoundContact) -> bool:
+    """Return whether a contact holds all rotations of its frame: three in space, one in a plane."""
+    lengths = sum(row.unit == "m" for row in contact.holds)
+    return len(contact.holds) - lengths == (3 if lengths == 3 else 1)

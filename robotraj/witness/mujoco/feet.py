@@ -140,13 +140,14 @@ def feet_of(course: ReferenceMotion) -> tuple[Foot, ...]:
         A contact of another kind, or a mirror without the partner of a foot.
     """
     found: dict[str, Foot] = {}
-    for planned in course.phases:
-        for bound in getattr(planned.phase, "bound_contacts", ()):
-            if bound.contact.ground is None:
-                continue
-            foot = found.setdefault(bound.name, _foot(course, bound))
-            if (ground := as_ground(bound.contact.ground)) not in foot.grounds:
-                found[bound.name] = replace(foot, grounds=(*foot.grounds, ground))
+    held = [bound for planned in course.phases for bound in getattr(planned.phase, "bound_contacts", ())]
+    # A sole that rolls over its heel and toe has the shape of the sole in all phases.
+    for bound in sorted(held, key=lambda each: -len(each.holds)):
+        if bound.contact.ground is None:
+            continue
+        foot = found.setdefault(bound.name, _foot(course, bound))
+        if (ground := as_ground(bound.contact.ground)) not in foot.grounds:
+            found[bound.name] = replace(foot, grounds=(*foot.grounds, ground))
     if course.mirrored(1):
         partners = course.closing.partners if course.closing is not None else {}
         for name, foot in tuple(found.items()):

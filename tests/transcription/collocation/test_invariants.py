@@ -69,3 +69,30 @@ def test_a_squat_keeps_its_foot_in_place_at_every_knot(hopper: rt.Robot) -> None
         pin.framesForwardKinematics(hopper.model, data, q)
         places.append(data.oMf[foot].translation.copy())
     assert np.ptp(np.array(places), axis=0).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "imposed"),
+    [
+        ("sole", "toe", set()),
+        ("heel", "sole", {"pitch"}),
+        ("point", "sole", {"pitch"}),
+        ("heel", "toe", {"height", "along"}),
+        ("heel", "heel", set()),
+    ],
+)
+def test_a_contact_imposes_what_the_one_of_its_name_did_not_hold(before: str, after: str, imposed: set[str]) -> None:
+    """Kinds of one contact in two phases of a planar robot: speeds that the first one leaves free are imposed."""
+    robot = rt.load("five_link", root="planar")
+    kinds = {
+        "sole": rt.FlatFoot("left_foot", 0.2),
+        "heel": rt.contacts.LineContact("left_foot", offset=(-0.1, 0.0, 0.0)),
+        "toe": rt.contacts.LineContact("left_foot", offset=(0.1, 0.0, 0.0)),
+        "point": rt.PointContact("left_foot"),
+    }
+    phases = [rt.Phase(robot, 0.2, objective=rt.Effort(), contacts=[kinds[name]]) for name in (before, after)]
+    problem = rt.Problem(phases, [rt.Continuity(0, 1)])
+    rows = [problem.phases[1].dae.invariants[i] for i in start_invariants(problem.phases, 1, problem.bound_links)]
+    names = {"x": "along", "z": "height", "ry": "pitch"}
+    speeds = {names[row.name.rpartition(".")[2]] for row in rows if row.quantity == "contact velocity"}
+    assert speeds == imposed
