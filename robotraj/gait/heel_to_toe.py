@@ -8,8 +8,8 @@ import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import Contact
+from robotraj.dynamics.contacts.edges.line_contact import LineContact
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot, FlatFoot
-from robotraj.dynamics.contacts.line_contact import LineContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction

@@ -1,11 +1,11 @@
 """Contacts: what holds the robot, with which forces. Values, bound to a robot by ``bind``."""
 
-from .arc_foot import ArcFoot
 from .base import BoundContact, Contact
 from .cones import FrictionCone, Linearised, SecondOrder
+from .edges.arc_foot import ArcFoot
+from .edges.line_contact import LineContact
 from .flat_foot import FlatFoot
 from .implicit import ImplicitContact
-from .line_contact import LineContact
 from .loop_closure import LoopClosure
 from .point_contact import PointContact
 from .point_on_frame import Spot

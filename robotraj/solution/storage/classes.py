@@ -18,11 +18,11 @@ import numpy as np
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.applied_forces.external_force import ExternalForce
 from robotraj.dynamics.applied_forces.thruster import Thruster
-from robotraj.dynamics.contacts.arc_foot import ArcFoot
 from robotraj.dynamics.contacts.cones import Linearised, SecondOrder
+from robotraj.dynamics.contacts.edges.arc_foot import ArcFoot
+from robotraj.dynamics.contacts.edges.line_contact import LineContact
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
 from robotraj.dynamics.contacts.implicit import ImplicitContact
-from robotraj.dynamics.contacts.line_contact import LineContact
 from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.contacts.point_on_frame import Spot

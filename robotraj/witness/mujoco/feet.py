@@ -19,10 +19,10 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.arc_foot import Rolling
+from robotraj.dynamics.contacts.edges.arc_foot import Rolling
+from robotraj.dynamics.contacts.edges.line_contact import BoundLineContact
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
-from robotraj.dynamics.contacts.line_contact import BoundLineContact
 from robotraj.dynamics.contacts.point_contact import BoundPointContact
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground

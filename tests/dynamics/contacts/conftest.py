@@ -13,10 +13,10 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.dynamics.contacts.arc_foot import ArcFoot
 from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.contacts.edges.arc_foot import ArcFoot
+from robotraj.dynamics.contacts.edges.line_contact import LineContact
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
-from robotraj.dynamics.contacts.line_contact import LineContact
 from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.contacts.soles import FourCorners

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 import robotraj as rt
-from robotraj.dynamics.contacts.arc_foot import ArcFoot
 from robotraj.dynamics.contacts.cones import Linearised
+from robotraj.dynamics.contacts.edges.arc_foot import ArcFoot
+from robotraj.dynamics.contacts.edges.line_contact import LineContact
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
-from robotraj.dynamics.contacts.line_contact import LineContact
 from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.contacts.soles import PressureAndTorsion

@@ -12,8 +12,8 @@ from scipy.optimize import linprog
 
 import robotraj as rt
 from robotraj.dynamics.contacts.cones import Linearised, SecondOrder
+from robotraj.dynamics.contacts.edges.line_contact import LineContact
 from robotraj.dynamics.contacts.flat_foot import FlatFoot
-from robotraj.dynamics.contacts.line_contact import LineContact
 from robotraj.dynamics.contacts.loop_closure import LoopClosure
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.dynamics.contacts.soles import FourCorners, PressureAndTorsion, Rectangle

@@ -23,10 +23,10 @@ from robotraj.dynamics.contacts.base import (
     share_kept,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.edges.line_contact import BoundLineContact, EdgeContact, bind_edge
 from robotraj.dynamics.contacts.flat_foot import sole_length
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
 from robotraj.dynamics.contacts.footing import BoundFoothold
-from robotraj.dynamics.contacts.line_contact import BoundLineContact, EdgeContact, bind_edge
 from robotraj.dynamics.contacts.mobility import mobility
 from robotraj.dynamics.contacts.point_contact import BoundPointContact, bind_point
 from robotraj.dynamics.contacts.point_on_frame import RollingSpot, Spot, Triple, offset_of
