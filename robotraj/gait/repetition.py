@@ -43,6 +43,7 @@ def repeating(
     terms: GaitTerms,
     repeat: Mirror | Periodic | None,
     length: float,
+    steps: int = 1,
 ) -> Problem:
     """Return a gait that repeats: half of it, closed by its mirror image, or both halves, closed by ``Periodic``.
 
@@ -60,6 +61,8 @@ def repeating(
         None chooses ``Mirror``, or ``Periodic`` if the shape, the inertia or the limits are not symmetric.
     length : float
         Displacement along x in one half [m].
+    steps : int
+        Number of ``step_length=`` in it, for messages.
 
     Raises
     ------
@@ -68,7 +71,7 @@ def repeating(
         reach.
     """
     check_options(repeat, terms.upright)
-    check_step(robot, phases, length)
+    check_step(robot, phases, length, steps)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     if repeat is None:
         repeat = _symmetric_repeat(robot, sides)
@@ -76,7 +79,7 @@ def repeating(
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side", p.kinds) for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
         problem = sequence(robot, [*phases, *other], terms, moved, passes=sides)
-        _check_legs(robot, problem, phases, parts, sides, terms, length)
+        _check_legs(robot, problem, phases, parts, sides, terms, length, steps)
         return _in_shares(problem, [*parts, *parts])
     both = repeat.partner_of
     for foot in sides:
@@ -86,7 +89,7 @@ def repeating(
                 "rt.gait.mirror(robot, partners=...)."
             )
     problem = sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground))
-    _check_legs(robot, problem, phases, parts, sides, terms, length)
+    _check_legs(robot, problem, phases, parts, sides, terms, length, steps)
     return _in_shares(problem, parts)
 
 
@@ -98,17 +101,18 @@ def _check_legs(
     sides: Mapping[str, str],
     terms: GaitTerms,
     length: float,
+    steps: int,
     whole: bool = False,
 ) -> None:
     """Refuse a gait whose phases in one half are too fast for the legs, or in which they cannot carry the robot.
 
-    The phases and the length are those of a ``whole`` stride where no half is mirrored.
+    The phases, the length and the steps are those of a ``whole`` stride where no half is mirrored.
     """
     stance = BalancedStance(robot, tuple(foot_contact(terms.contact, foot).bound_to(robot) for foot in sides))
     posture, margin = standing(stance), checked_margin(terms.margin)
     spans = [phase.duration_bounds for phase in problem.phases[: len(phases)]]
     half, time = 0.5 if whole else 1.0, sum(longest for _, longest in spans)
-    check_speed(robot, phases, parts, sides, half * length, half * time, posture, margin)
+    check_speed(robot, phases, parts, sides, half * length, half * time, posture, margin, half * steps)
     check_weight(robot, phases, spans, list(sides), posture, greatest_friction(stance), margin)
 
 
@@ -119,10 +123,11 @@ def whole_stride(
     terms: GaitTerms,
     repeat: Mirror | Periodic | None,
     length: float,
+    steps: int,
 ) -> Problem:
     """Return a gait of a whole stride without a mirrored half, closed by ``Periodic``.
 
-    Parameters are those of ``repeating``; ``phases`` and ``length`` are those of the stride.
+    Parameters are those of ``repeating``; ``phases``, ``length`` and ``steps`` are those of the stride.
 
     Raises
     ------
@@ -135,12 +140,12 @@ def whole_stride(
             "repeat= is a mirror, but the second half of groups= is not the first half on the other side; give "
             "rt.Periodic(), or groups of which it is."
         )
-    check_step(robot, phases, length)
+    check_step(robot, phases, length, steps)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     feet = dict.fromkeys(foot for phase in phases for foot in phase.feet)
     moved = _moved(robot, feet, repeat or Periodic(), length, terms.ground)
     problem = sequence(robot, phases, terms, moved, passes={})
-    _check_legs(robot, problem, phases, parts, {foot: foot for foot in feet}, terms, length, whole=True)
+    _check_legs(robot, problem, phases, parts, {foot: foot for foot in feet}, terms, length, steps, whole=True)
     return _in_shares(problem, parts)
 
 

@@ -124,8 +124,8 @@ def walk(
     terms = GaitTerms(contact, clearance, objective, upright, ground, sides, margin)
     shares, far = parts * len(planned), length * len(planned)
     if mirrored:
-        return repeating(robot, phases, shares, across, terms, repeat, far)
-    return whole_stride(robot, phases, shares, terms, repeat, far)
+        return repeating(robot, phases, shares, across, terms, repeat, far, len(planned))
+    return whole_stride(robot, phases, shares, terms, repeat, far, len(planned))
 
 
 def run(

@@ -22,7 +22,7 @@ LOW = 0.1
 """Part of the length of a leg that a message names as a clearance that would do."""
 
 
-def check_step(robot: Robot, phases: Sequence[Support], length: float) -> None:
+def check_step(robot: Robot, phases: Sequence[Support], length: float, steps: float = 1.0) -> None:
     """Refuse a step during which a foot stands, but whose leg is shorter than half the step.
 
     Parameters
@@ -31,7 +31,9 @@ def check_step(robot: Robot, phases: Sequence[Support], length: float) -> None:
     phases : sequence of Support
         Phases of one step.
     length : float
-        Displacement of the root in one step [m].
+        Displacement of the root in these phases [m].
+    steps : float
+        Number of ``step_length=`` in it.
 
     Raises
     ------
@@ -43,9 +45,10 @@ def check_step(robot: Robot, phases: Sequence[Support], length: float) -> None:
     if not lengths or abs(length) <= 2.0 * max(lengths.values()):
         return
     foot = max(lengths, key=lambda each: lengths[each])
-    most = 2.0 * lengths[foot]
+    most, step = 2.0 * lengths[foot] / steps, abs(length) / steps
+    meanwhile = "meanwhile" if steps == 1 else f"for {steps:g} of them"
     raise InputError(
-        f"The step is {abs(length):.3g} m long, but {foot!r} stands in place meanwhile, and the leg of {robot.name!r} "
+        f"The step is {step:.3g} m long, but {foot!r} stands in place {meanwhile}, and the leg of {robot.name!r} "
         f"is {lengths[foot]:.3g} m long: a step is {most:.3g} m at most. "
         f"step_length={np.sign(length) * MODEST * most:.2g} would do, at a duration= that the joint speeds allow."
     )

@@ -45,6 +45,7 @@ def check_speed(
     time: float,
     standing: Array,
     margin: float,
+    steps: float = 1.0,
 ) -> None:
     """Refuse a gait that is faster than the joint speeds of the legs allow.
 
@@ -65,6 +66,8 @@ def check_speed(
         Standing configuration.
     margin : float
         Share of the speeds that the plan keeps back.
+    steps : float
+        Number of ``step_length=`` in the length, for the message.
 
     Raises
     ------
@@ -91,7 +94,7 @@ def check_speed(
     raise InputError(
         f"The gait moves at {speed:.3g} m/s, {abs(length):.3g} m in {time:.3g} s. By the velocity limits of the joints "
         f"of its leg, {feet[f]!r} of {robot.name!r} allows {bounds[f]:.2g} m/s at most with such steps. "
-        f"step_length={np.sign(length) * step:.2g} with duration={max(slowest, natural):.2g} would do."
+        f"step_length={np.sign(length) * step / steps:.2g} with duration={max(slowest, natural) / steps:.2g} would do."
     )
 
 

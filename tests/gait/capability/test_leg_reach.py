@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import robotraj as rt
@@ -21,6 +23,21 @@ def test_a_step_of_more_than_two_legs_is_refused_with_one_that_would_do(way: flo
     ):
         rt.gait.trot(robot, step_length=1.2 * way, duration=0.4)
     rt.gait.trot(robot, step_length=1.0 * way, duration=0.4)
+
+
+def test_a_step_of_one_group_of_four_is_a_quarter_of_the_stride() -> None:
+    """A foot stands while two others swing, so that each of these steps is half as long as one of a trot."""
+    robot = rt.load("go2", root="floating")
+    single = [("RL_foot",), ("FL_foot",), ("RR_foot",), ("FR_foot",)]
+    with pytest.raises(rt.InputError, match=r"stands in place for 2 of them.*0.521 m.*a step is 0.521 m.*=0.26 would"):
+        rt.gait.walk(robot, groups=single, step_length=0.7, duration=0.4)
+    with pytest.raises(rt.InputError, match="with duration") as refusal:
+        rt.gait.walk(robot, groups=single, step_length=0.3, duration=0.03)
+    words = re.search(r"step_length=(\S+) with duration=(\S+) would", str(refusal.value))
+    assert words is not None
+    length, duration = (float(each) for each in words.groups())
+    assert length < 0.1
+    rt.gait.walk(robot, groups=single, step_length=length, duration=duration)
 
 
 def test_a_flight_lengthens_a_step() -> None:

@@ -131,7 +131,7 @@ class Rod:
 def test_other_contacts_are_refused(monopod):
     q = standing(monopod, "foot", [0.0, 0.0, 0.0])
     course = ReferenceMotion(resting(monopod, [rt.PointContact("foot")], q))
-    course.phases[0].phase.bound_contacts = (SimpleNamespace(name="rod", contact=Rod(), frame="foot"),)
+    course.phases[0].phase.bound_contacts = (SimpleNamespace(name="rod", contact=Rod(), frame="foot", holds=()),)
     with pytest.raises(InputError, match="Rod 'rod' cannot be simulated in MuJoCo"):
         feet_of(course)
 
