@@ -37,6 +37,7 @@ def test_each_foot_stands_on_its_heel_then_its_sole_then_its_toe(walk: rt.Proble
     assert [phase.duration for phase in walk.phases] == pytest.approx([0.16, 0.32, 0.32])
 
 
+@pytest.mark.filterwarnings("ignore:The inertia of")
 def test_soles_and_shares_are_asked_for(robot: rt.Robot) -> None:
     with pytest.raises(rt.InputError, match="needs soles, but contact= gives PointContact"):
         rt.gait.heel_to_toe(robot, step_length=0.3, duration=0.8, contact=rt.PointContact)
