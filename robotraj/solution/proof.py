@@ -70,6 +70,9 @@ class Proof(OneLine):
     friction : float
         Share of the objective that the smooth law of dry friction leaves out of Coulomb's
         (``planning.proving.friction_left_out``).
+    deviation : float
+        How far a machine with Coulomb's friction leaves the plan, relative to what ``rt.validate`` allows; 0 where it
+        was not simulated, since hardly any friction is left out.
     """
 
     error: float
@@ -80,11 +83,13 @@ class Proof(OneLine):
     shortfall: float = 0.0
     roughness: float = 0.0
     friction: float = 0.0
+    deviation: float = 0.0
 
     @property
     def motion_holds(self) -> bool:
         """Whether the plan is a motion within its limits, whether or not its objective has settled."""
-        return self.error <= self.goals.error and self.excess <= self.goals.excess and self.shortfall <= 0.0
+        within = self.error <= self.goals.error and self.excess <= self.goals.excess
+        return within and self.shortfall <= 0.0 and self.deviation <= 1.0
 
     @property
     def holds(self) -> bool:
@@ -103,6 +108,8 @@ class Proof(OneLine):
         error, excess = self.error / self.goals.error, self.excess / self.goals.excess
         if max(error, excess) <= 1.0 and self.shortfall > 0.0:
             return f"a distance falls short by {self.shortfall:.1e} m"
+        if max(error, excess) <= 1.0 and self.deviation > 1.0:
+            return f"with Coulomb's friction the robot leaves the plan by {self.deviation:.2g} times what is allowed"
         if error >= excess:
             return f"the error of the motion is {self.error:.1e} (allowed {self.goals.error:.0e})"
         return f"the excess over limits is {self.excess:.1e} (allowed {self.goals.excess:.0e})"
@@ -115,6 +122,8 @@ class Proof(OneLine):
             more = (*more, Lack("teeth of a control, of its limit", self.roughness, SMOOTH))
         if self.friction > 0.0:
             more = (*more, Lack("dry friction left out by the smooth law", self.friction, FRICTION))
+        if self.deviation > 1.0:
+            more = (*more, Lack("deviation with Coulomb's friction, of the allowed one", self.deviation, 1.0))
         return (
             Lack("error of the motion", self.error, self.goals.error),
             Lack("excess over limits", self.excess, self.goals.excess),

@@ -21,6 +21,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.proof import FRICTION
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
+from robotraj.solvers.status import Status
 
 LEAST, MOST = 0.3, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
@@ -49,6 +50,7 @@ class SharpFriction:
     def __init__(self, settings: Settings, apart: KeptApart) -> None:
         self._settings, self._apart = settings, apart
         self._factor, self._step = LEAST, 0
+        self._known: tuple[object, float] = None, 0.0
 
     def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the plan with a smaller v_s where the law of a proved plan leaves out too much friction."""
@@ -56,12 +58,12 @@ class SharpFriction:
             return None
         if dropped is not None:
             self._factor **= 0.5
-            if self._factor > GENTLEST or deviation_of(found) <= 1.0:
+            if self._factor > GENTLEST or self._deviation(found) <= 1.0:
                 return None
         missing = friction_left_out(found)
         over = missing.objective / (AIM * FRICTION)
         if over <= 1.0:
-            deviation = 0.0 if missing.impulse <= FRICTION else deviation_of(found)
+            deviation = 0.0 if missing.impulse <= FRICTION else self._deviation(found)
             if deviation <= 1.0:
                 return None
             over = deviation / AIM
@@ -83,10 +85,24 @@ class SharpFriction:
         return True
 
     def judged(self, found: Solution) -> Solution:
-        """Return a solution whose proof has the share of friction that is left out."""
+        """Return a solution whose proof has the share of friction that is left out.
+
+        Where that is not little, the proof holds only if a machine with Coulomb's friction follows the plan.
+        """
         if found.proof is None or not _has_friction(found):
             return found
-        return replace(found, proof=replace(found.proof, friction=friction_left_out(found).objective))
+        missing = friction_left_out(found)
+        proof = replace(found.proof, friction=missing.objective)
+        if proof.holds and max(missing.objective, missing.impulse) > FRICTION:
+            proof = replace(proof, deviation=self._deviation(found))
+        refused = found.status is Status.SOLVED and proof.deviation > 1.0
+        return replace(found, proof=proof, status=Status.NOT_PROVED if refused else found.status)
+
+    def _deviation(self, found: Solution) -> float:
+        """Return ``deviation_of`` a solution, which is simulated once."""
+        if self._known[0] is not found.phases:
+            self._known = found.phases, deviation_of(found)
+        return self._known[1]
 
 
 def _has_friction(found: Solution) -> bool:

@@ -86,8 +86,10 @@ def test_the_width_falls_by_less_after_a_plan_that_fails_unless_the_machine_foll
     monkeypatch.setattr(prove, "_run", failing)
     monkeypatch.setattr(sharp_friction, "deviation_of", lambda found: 0.5 if follows else 2.0)
     ends = rt.State(q=[0], v=0), rt.State(q=[0.2], v=0)
-    plan = rt.plan(rt.Phase(mass(tmp_path, 4.0, 0.5, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()))
+    plan = rt.plan(rt.Phase(mass(tmp_path, 4.0, 0.5, 100, 100, "1 0 0"), 2.0, *ends, rt.Effort()), check=False)
     assert plan.proof is not None and plan.proof.friction > FRICTION
+    assert plan.proof.holds == plan.success == follows
+    assert ("Coulomb's friction" in str(plan.cause)) == (not follows)
     assert np.array(widths) / 0.5 == pytest.approx(np.array(factors), rel=1e-5)
 
 
