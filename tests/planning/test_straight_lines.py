@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -207,21 +206,6 @@ def test_the_reactor_converges_from_the_straight_line() -> None:
     # CTDirect gives 5.45.
     solution = rt.plan(algal_bacterial(), rt.Mesh(200, rt.HermiteSimpson()), time_limit=30.0)
     assert solution.objective == pytest.approx(-5.45, abs=0.01)
-
-
-def test_the_other_solver_is_tried_at_the_iteration_limit_of_the_default(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = rt.Ipopt.solve
-
-    def exhausted(self: rt.Ipopt, *arguments: Any) -> Any:
-        return replace(plain(self, *arguments), status=Status.ITERATION_LIMIT)
-
-    monkeypatch.setattr(rt.Ipopt, "solve", exhausted)
-    mesh = rt.Mesh(20)
-    found = rt.plan(free_flyer(), mesh, solver=rt.Ipopt())
-    assert "IPOPT ended at its iteration limit" in found.message
-    # A limit of the user's own ends the plan.
-    limited = rt.plan(free_flyer(), mesh, solver=rt.Ipopt(max_iterations=500), check=False)
-    assert limited.status is Status.ITERATION_LIMIT
 
 
 def test_a_standing_robot_cannot_end_a_full_turn_away() -> None:

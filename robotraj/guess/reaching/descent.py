@@ -61,16 +61,14 @@ def descended(
     error, slopes = errors(q)
     size = np.linalg.norm(error, axis=1)
     first = np.square(slopes).sum(axis=2).max(axis=1, initial=0.0)
-    damping, active = DAMPING * first, (size > ROUND_OFF) & (first > 0.0)
+    # Errors without slopes stay as they are; their damping only keeps the equations of all regular.
+    damping, active = DAMPING * np.where(first > 0.0, first, 1.0), (size > ROUND_OFF) & (first > 0.0)
     for _ in range(steps):
         if not active.any():
             break
         along = np.einsum("mrv,mr->mv", slopes, error)
         step = _step(slopes * _free(q, along, bounds)[:, None], error, damping)
-        ahead = (
-            q + step if model is None else np.array([pin.integrate(model, *each) for each in zip(q, step, strict=True)])
-        )
-        trial = np.clip(ahead, *bounds)
+        trial = np.clip(_moved(model, q, step), *bounds)
         error_there, slopes_there = errors(trial)
         size_there = np.linalg.norm(error_there, axis=1)
         better = active & (size_there < size)

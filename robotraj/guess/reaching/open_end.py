@@ -77,11 +77,10 @@ class OpenEnd:
             return found
         found = self._turned(found, near)
         found = found[np.argsort(self.seconds(near, found))]
-        clear = self._is_clear(found)
-        found, some = (found[clear], True) if clear.any() else (found, False)
         pulled = self._pulled(found, near)
-        kept = self._is_clear(pulled) | (not some)
-        return np.where(kept[:, None], pulled, found)
+        clear, still = self._is_clear(found), self._is_clear(pulled)
+        found, some = np.where((still | ~clear)[:, None], pulled, found), still | clear
+        return np.asarray(found[some]) if some.any() else found
 
     def _is_clear(self, q: Array) -> NDArray[np.bool_]:
         """Whether configurations (m, nq) are clear of obstacles, and no links of the robot overlap, (m,)."""

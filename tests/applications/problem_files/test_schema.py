@@ -46,7 +46,7 @@ def test_public_classes_of_a_problem_may_be_named(namespace: object) -> None:
 
 
 def test_every_function_that_writes_a_gait_may_be_named() -> None:
-    moving = {"walk", "run", "trot", "crawl", "turn", "sidestep", "stairs", "gap", "start_stop", "steps"}
+    moving = {"walk", "run", "trot", "crawl", "turn", "sidestep", "stairs", "gap", "start_stop", "steps", "heel_to_toe"}
     assert moving | {"jump", "flip"} == set(GAITS)
 
 
