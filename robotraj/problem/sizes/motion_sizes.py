@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.system import SystemDynamics
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable, phase_symbols
@@ -60,7 +61,7 @@ class MotionSizes:
         control is at least as large as what moves a state of a System by its size in the duration.
         """
         dae = table.dae
-        of_states = state_sizes([v.unit for v in dae.states], x)
+        of_states = state_sizes(units_of_states(dae.states), x)
         of_others = [
             state_sizes([v.unit for v in kind], np.vstack([values, np.zeros((1, len(kind)))]))
             for kind, values in ((dae.algebraic, z), (dae.controls, u))
@@ -98,6 +99,14 @@ class MotionSizes:
                         moved[i][..., j] += sign * step
                         changes += np.abs(evaluate(rows, t, *moved) - here)
         return changes / (2.0 * STEP)
+
+
+def units_of_states(states: Sequence[Variable]) -> list[str]:
+    """Return the units by which states are alike.
+
+    The entries of a quaternion change by half the angle of a rotation.
+    """
+    return [state.unit or ("rad" if state.quantity == "position" else "") for state in states]
 
 
 def same_variables(phases: Sequence[Phase], phase: Phase) -> list[int]:

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from robotraj._util.polynomials import gauss
 from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.problem.sizes.motion_sizes import units_of_states
 from robotraj.robot.size.state_sizes import ROUNDING, state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
@@ -151,9 +152,8 @@ def interval_errors(
 
 def sizes_of(phase: Phase, trajectories: Sequence[PhaseTrajectory]) -> Array:
     """Return the sizes of the states along the trajectories of phases with the same states, (nx,)."""
-    # The entries of a quaternion change by half the angle of a rotation.
-    units = [state.unit or ("rad" if state.quantity == "position" else "") for state in phase.dae.states]
-    return state_sizes(units, np.vstack([values for each in trajectories for values in each.x.values]))
+    moved = np.vstack([values for each in trajectories for values in each.x.values])
+    return state_sizes(units_of_states(phase.dae.states), moved)
 
 
 def state_errors(
