@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -156,17 +155,3 @@ class Row(OneLine):
     def shown(self, value: float) -> float:
         """Return a value or a bound of the row as reports state it [shown_unit]."""
         return value if self.measure is None else self.measure.of(value)
-
-
-def changes_of(rows: Sequence[Row], peaks: Sequence[float]) -> list[float]:
-    """Return by what a motion changes the variables of rows, from their largest absolute values.
-
-    That of a variable which is held at 0 is an error, so the largest one of its unit counts in its place.
-    """
-    largest: dict[str, float] = {}
-    for row, peak in zip(rows, peaks, strict=True):
-        largest[row.unit] = max(largest.get(row.unit, 0.0), peak)
-    return [
-        largest[row.unit] if row.is_equality and row.greatest_bound == 0.0 else peak
-        for row, peak in zip(rows, peaks, strict=True)
-    ]

@@ -48,11 +48,11 @@ class AtPoints(NamedTuple):
         return self.solution.success or self.solution.status is Status.INTERRUPTED
 
     def after(self, spent: Solution) -> AtPoints:
-        """Return the attempt with the effort of an earlier solve, too."""
+        """Return the same with the effort of an earlier solve, too."""
         return self._replace(solution=with_effort_of(spent, self.solution))
 
     def changed(self, **changes: object) -> AtPoints:
-        """Return the attempt with changes of its solution."""
+        """Return the same with changes of its solution."""
         return self._replace(solution=replace(self.solution, **changes))  # type: ignore[arg-type]
 
 

@@ -122,7 +122,7 @@ def other_end(phase: rt.Phase) -> rt.Phase:
 ROBOTS = ("ur5", "ur5, 20 s", "crane", "stage", "watch", "cartpole", "two phases")
 QUICK = ("crane", "stage")
 STIFF = ("ur5, 20 s", "two phases")
-"""Plans whose feedback is stiff in degrees: its simulation takes up to 40 s, and tells no more than that of ur5."""
+"""Plans whose feedback is stiff in degrees: its simulation takes up to 40 s, and judges the same as that of ur5."""
 CASES = [
     pytest.param(name, lie, marks=[] if name in QUICK else [pytest.mark.slow])
     for name in ROBOTS

@@ -81,3 +81,17 @@ class Linearised(FrictionCone):
         reach = friction * float(np.cos(np.pi / self.faces)) * normal
         angles = [(2 * k + 1) * np.pi / self.faces for k in range(self.faces)]
         return [reach - float(np.cos(angle)) * first - float(np.sin(angle)) * second for angle in angles]
+
+
+def checked_cone(cone: object, what: str) -> None:
+    """Check that the cone of ``what`` is one.
+
+    Raises
+    ------
+    InputError
+        It is no ``FrictionCone``.
+    """
+    if not isinstance(cone, FrictionCone):
+        raise InputError(
+            f"The cone of {what} is {cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
+        )

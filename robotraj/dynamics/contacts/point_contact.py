@@ -25,7 +25,7 @@ from robotraj.dynamics.contacts.base import (
     share_kept,
     spread,
 )
-from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
 from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import AXES, mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
@@ -108,10 +108,7 @@ class PointContact(FrictionContact):
         what = f"PointContact {self.label!r}"
         checked_name(self.name, what)
         friction_coefficient(self.friction, what)
-        if not isinstance(self.cone, FrictionCone):
-            raise InputError(
-                f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
-            )
+        checked_cone(self.cone, what)
         keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 

@@ -9,11 +9,10 @@ from itertools import product
 
 import numpy as np
 
-from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import positive
-from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
 from robotraj.dynamics.variable import Scalar
 
 
@@ -97,10 +96,7 @@ class PressureAndTorsion(Sole):
     radius: float | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.cone, FrictionCone):
-            raise InputError(
-                f"The cone of a sole is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
-            )
+        checked_cone(self.cone, "a sole")
         if self.radius is not None:
             positive(self.radius, "radius of a sole's torsion", "m")
 

@@ -1,4 +1,4 @@
-"""What a plan is compared with after its loop: each correction says how to plan next, and what is left in the end."""
+"""Comparisons of a plan after its loop: the next plan that follows from each, and what a last one still lacks."""
 
 from __future__ import annotations
 

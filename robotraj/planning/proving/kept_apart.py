@@ -109,7 +109,7 @@ class KeptApart:
             return None
         if self._among_spheres is not None:
             if dropped is None:
-                # Overlaps of links that spheres do not tell apart are left to rows along the motion, from the start.
+                # Spheres around some links always overlap; rows along the motion keep these apart. All begins anew.
                 self._plain, self._problem, self._seed = (self._problem, self._open), self._among_spheres, 0
             self._among_spheres = None
         if dropped is None:

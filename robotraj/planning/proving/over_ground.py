@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj.dynamics.contacts.point_on_frame import Spot
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.proving.correction import PlanAttempt, short_of
@@ -31,9 +32,6 @@ from robotraj.solution.violation import Violation
 
 if TYPE_CHECKING:
     from robotraj.witness.contacts.links_over_ground import LinkDepth
-
-Spot: TypeAlias = "tuple[str, tuple[float, float, float]]"
-"""A frame and a point fixed in it [m]."""
 
 ROUNDS = 4
 """Largest number of plans with further points; a link that turns rolls onto others."""
@@ -73,8 +71,8 @@ class AboveGround:
         return again.proof is not None and again.proof.holds
 
     def allows(self, again: Solution) -> bool:
-        """Whether no link is below the ground."""
-        return not _below(again)
+        """Whether no link is below the ground; before its own turn, rows for low links are still to come."""
+        return self._round == 0 or not _below(again)
 
     def judged(self, found: Solution) -> Solution:
         """Return a solution whose proof does not hold where links are below the ground."""
@@ -138,4 +136,4 @@ def _lowest_points(part: PhaseSolution, low: LinkDepth, ground: Ground) -> list[
         for point in shape.lowest(place[0][is_near], place[1][is_near], ground):
             if all(np.linalg.norm(point - other) > near for other in chosen):
                 chosen.append(point)
-    return [(low.link, tuple(frame.actInv(point).tolist())) for point in chosen]
+    return [Spot(low.link, tuple(frame.actInv(point).tolist())) for point in chosen]

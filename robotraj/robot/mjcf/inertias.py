@@ -1,6 +1,6 @@
 """Masses and inertias of bodies of an MJCF file that are those of its shapes.
 
-MuJoCo takes them from the shapes where a body has no ``<inertial>``, or where ``inertiafromgeom`` says so. Pinocchio's
+MuJoCo takes them from the shapes where a body has no ``<inertial>``, or where ``inertiafromgeom`` is true. Pinocchio's
 reader does it, too, but takes 1 kg for a mesh, nothing for a shape between two ends, and no mass of a default class.
 Each body is therefore given its ``<inertial>``.
 

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.row import changes_of
 from robotraj.problem.augmentation import FRICTIONLESS
 from robotraj.problem.constraints.motors.rates import RateLimit
 from robotraj.problem.phase_row import Kind, PhaseRow
@@ -300,8 +299,7 @@ def _sizes(
     """
     peaks = np.abs(values).max(axis=(0, 1))
     if not isinstance(reader, Expressions):
-        changes = changes_of(rows, peaks.tolist())
-        own = np.array([row.size_in(change) for row, change in zip(rows, changes, strict=True)])
+        own = np.array([row.size_in(float(peak)) for row, peak in zip(rows, peaks, strict=True)])
         return np.broadcast_to(own, (len(values), len(rows)))
     sizes = np.tile([row.size for row in rows], (len(values), 1))
     near = _may_exceed(seen, bends, np.broadcast_to(ROUNDING * peaks, sizes.shape)) & reader.given

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj.dynamics.row import Row, changes_of
+from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.objectives.base import Integral
 from robotraj.solution.violation import Violation
@@ -70,8 +70,8 @@ def violations_of(
     of_rows = RowSizes(planned, phases or [planned])
     for constraint, watches in throughout:
         of_rows.measure(constraint, watches)
-    for watch, change in zip(watched, changes_of([w.row for w in watched], [w.peak for w in watched]), strict=True):
-        watch.size = watch.row.size_in(change)
+    for watch in watched:
+        watch.size = watch.row.size_in(watch.peak)
     at_ends = [*_scalars(planned)]
     for side, where in ((0, Where.START), (-1, Where.END)):
         at_ends += _at_end(planned, bound, sizes, of_rows, side, where)

@@ -22,7 +22,7 @@ from robotraj.dynamics.contacts.base import (
     positive,
     share_kept,
 )
-from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
 from robotraj.dynamics.contacts.edges.line_contact import BoundLineContact, EdgeContact, bind_edge
 from robotraj.dynamics.contacts.flat_foot import sole_length
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
@@ -107,10 +107,7 @@ class ArcFoot(EdgeContact):
         keep(self, length=sole_length(self.length, f"length of {what}"))
         if self.width is not None:
             keep(self, width=positive(self.width, f"width of {what}", "m"))
-        if not isinstance(self.cone, FrictionCone):
-            raise InputError(
-                f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
-            )
+        checked_cone(self.cone, what)
         for axis in ("normal", "forward"):
             if (given := getattr(self, axis)) is not None:
                 keep(self, **{axis: unit(given, f"{axis} axis of {what}")})

@@ -24,7 +24,7 @@ from robotraj.dynamics.contacts.base import (
     positive,
     share_kept,
 )
-from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder
+from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
 from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
@@ -109,10 +109,7 @@ class LineContact(EdgeContact):
         friction_coefficient(self.friction, what)
         if self.width is not None:
             positive(self.width, f"width of {what}", "m")
-        if not isinstance(self.cone, FrictionCone):
-            raise InputError(
-                f"The cone of {what} is {self.cone!r}; give rt.contacts.SecondOrder() or rt.contacts.Linearised(faces)."
-            )
+        checked_cone(self.cone, what)
         keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         if self.direction is not None:
             keep(self, direction=unit(self.direction, f"direction of {what}"))
