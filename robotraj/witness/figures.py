@@ -162,6 +162,8 @@ class Figures(OneLine):
     moves_robot, avoids_collisions, has_friction : bool
         Whether a phase moves a robot, and not a System; whether a phase has a ``CollisionFree``; whether a joint has
         dry friction.
+    keeps_smooth_law : bool
+        Whether a robot with a free root has dry friction, whose plan is not made by Coulomb's law.
     clearances : tuple of Clearance
         Smallest distance of the exact shapes for every ``CollisionFree``.
     self_collisions : tuple of Clearance
@@ -209,6 +211,7 @@ class Figures(OneLine):
     moves_robot: bool = False
     avoids_collisions: bool = False
     has_friction: bool = False
+    keeps_smooth_law: bool = False
     clearances: tuple[Clearance, ...] = ()
     self_collisions: tuple[Clearance, ...] = ()
     own_distances: tuple[Clearance, ...] = ()

@@ -35,7 +35,7 @@ from robotraj.witness.report import Report
 from robotraj.witness.robustness.followed import Followed
 from robotraj.witness.robustness.followed import followed as follow
 from robotraj.witness.simulation.closed_loop import closed_loop_of
-from robotraj.witness.simulation.coulomb import coulomb_drift, has_dry_friction
+from robotraj.witness.simulation.coulomb import coulomb_drift, has_dry_friction, keeps_smooth_law
 from robotraj.witness.simulation.local_error import local_errors
 from robotraj.witness.simulation.open_loop import open_loop
 
@@ -256,6 +256,7 @@ def validate(
         proof=solution.proof,
         moves_robot=bool(robots),
         has_friction=any(map(has_dry_friction, phases)),
+        keeps_smooth_law=any(map(keeps_smooth_law, phases)),
         avoids_collisions=any(each.avoids_collisions for p in robots for each in p.phase.constraints),
         clearances=tuple(each for nearest, _, _ in distances for each in nearest),
         self_collisions=tuple(each for body in bodies for each in body.overlaps),

@@ -37,8 +37,9 @@ class CollisionFree(Constraint):
     obstacles : sequence of Obstacle
         ``rt.obstacles.Box((0.2, 0.2, 0.4), position=(0.5, 0, 0.2))``, in the world or on a ``frame`` of the robot.
     margin : float
-        Least distance [m]. Links that are nearer to each other in every sampled configuration need not keep it, nor
-        those around which the spheres are: they keep apart, and ``rt.validate(solution).left_out`` names them.
+        Least distance [m]. Links that are nearer to each other in every sampled configuration need not keep it. Those
+        around which the spheres are nearer have no rows: they keep apart, and where they come nearer than the margin,
+        ``rt.validate`` names them and does not judge the claim on obstacles.
     self_collision : bool
         Whether the distances between the robot's links are bounded too.
     srdf : path or sequence of (str, str), optional

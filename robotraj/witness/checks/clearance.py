@@ -38,7 +38,9 @@ RESERVE = 1.2
 """Factor on sampled speeds."""
 SIZE = 1e-2
 """Penetration that counts as a relative violation of 1 [m]."""
-NO_MARGIN = "apart, without the margin: spheres around them are always nearer"
+NO_MARGIN = "nearer than the margin, which rows do not state: spheres around them are always nearer"
+"""Why a plan does not keep a pair the margin apart."""
+CONSTRUCTED = "apart, without the margin: they are nearer in every sampled configuration"
 """Why a pair need not keep the margin."""
 PER_INTERVAL = 9
 """Samples of speeds in every interval."""
@@ -78,7 +80,10 @@ class _Shape(NamedTuple):
 def clearance_of(
     planned: PhaseSolutionLike, clock: Callable[[], None] = lambda: None
 ) -> tuple[list[Clearance], list[Violation], list[str]]:
-    """Return the smallest distance for every ``CollisionFree`` of a phase, violations, and pairs without the margin."""
+    """Return the smallest distance for every ``CollisionFree`` of a phase, violations, and pairs without the margin.
+
+    Each of these has the reason, ``CONSTRUCTED`` or ``NO_MARGIN``.
+    """
     phase = planned.phase
     nearest: list[Clearance] = []
     broken: list[Violation] = []
@@ -91,7 +96,7 @@ def clearance_of(
             least = _least(planned, phase.robot, shapes, pairs, float(free.margin), clock)
             near = [pair for pair, (distance, _) in zip(pairs, least, strict=True) if 0.0 <= distance < free.margin]
             exempt = _without_margin(phase.robot, free, shapes, near)
-            left_out += [f"{shapes[a].label} and {shapes[b].label}: {NO_MARGIN}" for a, b in exempt]
+            left_out += [f"{shapes[a].label} and {shapes[b].label}: {reason}" for (a, b), reason in exempt.items()]
             found = [
                 Clearance(
                     phase.name,
@@ -154,17 +159,19 @@ def _pairs(robot: Robot, free: CollisionFree) -> tuple[list[_Shape], list[tuple[
 
 def _without_margin(
     robot: Robot, free: CollisionFree, shapes: Sequence[_Shape], near: Sequence[tuple[int, int]]
-) -> set[tuple[int, int]]:
-    """Return the pairs of links, or of links and carried obstacles, that need not keep the margin.
+) -> dict[tuple[int, int], str]:
+    """Return the pairs of links, or of links and carried obstacles, without rows for the margin, each with the reason.
 
     They are nearer than the margin in every sampled configuration, or the spheres around them are.
     """
     own = [(a, b) for a, b in near if shapes[a].obstacle is None and shapes[b].obstacle is None]
     spheres = free.pairs(robot).spheres if own else None
     if spheres is None:
-        return set()
+        return {}
     kept = {frozenset((spheres.links[i], spheres.links[j])) for i, j in spheres.link_pairs.tolist()}
-    return {(a, b) for a, b in own if frozenset((shapes[a].label, shapes[b].label)) not in kept}
+    open_ = [(a, b) for a, b in own if frozenset((shapes[a].label, shapes[b].label)) not in kept]
+    could = set(sometimes_apart(robot, [ExactShape(*shape[:4]) for shape in shapes], open_, float(free.margin)))
+    return {pair: NO_MARGIN if pair in could else CONSTRUCTED for pair in open_}
 
 
 def _places(robot: Robot, data: pin.Data, shapes: Sequence[_Shape], q: Array, t: float) -> list[coal.Transform3s]:

@@ -27,9 +27,13 @@ def model(figures: Figures, tolerances: Tolerances) -> Claim | None:
     row = found.worst
     if tolerances.friction is None:
         return SCOPE.unknown("No threshold was given.", row.relative)
-    advice = (
-        "the plan smooths dry friction too widely. Plan without mesh=, or give the robot a smaller friction_speed with "
-        "dataclasses.replace(robot, friction_speed=...)."
-    )
+    wide = "the plan smooths dry friction too widely."
+    sharper = "the robot a friction_speed smaller by as much, with dataclasses.replace(robot, friction_speed=...)."
+    if figures.keeps_smooth_law:
+        advice = f"{wide} Plans of robots with a free root keep the smooth law: give {sharper}"
+    else:
+        advice = f"{wide} Plan without mesh=, or give {sharper}"
     wrong = off("With Coulomb's friction, the robot leaves the plan:", row, tolerances.friction, advice)
+    if wrong and figures.keeps_smooth_law:
+        return SCOPE.unknown(wrong[0], row.relative, tolerances.friction)
     return SCOPE.judged(wrong, row.relative, tolerances.friction)

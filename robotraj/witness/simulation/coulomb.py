@@ -51,6 +51,12 @@ def has_dry_friction(planned: PhaseSolutionLike) -> bool:
     return robot is not None and bool(np.any(np.asarray(robot.friction) > 0.0))
 
 
+def keeps_smooth_law(planned: PhaseSolutionLike) -> bool:
+    """Whether the plan of a phase is made by the smooth law alone: robots with a free root (``SharpFriction``)."""
+    robot = planned.phase.robot
+    return robot is not None and has_dry_friction(planned) and floats(robot.model)
+
+
 def coulomb_drift(solution: SolutionLike, clock: Callable[[], None] = lambda: None) -> Drift | str | None:
     """Return the deviations of the simulated machine's positions from the plan, each phase from its planned state.
 
@@ -62,8 +68,6 @@ def coulomb_drift(solution: SolutionLike, clock: Callable[[], None] = lambda: No
     rough = [has_dry_friction(planned) for planned in solution.phases]
     if not any(rough):
         return None
-    if any(planned.phase.robot is not None and floats(planned.phase.robot.model) for planned in solution.phases):
-        return "plans of robots with a free root keep the smooth law of dry friction, and may leave Coulomb's by far"
     if any(not contact.holds for planned in solution.phases for contact in planned.phase.bound_contacts):
         return "contacts are implicit, and their forces on a deviating robot are not known"
     try:

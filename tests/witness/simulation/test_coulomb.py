@@ -89,8 +89,19 @@ def test_a_robot_without_dry_friction_has_no_such_claim() -> None:
     assert "model" not in {claim.name for claim in report.claims}
 
 
-def test_legs_with_dry_friction_are_not_judged_by_coulombs_law() -> None:
-    """A trot of go1 keeps the smooth law of its file's friction."""
+def test_legs_that_keep_the_smooth_law_have_a_figure_and_no_claim() -> None:
+    """A trot of go1 smooths the friction of its file over 0.47 rad/s; by Coulomb's law its hips stick."""
     robot = rt.load("go1", root="floating")
     claim = model(rt.plan(rt.gait.trot(robot, speed=0.4, duration=0.25), rt.Mesh(6)))
-    assert claim.judgement is Judgement.NOT_JUDGED and "smooth law" in claim.notes[0]
+    assert claim.judgement is Judgement.NOT_JUDGED
+    assert claim.figure is not None and claim.bound is not None and claim.figure > claim.bound
+    assert "hip_joint" in claim.notes[0] and "friction_speed" in claim.notes[0]
+
+
+@pytest.mark.slow
+def test_legs_with_sharp_friction_follow_their_plan_by_coulombs_law() -> None:
+    """The deviation falls in proportion to the width of the smooth law."""
+    robot = replace(rt.load("go1", root="floating"), friction_speed=0.01)
+    drift = coulomb_drift(rt.plan(rt.gait.trot(robot, speed=0.4, duration=0.25), rt.Mesh(12)))
+    assert not isinstance(drift, str) and drift is not None
+    assert drift.worst.relative < 1e-2
