@@ -18,7 +18,7 @@ from robotraj.planning.loop.gauss_sums import by_gauss
 from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import FAR, LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
-from robotraj.planning.proving.soft_friction import nearer
+from robotraj.planning.proving.soft_friction import factor_of, nearer
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
 from robotraj.solution.solution import Solution
@@ -93,7 +93,9 @@ def _after_softer(state: PlanState, found: Found) -> PlanState:
         # Torques bend more sharply with less soft friction.
         meshes = found.measures.next_meshes(soft.phases, refinement, SOFTER)
         state = replace(state, guess=soft, meshes=meshes, second=LEAST_GROWTH)
-    left = () if found.measures is None and are_clear(soft.conflicts) else state.softening[1:]
+    # Where the smallest step from a solution fails, the next one, from the same solution, has failed or is larger.
+    is_over = found.measures is None and (are_clear(soft.conflicts) or factor_of(state.guess) > 0.0)
+    left = () if is_over else state.softening[1:]
     return replace(state, softening=left, why="less soft friction") if left else own_friction(state)
 
 

@@ -79,10 +79,15 @@ def nearer(failed: float, solved: InitialGuess | Solution | None) -> float | Non
     float or None
         None where the guess was no solution with soft friction, or the step was small.
     """
-    if not isinstance(solved, Solution):
-        return None
-    factor = max(getattr(phase.dynamics, "softening", 0.0) for phase in solved.problem.phases)
+    factor = factor_of(solved)
     return float(np.sqrt(factor * failed)) if factor > failed * SMALLEST_FALL**2 else None
+
+
+def factor_of(guess: InitialGuess | Solution | None) -> float:
+    """Return the factor c of a solution with soft friction, 0 of any other guess."""
+    if not isinstance(guess, Solution):
+        return 0.0
+    return max(float(getattr(phase.dynamics, "softening", 0.0)) for phase in guess.problem.phases)
 
 
 def softest(problem: Problem) -> Problem:

@@ -13,6 +13,7 @@ import robotraj as rt
 from robotraj.planning.loop.measures import Measured
 from robotraj.planning.loop.respond import ENOUGH, ENOUGH_OF_POWERS, MOST_MESHES, is_limited, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, Traits, begin
+from robotraj.planning.proving.soft_friction import factor_of, softened
 from robotraj.planning.settings import resolve
 from robotraj.solution.proof import Proof
 from robotraj.solution.records import Lack
@@ -257,6 +258,25 @@ def test_softer_friction_becomes_less_soft_until_it_is_the_own_one() -> None:
     assert isinstance(last, PlanState) and (last.task, last.softening, last.number) == (Task.MESH, (), 0)
     unguessed = respond(soft, failed())
     assert isinstance(unguessed, PlanState) and unguessed.meshes == soft.meshes and unguessed.guess is None
+
+
+@pytest.mark.parametrize("status", [Status.INFEASIBLE, Status.STALLED])
+def test_softer_friction_ends_where_every_solve_from_a_soft_solution_fails(status: Status) -> None:
+    """Smaller and smaller steps fail, too; then a robot has its own friction."""
+    rough = replace(rt.load("pendulum"), friction=np.array([0.3]), friction_speed=0.01)
+    swing = rt.Problem([rt.Phase(rough, 1.0, rt.State(q=0, v=0), rt.State(q=0.3, v=0), rt.Effort())])
+    soft = rt.plan(softened(swing, 8.0, (0.0,)), mesh=rt.Mesh(5))
+    assert factor_of(soft) == 8.0
+    following: PlanState | PlanEnd = replace(state(), guess=soft, task=Task.SOFTER, softening=(2.0, 0.5))
+    tried = []
+    for _ in range(20):
+        assert isinstance(following, PlanState)
+        if following.task is not Task.SOFTER:
+            break
+        tried.append(following.softening[0])
+        following = respond(following, failed(status))
+    assert following.task is Task.MESH and following.guess is soft
+    assert tried == sorted(set(tried)) and tried[0] == 2.0 and tried[-1] < 8.0
 
 
 def test_limits_are_imposed_between_the_points_where_they_decide_or_the_plan_ends() -> None:
