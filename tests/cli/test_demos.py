@@ -10,22 +10,23 @@ import pytest
 
 import robotraj as rt
 from robotraj.cli.demos.table import DEFAULT, DEMOS, demo_named
+from tests.examples import EXAMPLES, assert_one_problem, first_call
 
-SLOW = {
-    "bolt_walking",
-    "five_link_stairs",
-    "humanoid_stands_up",
-    "multistart",
-    "solo12_jump",
-    "solo12_trot",
-    "talos_walking",
-    "two_arms",
-}
+SLOW = {"multistart", "solo12_jump", "solo12_trot", "talos_walking"}
 FRONT = ("cartpole", "ur5", "solo12_trot", "talos_walking")
 NOT_PROVED = {"hopper"}  # an impact lasts one interval
-
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+AS_THEIR_EXAMPLES = (
+    "around_a_box",
+    "bolt_walking",
+    "compass_walker",
+    "five_link_stairs",
+    "glass_of_water",
+    "humanoid_stands_up",
+    "pick_and_place",
+    "shelf_to_shelf",
+    "two_arms",
+)
+"""Demos with the problem and the options of their example, whose plan ``test_examples.py`` makes and validates."""
 
 
 STUDIES = {"27_many_motions", "28_on_a_cluster", "29_motion_library", "30_design_study", "31_data_for_learning"}
@@ -42,8 +43,23 @@ def planned(name: str) -> rt.Solution:
     return demo_named(name).make().plan()
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in DEMOS])
-def test_every_demo_plans_and_passes(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", AS_THEIR_EXAMPLES)
+def test_a_demo_is_its_example(name: str) -> None:
+    demo, (problem, options) = demo_named(name).make(), first_call(DEMOS[name].example)
+    assert_one_problem(demo.problem, problem)
+    assert repr(demo.meshes[:1]) == repr((options["mesh"],) if "mesh" in options else ())
+    assert demo.tolerance == options.get("tolerance") and demo.guess is None
+    assert not demo.continuation and not demo.starts and options.keys() <= {"mesh", "tolerance"}
+    assert DEMOS[name].shows.endswith(".")
+
+
+PLANNED = [name for name in DEMOS if name not in AS_THEIR_EXAMPLES]
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in PLANNED]
+)
+def test_every_other_demo_plans_and_passes(name: str, tmp_path: Path) -> None:
     """Those that one sees first are proved by the default call."""
     demo, solution = demo_named(name).make(), planned(name)
     report = rt.validate(solution)

@@ -189,7 +189,7 @@ def test_a_moon_landing_is_proved_from_durations_in_which_it_is_possible(duratio
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("change", [0.0, 1e-10, -1e-10])
+@pytest.mark.parametrize("change", [0.0, 1e-10])
 def test_a_moon_landing_is_never_called_infeasible(change: float) -> None:
     """In three times the default duration a lander cannot hover on its least thrust; shorter landings are possible.
 

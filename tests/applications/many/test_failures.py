@@ -164,7 +164,7 @@ def test_a_sweep_with_faulty_equations_has_the_other_results() -> None:
 
     faults = {7: end, 20: lambda: time.sleep(600.0), 40: fill}
     problems = [moves(faults.get(i)) for i in range(60)]
-    found = rt.sweep(problems, mesh=rt.Mesh(4), time_limit=5.0, memory_limit=600.0)
+    found = rt.sweep(problems, mesh=rt.Mesh(4), time_limit=2.0, memory_limit=600.0)
     assert [i for i, entry in enumerate(found) if not entry.success] == [7, 20, 40]
     assert [found[i].status for i in (7, 20, 40)] == [Status.DIED, Status.TIME_LIMIT, Status.MEMORY_LIMIT]
     assert all(found[i].objective == pytest.approx(12.0) for i in range(60) if i not in faults)

@@ -285,7 +285,7 @@ def test_a_study_with_a_crash_a_hang_and_a_hog_has_the_other_results_and_three_r
         return make(case)
 
     rows = [{"T": 1.0 + 0.01 * i, "number": i} for i in range(60)]
-    study = rt.sweep(faulty, rows, store=tmp_path, time_limit=5.0, memory_limit=600.0, **OPTIONS)
+    study = rt.sweep(faulty, rows, store=tmp_path, time_limit=2.0, memory_limit=600.0, **OPTIONS)
     failed = {int(row["case_number"]): row["status"] for row in study.failures.to_pylist()}
     assert failed == {7: Status.DIED.value, 20: Status.TIME_LIMIT.value, 40: Status.MEMORY_LIMIT.value}
     assert sum(study.table.column("success").to_pylist()) == 57

@@ -67,7 +67,7 @@ def drawn(seed: int) -> tuple[Axis, list[float]]:
 
 
 @pytest.mark.parametrize(
-    ("axis", "stops"), [*LIFTS, *(pytest.param(*drawn(seed), marks=pytest.mark.slow) for seed in range(20))]
+    ("axis", "stops"), [*LIFTS, *(pytest.param(*drawn(seed), marks=pytest.mark.slow) for seed in range(8))]
 )
 def test_least_times_with_dry_friction_are_possible_by_coulombs_law(axis: Axis, stops: list[float], tmp_path) -> None:  # type: ignore[no-untyped-def]
     robot = axis.robot(tmp_path)

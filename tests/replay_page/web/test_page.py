@@ -53,26 +53,18 @@ def placed(robot: Any, q: np.ndarray) -> pin.Data:
     return data
 
 
-@pytest.fixture
-def joints_of_talos(talos):
-    """Talos without its meshes, of which the next test looks at every one."""
-    return rt.load(talos.model)
-
-
-@pytest.mark.parametrize("name", ["ur5", "joints_of_talos", "double_pendulum"])
-def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(name, request, browser, wave_plan, tmp_path):
-    robot = request.getfixturevalue(name)
-    plan = wave_plan(robot, 3.0, start=0.5, phases=2)
+def test_dragging_the_cursor_puts_every_joint_where_pinocchio_has_it(ur5, browser, wave_plan, tmp_path):
+    plan = wave_plan(ur5, 3.0, start=0.5, phases=2)
     path = replay(plan, tmp_path / "page.html")
     page = browser.open(path)
     page.evaluate("() => robotraj.seek(0.5)")
     for chart, share in enumerate((0.2, 0.55, 0.93)):
         t = drag(page, chart, share)
         assert t == pytest.approx(0.5 + 3.0 * share, abs=0.02)
-        data = placed(robot, next(p for p in plan.phases if t <= p.t0 + p.duration).at(t).q[0])
+        data = placed(ur5, next(p for p in plan.phases if t <= p.t0 + p.duration).at(t).q[0])
         poses = page.evaluate("() => robotraj.poses()")
-        assert list(poses) == list(robot.model.names)[1:]
-        for joint, pose in zip(range(1, robot.model.njoints), poses.values(), strict=True):
+        assert list(poses) == list(ur5.model.names)[1:]
+        for joint, pose in zip(range(1, ur5.model.njoints), poses.values(), strict=True):
             np.testing.assert_allclose(pose["position"], data.oMi[joint].translation, atol=1e-4)
             turn = Rotation.from_quat(pose["quaternion"]).as_matrix()
             np.testing.assert_allclose(turn, data.oMi[joint].rotation, atol=1e-4)
