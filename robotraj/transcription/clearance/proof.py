@@ -3,7 +3,8 @@
 The distance d of a pair changes at a rate of at most L = sum_j lever_j max abs(v_j) [m/s]
 (``ClearancePairs.speed_factors``), plus the speed of a moving obstacle. The speeds are bounded on each interval by the
 Bernstein coefficients of their polynomials. With d at the middle of a piece of length h, the distance is at least
-d - L h / 2 on the piece. A piece whose bound is below the margin is halved, until all are proved or d itself is below.
+d - L h / 2 on the piece. A piece whose bound is below the margin, and below the least distance of this pair that is
+known, is halved, until all are proved or d itself is below.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
     width = half[interval]
     best = np.unravel_index(int(np.argmin(distances)), distances.shape)
     least, nearest = float(distances[best]), (int(best[1]), float(middle[best[0]]))
-    worst: dict[tuple[int, int], tuple[float, float]] = {}
+    worst, when = np.full(distances.shape, np.inf), np.zeros(distances.shape)
     for depth in range(HALVINGS + 1):
         if not interval.size:
             break
@@ -83,32 +84,25 @@ def shortfalls(pairs: ClearancePairs, x: PiecewisePolynomial) -> Shortfalls:
         if found[k] < least:
             least, nearest = float(found[k]), (int(pair[k]), float(at[k]))
         last = depth == HALVINGS
-        bound = found - bounds[interval, pair] * width if last else found
-        for j in np.flatnonzero(~(bound >= pairs.margin)).tolist():
-            key = int(interval[j]), int(pair[j])
-            least_bound = float(np.nan_to_num(bound[j], nan=-np.inf))
-            if least_bound < worst.get(key, (np.inf, 0.0))[0]:
-                worst[key] = least_bound, float(at[j])
+        reached = found - bounds[interval, pair] * width
+        bound = np.nan_to_num(reached if last else found, nan=-np.inf)
+        lower = (bound < pairs.margin) & (bound < worst[interval, pair])
+        # Of several pieces of one interval the assignment keeps the last one, which has the least bound.
+        order = np.flatnonzero(lower)[np.argsort(-bound[lower], kind="stable")]
+        worst[interval[order], pair[order]], when[interval[order], pair[order]] = bound[order], at[order]
         if last:
             break
-        open_ = ~(found - bounds[interval, pair] * width >= pairs.margin)
+        known = worst[interval, pair]
+        open_ = ~(reached >= np.minimum(pairs.margin, known))
         if depth >= COARSE:
-            known = np.array([(i, p) in worst for i, p in zip(interval.tolist(), pair.tolist(), strict=True)])
-            open_ &= ~known
+            open_ &= known == np.inf
         interval, pair = np.repeat(interval[open_], 2), np.repeat(pair[open_], 2)
         width, at = np.repeat(0.5 * width[open_], 2), np.repeat(at[open_], 2)
         at = at + width * np.tile([-1.0, 1.0], len(at) // 2)
         if interval.size:
             found = pairs.distances_of(pair, x(at, interval)[:, :nq], at)
-    keys = list(worst)
-    return Shortfalls(
-        np.array([key[0] for key in keys], dtype=int),
-        np.array([key[1] for key in keys], dtype=int),
-        np.array([worst[key][1] for key in keys]),
-        np.array([worst[key][0] for key in keys]),
-        least,
-        nearest,
-    )
+    interval, pair = np.nonzero(worst < np.inf)
+    return Shortfalls(interval, pair, when[interval, pair], worst[interval, pair], least, nearest)
 
 
 def _compiled(pairs: ClearancePairs, tree: SphereTree, x: PiecewisePolynomial) -> Shortfalls:

@@ -261,7 +261,6 @@ def test_least_work_along_a_path_is_planned_by_our_solver_and_agrees_with_ipopt(
     assert ours.objective == pytest.approx(other.objective, rel=1e-3)
 
 
-@pytest.mark.slow
 def test_a_moving_obstacle_on_the_path_is_named_with_what_to_change(arm):
     """The obstacle leaves the path's end later than the motion of least time arrives there."""
     data = arm.model.createData()
