@@ -9,7 +9,7 @@ import pytest
 from guard import Guard
 from texts import EXAMPLES, MESHES, PROBLEMS, good_mesh, hostile_mesh, hostile_problem, hostile_srdf
 
-COUNT = int(os.environ.get("FUZZ_TEXTS", "60"))
+COUNT = int(os.environ.get("FUZZ_TEXTS", "40"))
 
 
 def solved_once(kind: str, name: str, data: bytes, folder: Path, guard: Guard) -> str:

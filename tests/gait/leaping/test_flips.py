@@ -30,11 +30,11 @@ def hopper() -> rt.Robot:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_a_hopper_turns_over_by_the_default_call(side: float) -> None:
-    plan = rt.plan(rt.gait.flip(hopper(), axis=(0.0, side, 0.0), feet=["foot"]))
+def test_a_hopper_turns_over_by_the_default_call() -> None:
+    """To the front; ``docs/how-to/gaits.md`` turns it over backwards."""
+    plan = rt.plan(rt.gait.flip(hopper(), axis=(0.0, 1.0, 0.0), feet=["foot"]))
     assert plan.proof.holds and rt.validate(plan).passed
-    assert turned(plan)[1] == pytest.approx(2.0 * np.pi * side, rel=1e-3)
+    assert turned(plan)[1] == pytest.approx(2.0 * np.pi, rel=1e-3)
 
 
 @pytest.mark.slow

@@ -37,6 +37,13 @@ class Browser:
         page.wait_for_function(READY, timeout=90_000)
         return page
 
+    def sizes(self, page: Any) -> Iterator[tuple[int, int]]:
+        """Give a page the sizes of a desk, a tablet, a phone and a phone that lies, one after the other."""
+        for width, height in ((1400, 900), (1024, 768), (390, 844), (844, 390)):
+            page.set_viewport_size({"width": width, "height": height})
+            page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            yield width, height
+
     def check(self, path: Any) -> None:
         assert self.console == []
         own = {url.split("#")[0] for url in self.requests if not url.startswith(("data:", "blob:"))}
