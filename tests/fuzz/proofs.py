@@ -1,7 +1,7 @@
 """Problems whose answer is known from elsewhere: how often is a plan wrong whose proof holds?
 
 Judges are closed forms in drawn units, a Riccati equation, IPOPT on three times the intervals, the inverse dynamics of
-MuJoCo, coal on dense samples, sums of closed forms of phases, and the same problem in SI units. Each kind draws a
+MuJoCo, coal on dense samples, optima of phases in the phase plane, and the same problem in SI units. Each kind draws a
 problem, which is planned by default, and a judge of its solution.
 """
 
@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 import coal
 import numpy as np
 import pinocchio as pin
-from drawn_robots import Judge, other_units, rails
+from drawn_robots import Judge, other_units
+from joint_phases import JointPhases
 from random_problems import random_case
 from scipy.integrate import solve_ivp
 
@@ -166,9 +167,9 @@ def free_way(rng: np.random.Generator) -> tuple[rt.Phase, Judge]:
 
 
 def phases(rng: np.random.Generator) -> tuple[rt.Problem, Judge]:
-    """One joint in several phases, at rest between them: its least time is the sum of theirs."""
-    problem, known = rails(rng)
-    return problem, optimum(known)
+    """One joint in several phases, with states given between them: its least time is the sum of theirs."""
+    drawn = JointPhases.drawn(rng)
+    return drawn.problem, optimum(drawn.optimum)
 
 
 def optimum(known: float) -> Judge:

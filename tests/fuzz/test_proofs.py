@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from joint_phases import JointPhases
 from proofs import BETTER, KINDS, WORSE, Tally, optimum
 
 import robotraj as rt
@@ -29,6 +30,16 @@ def test_a_proved_plan_has_the_known_optimum(kind: str, seed: int) -> None:
 def test_a_proved_plan_has_the_torques_of_mujoco() -> None:
     pytest.importorskip("mujoco")
     assert not planned("inverse dynamics", 0)[1]
+
+
+@pytest.mark.parametrize("limit", [100.0, 2.0])
+def test_curves_of_the_phase_plane_meet_at_the_closed_form(limit: float) -> None:
+    """A mass of 2 kg falls 1 m by 30 N: sqrt(2 (1 / u + 1 / w)), or 1 / V + V (1 / u + 1 / w) / 2 at the limit V."""
+    slow = 1.0 / (15.0 + 9.81) + 1.0 / (15.0 - 9.81)
+    known = np.sqrt(2.0 * slow) if limit**2 * slow > 2.0 else 1.0 / limit + 0.5 * limit * slow
+    one, still = np.array([0.0]), np.zeros(2)
+    rail = JointPhases(False, 2.0, 0.0, 2.0, np.array([-30.0, 30.0]), limit, 0.0, one, np.array([1.0, 0.0]), still)
+    assert rail.optimum == pytest.approx(known, rel=1e-9)
 
 
 @pytest.mark.parametrize("factor", [1.0 - 2.0 * BETTER, 1.0 + 2.0 * WORSE, np.nan])
