@@ -140,7 +140,7 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
     matrix = linear.matrix(shape)
     scales = dict(zip(nlp.variables.meaning.tolist(), nlp.scale.tolist(), strict=True))
     scale = np.append(nlp.scale, [scales[m] for m in variables.meaning[len(nlp.variables) :].tolist()])
-    start = np.append(w, _states(nlp, added, w))
+    start = np.append(w, _states(nlp, (added,), w))
     alone = [replace(block, scatter=own) for block, own in zip(kept, extra, strict=True) if own.nnz]
     rows_alone = row_scale([*alone, *further], matrix, variables, constraints, scale, start)
 
@@ -162,19 +162,24 @@ def with_added_rows(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Nlp:
 
 def with_added_states(nlp: Nlp, w: Array) -> Array:
     """Return a decision vector (n_w,) whose states at added rows are those of its polynomials."""
-    own = _states(nlp, [each for group in nlp.additions for each in group], w)
+    own = _states(nlp, nlp.additions, w)
     return np.append(w[: len(w) - len(own)], own)
 
 
-def _states(nlp: Nlp, added: Sequence[AddedRow], w: Array) -> Array:
-    """Return the states that path rows add, one after the other."""
+def _states(nlp: Nlp, additions: Sequence[Sequence[AddedRow]], w: Array) -> Array:
+    """Return the states that path rows add, one after the other; rows that were added together share them."""
     found = [np.empty(0)]
     trajectories = None
-    for each in added:
-        row = nlp.problem.phases[each.phase].rows.rows[each.row]
-        if row.kind is not Kind.BOUND and not isinstance(nlp.layouts[each.phase].scheme, OneStep):
+    for added in additions:
+        paths = [each for each in added if _adds_states(nlp, each)]
+        for phase, interval, tau in dict.fromkeys(each.place for each in paths):
             trajectories = trajectories or extract(nlp, w)
-            x = trajectories[each.phase].x
-            first, last = x.breaks[each.interval : each.interval + 2]
-            found.append(x(first + each.tau * (last - first), each.interval))
+            x = trajectories[phase].x
+            first, last = x.breaks[interval : interval + 2]
+            found.append(x(first + tau * (last - first), interval))
     return np.concatenate(found)
+
+
+def _adds_states(nlp: Nlp, each: AddedRow) -> bool:
+    row = nlp.problem.phases[each.phase].rows.rows[each.row]
+    return row.kind is not Kind.BOUND and not isinstance(nlp.layouts[each.phase].scheme, OneStep)

@@ -41,9 +41,13 @@ def add_rows(
     scatters: Sequence[Triplets],
     outputs: Sequence[int],
 ) -> list[Block]:
-    """Write the added rows, and states for path rows; ``scatters`` and ``outputs`` belong to the phases' blocks."""
+    """Write the added rows, and states for path rows; ``scatters`` and ``outputs`` belong to the phases' blocks.
+
+    Path rows at one place read the same states.
+    """
     # All places of a row are in one block, which is differentiated and called once.
     alike: dict[tuple[int, int, tuple[bool, ...]], list[tuple[AddedRow, _Place]]] = {}
+    states_at: dict[tuple[int, int, float], Indices] = {}
     for each in added:
         phase, layout = phases[each.phase], layouts[each.phase]
         row = phase.rows.rows[each.row]
@@ -58,11 +62,14 @@ def add_rows(
             at = rows.impose(each.phase, [row], fraction)[0]
             _polynomial(at, np.array([component]), phase, interval, each.tau, linear, scatter, width)
             continue
-        states = columns.add(entries_of(each.phase, phase.dae.states), fraction)[0]
-        defects = [Entry(each.phase, "state between collocation points", s.label, s.unit) for s in phase.dae.states]
-        at = rows.add(defects, fraction, 0.0, 0.0)[0]
-        linear.add(at, states, -1.0)
-        _polynomial(at, np.arange(len(states)), phase, interval, each.tau, linear, scatter, width)
+        states = states_at.get(each.place)
+        if states is None:
+            states = columns.add(entries_of(each.phase, phase.dae.states), fraction)[0]
+            states_at[each.place] = states
+            defects = [Entry(each.phase, "state between collocation points", s.label, s.unit) for s in phase.dae.states]
+            at = rows.add(defects, fraction, 0.0, 0.0)[0]
+            linear.add(at, states, -1.0)
+            _polynomial(at, np.arange(len(states)), phase, interval, each.tau, linear, scatter, width)
         shared = interval_scalars(layout, each.interval)
         free = np.array([c.column for c in shared if c.column is not None], dtype=int)
         fixed = [c.value for c in shared if c.column is None]

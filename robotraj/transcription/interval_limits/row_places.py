@@ -26,6 +26,11 @@ class AddedRow:
     row: int
     tau: float
 
+    @property
+    def place(self) -> tuple[int, int, float]:
+        """Phase, interval and tau."""
+        return self.phase, self.interval, self.tau
+
 
 class LimitedInterval(NamedTuple):
     """A row of a phase on one interval; indices as in ``AddedRow``."""

@@ -172,3 +172,28 @@ def test_states_at_added_rows_follow_another_start(nlp: rt.transcription.Nlp) ->
     moved = with_added_states(more, w)
     assert moved[: len(nlp.guess)] == pytest.approx(w[: len(nlp.guess)])
     assert more.values(moved)[len(nlp.rows) :][:4] == pytest.approx(np.zeros(4), abs=1e-9)
+
+
+def test_path_rows_at_one_place_share_its_states() -> None:
+    """Limits of every joint's speed add the states of a place once; each alone would add them again."""
+    second = rt.PathConstraint(lambda point: [point.v[0] ** 2], upper=9.0, name="speed")
+    phase = rt.Phase(
+        rt.load("cartpole"),
+        duration=1.0,
+        start=rt.State(q=[0, 0], v=0),
+        end=rt.State(q=[1, np.pi], v=0),
+        objective=rt.Effort(),
+        constraints=[rt.PathConstraint(tip, upper=5.0, name="tip"), second],
+    )
+    nlp = rt.transcription.transcribe(rt.Problem([phase]), rt.Mesh(4), rt.guess.StraightLine(1.0))
+    first, other = (row.number for row in phase.rows.of_state if row.kind is Kind.PATH)
+    places = [AddedRow(0, k, row, 0.3) for k in range(4) for row in (first, other)]
+    w = nlp.guess + 0.1 * np.random.default_rng(1).normal(size=len(nlp.guess))
+    more = with_added_rows(nlp, places, w)
+    assert len(more.variables) == len(nlp.variables) + 4 * 4
+    assert len(more.rows) == len(nlp.rows) + 4 * (4 + 2)
+    np.testing.assert_allclose(with_added_states(more, more.guess), more.guess)
+    x = extract(nlp, w)[0].x
+    at = [x(x.breaks[k] + 0.3 * (x.breaks[k + 1] - x.breaks[k])) for k in range(4)]
+    imposed = more.values(more.guess)[len(nlp.rows) :].reshape(4, 6)
+    assert imposed == pytest.approx(np.array([[0, 0, 0, 0, q0**2 + q1, v0**2] for q0, q1, v0, _ in at]), abs=1e-9)
