@@ -18,11 +18,18 @@ KEY = re.compile("[0-9a-f]{1,128}")
 """A digest of a case; it names the file of its solution."""
 LARGEST = 256 * 10**6
 """Largest size of a file, and of its texts when they are unpacked [bytes]."""
+SMALL = 10**5
+"""Bound of the size of a column's texts below which they are not added up [bytes]."""
 MOST_VALUES = 5 * 10**7
 """Most values in a file: a few bytes announce billions of equal ones."""
 
 
-def read_parquet(path: Path, columns: Sequence[str] | None = None, needed: Sequence[str] = ("key",)) -> pa.Table:
+def read_parquet(
+    path: Path,
+    columns: Sequence[str] | None = None,
+    needed: Sequence[str] = ("key",),
+    without: Sequence[str] = (),
+) -> pa.Table:
     """Return columns of a file, all by default.
 
     Parameters
@@ -31,6 +38,8 @@ def read_parquet(path: Path, columns: Sequence[str] | None = None, needed: Seque
     columns : sequence of str, optional
     needed : sequence of str
         Columns that the file must have.
+    without : sequence of str
+        Columns that are left out.
 
     Raises
     ------
@@ -52,8 +61,10 @@ def read_parquet(path: Path, columns: Sequence[str] | None = None, needed: Seque
             raise ValueError(f"it has {values} values; {MOST_VALUES} are read")
         # A text that comes again is kept once until all of them are known to be short enough.
         texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY"]
-        wanted = None if columns is None else list(columns)
-        table = parquet.ParquetFile(data, read_dictionary=texts).read(wanted)
+        file = parquet.ParquetFile(data, metadata=about, read_dictionary=texts)
+        wanted = [name for name in (file.schema_arrow.names if columns is None else columns) if name not in without]
+        # Files are small and many: threads for a file's columns would cost more than they save.
+        table = file.read(wanted, use_threads=False)
         size = sum(_text_size(column) for column in table.columns)
         if size > LARGEST:
             raise ValueError(f"its texts have {size / 1e6:.0f} MB; {LARGEST / 1e6:.0f} MB are read")
@@ -102,14 +113,19 @@ def _plain(kind: pa.DataType) -> pa.DataType:
 
 
 def _text_size(column: pa.ChunkedArray) -> int:
-    """Bytes of the texts of a column, or of its lists of texts, when each is written out."""
+    """Bytes of the texts of a column, or of its lists of texts, when each is written out, or a bound below SMALL."""
     pa = arrow()
     import pyarrow.compute as compute
 
     total = 0
     for chunk in column.chunks:
         own = chunk.flatten() if pa.types.is_list(chunk.type) else chunk
-        if pa.types.is_dictionary(own.type):
+        if not pa.types.is_dictionary(own.type):
+            continue
+        most = len(own) * own.dictionary.nbytes
+        if most < SMALL:
+            total += most
+        else:
             lengths = compute.binary_length(own.dictionary).cast(pa.int64())
             total += compute.sum(lengths.take(own.indices)).as_py() or 0
     return total

@@ -17,7 +17,7 @@ from robotraj._util.paths import input_path
 from robotraj._util.system.regular_files import contents
 from robotraj._util.system.whole_files import WholeFile, refusals_named
 from robotraj.applications.studies.parquet_files import KEY, read_parquet
-from robotraj.applications.studies.rows import CASE, Row, arrow, schema_of
+from robotraj.applications.studies.rows import CASE, CURVES, Row, arrow, schema_of
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from robotraj.applications.studies.cases import Cases
 
 ROWS, SOLUTIONS, CASES, FACTS = "rows", "solutions", "cases.parquet", "study.json"
+MOTION = "t", *CURVES
+"""Columns of the motion of a row."""
 LARGEST_FACTS = 10**6
 """Largest size of the facts [bytes]."""
 
@@ -50,6 +52,7 @@ class Store:
             for name in (ROWS, SOLUTIONS) if create else ():
                 (self.folder / name).mkdir(parents=True, exist_ok=True)
             known = (self.folder / ROWS).is_dir()
+        self._figures: dict[Path, pa.Table] = {}
         if not known:
             raise InputError(f"{str(folder)!r} is no study: rt.sweep(make, cases, store={str(folder)!r}) makes one.")
 
@@ -95,12 +98,24 @@ class Store:
 
     def table(self, columns: Sequence[str] | None = None) -> pa.Table:
         """Read the rows, each key once."""
-        pa = arrow()
         files = self._files()
         if not files:
+            pa = arrow()
             return pa.table({name: pa.array([], pa.string()) for name in columns or ["key"]})
         wanted = None if columns is None else list(dict.fromkeys(["key", *columns]))
-        tables = [read_parquet(path, wanted, wanted or schema_of({}).names) for path in files]
+        return self._joined([read_parquet(path, wanted, wanted or schema_of({}).names) for path in files])
+
+    def figures(self) -> pa.Table:
+        """Read the rows without their motions, each key once; no file is read twice, since none is changed later."""
+        needed = [name for name in schema_of({}).names if name not in MOTION]
+        self._figures = {
+            path: self._figures[path] if path in self._figures else read_parquet(path, needed=needed, without=MOTION)
+            for path in self._files()
+        }
+        return self._joined(list(self._figures.values())) if self._figures else self.table()
+
+    def _joined(self, tables: list[pa.Table]) -> pa.Table:
+        pa = arrow()
         try:
             return _distinct(pa.concat_tables(tables, promote_options="permissive"))
         except pa.ArrowException as error:

@@ -61,18 +61,19 @@ class Study(OneLine):
     @property
     def figures(self) -> pa.Table:
         """The rows without messages and motions: key, case, status, objective, duration, seconds ..."""
-        return self.store.table(self._columns("t", *CURVES, "message", "conflicts"))
+        table = self.store.figures()
+        return table.drop_columns(["message", "conflicts"]) if table.num_rows else table
 
     @property
     def failures(self) -> pa.Table:
         """The rows of cases without a solution, with their messages."""
-        table = self.store.table(self._columns("t", *CURVES))
+        table = self.store.figures()
         return table.filter(_not(table.column("success"))) if table.num_rows else table
 
     @property
     def missing(self) -> list[Case]:
         """Cases that were not planned yet."""
-        known = self.store.keys()
+        known = set(self.store.figures().column("key").to_pylist())
         rows = self.store.cases().to_pylist()
         return [
             {name.removeprefix(CASE): value for name, value in row.items() if name != "key"}
@@ -267,12 +268,8 @@ class Study(OneLine):
 
         return regressions(before.figures, self.figures, **ratios)
 
-    def _columns(self, *without: str) -> list[str]:
-        """Columns of the rows, but for some."""
-        return [name for name in self.store.columns() if name not in without]
-
     def __len__(self) -> int:
-        return len(self.store.keys())
+        return int(self.store.figures().num_rows)
 
     def __str__(self) -> str:
         table = self.figures

@@ -193,7 +193,7 @@ def _parts(robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array
     """
     times, which = np.unique(at, return_inverse=True)
     rotations, origins = placements(robot, motion(times))
-    near = np.flatnonzero(_gaps(body, pair, which, rotations, origins) <= margins)
+    near = np.flatnonzero(body.gaps(pair, which, rotations, origins) <= margins)
     parts = np.zeros(len(pair), dtype=int)
     # Most of the time is that of Python, so each shape is placed once at a time.
     shapes = len(body.solids)
@@ -215,24 +215,6 @@ def _parts(robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array
     return parts
 
 
-def _gaps(body: OwnBody, pair: Indices, which: Indices, rotations: Array, origins: Array) -> Array:
-    """Distances (n,) [m] of the balls around pairs of shapes at configurations ``which`` (n,) of m.
-
-    The joints have rotations (m, njoints, 3, 3) and origins (m, njoints, 3) there.
-    """
-    shape, centres, radii = body.balls
-    joint = body.joint[shape]
-    centres = np.einsum("mnij,nj->mni", rotations[:, joint], centres) + origins[:, joint]
-    every, first = body.ball_pairs
-    counts = np.diff(np.append(first, len(every)))[pair]
-    begin = np.cumsum(counts) - counts
-    a, b = every[np.arange(counts.sum()) + np.repeat(first[pair] - begin, counts)].T
-    when = np.repeat(which, counts)
-    apart = centres[when, a] - centres[when, b]
-    gaps = np.sqrt(np.einsum("ni,ni->n", apart, apart)) - radii[a] - radii[b]
-    return np.asarray(np.minimum.reduceat(gaps, begin))
-
-
 def _inside(robot: Robot, body: OwnBody, motion: Motion, knots: Array, pairs: Indices) -> list[tuple[int, float]]:
     """Return the pairs of which one shape lies inside the other, with a time.
 
@@ -242,7 +224,7 @@ def _inside(robot: Robot, body: OwnBody, motion: Motion, knots: Array, pairs: In
     rotations, origins = placements(robot, motion(times))
     which, pair = np.repeat(np.arange(len(times)), len(pairs)), np.tile(pairs, len(times))
     found = []
-    for k in np.flatnonzero(_gaps(body, pair, which, rotations, origins) < 0.0).tolist():
+    for k in np.flatnonzero(body.gaps(pair, which, rotations, origins) < 0.0).tolist():
         time, own = int(which[k]), int(pair[k])
         first, second = (body.placed(shape, rotations[time], origins[time]) for shape in body.pairs[own].tolist())
         if one_inside(first, second):

@@ -106,6 +106,23 @@ class OwnBody(OneLine):
         counts = np.array([len(part) for part in parts], dtype=int)
         return np.concatenate([np.zeros((0, 2), dtype=int), *parts]), np.cumsum(counts) - counts
 
+    def gaps(self, pair: Indices, which: Indices, rotations: Array, origins: Array) -> Array:
+        """Distances (n,) [m] of the balls around pairs of shapes at configurations ``which`` (n,) of m.
+
+        The joints have rotations (m, njoints, 3, 3) and origins (m, njoints, 3) there.
+        """
+        shape, centres, radii = self.balls
+        joint = self.joint[shape]
+        centres = np.einsum("mnij,nj->mni", rotations[:, joint], centres) + origins[:, joint]
+        every, first = self.ball_pairs
+        counts = np.diff(np.append(first, len(every)))[pair]
+        begin = np.cumsum(counts) - counts
+        a, b = every[np.arange(counts.sum()) + np.repeat(first[pair] - begin, counts)].T
+        when = np.repeat(which, counts)
+        apart = centres[when, a] - centres[when, b]
+        found = np.sqrt(np.einsum("ni,ni->n", apart, apart)) - radii[a] - radii[b]
+        return np.asarray(np.minimum.reduceat(found, begin))
+
     def placed(self, shape: int, rotations: Array, origins: Array) -> Placed:
         """Place a shape in the world by the rotations (njoints, 3, 3) and origins (njoints, 3) [m] of joints."""
         turn, at = rotations[self.joint[shape]], origins[self.joint[shape]]
@@ -119,11 +136,16 @@ class OwnBody(OneLine):
 
     def touching(self, robot: Robot, q: Array) -> list[int]:
         """Return the pairs that overlap in a configuration (nq,), also by one shape inside the other."""
-        rotations, origins = (each[0] for each in placements(robot, q[None]))
-        placed = [self.placed(shape, rotations, origins) for shape in range(len(self.solids))]
+        rotations, origins = placements(robot, q[None])
+        every = np.arange(len(self.pairs))
+        near = (
+            np.flatnonzero(self.gaps(every, np.zeros_like(every), rotations, origins) <= 0.0) if len(every) else every
+        )
+        shapes = np.unique(self.pairs[near]).tolist()
+        placed = {shape: self.placed(shape, rotations[0], origins[0]) for shape in shapes}
         return [
             number
-            for number, (a, b) in enumerate(self.pairs.tolist())
+            for number, (a, b) in zip(near.tolist(), self.pairs[near].tolist(), strict=True)
             if touch(placed[a], placed[b]) or one_inside(placed[a], placed[b])
         ]
 

@@ -364,3 +364,19 @@ def test_the_whole_solutions_of_a_study_are_simulated(six: rt.Study, tmp_path: P
         rt.sweep(make, cases(1), store=tmp_path / "store", **OPTIONS).validate()
     lied = rt.Study(six.store.folder, lambda case: make({**case, "T": case["T"] + 1.0})).validate(ThreadPoolExecutor(1))
     assert not any(lied.column("passed").to_pylist())
+
+
+def test_figures_read_each_file_once_and_later_ones_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from robotraj.applications.studies import store
+
+    rt.sweep(make, cases(3), store=tmp_path / "s", **OPTIONS)
+    study, read = rt.Study(tmp_path / "s"), []
+    true = store.read_parquet
+    monkeypatch.setattr(store, "read_parquet", lambda path, *a, **k: (read.append(path.name), true(path, *a, **k))[1])
+    assert len(study) == study.figures.num_rows == 3 and study.failures.num_rows == 0
+    before = set(read)
+    assert len(read) == len(before)
+    rt.sweep(make, cases(5), store=tmp_path / "s", **OPTIONS)
+    read.clear()
+    assert len(study) == 5 and not study.missing
+    assert not before & set(read)
