@@ -34,6 +34,10 @@ class NoSuchValue(InputError, AttributeError):
     """A value of this kind does not have the attribute, as a System has no joint positions."""
 
 
+class NoEntries(InputError, TypeError):
+    """A value has attributes, but no entries, so that brackets read nothing from it."""
+
+
 class FailedExpression(InputError):
     """A user's function raised an error, which is this error's cause."""
 
@@ -130,6 +134,17 @@ def no_attribute(value: object, name: str, advice: str = "") -> AttributeError:
     near = near_names(name, (each for each in dir(value) if not each.startswith("_")), 0.75)
     guess = f" Did you mean {' or '.join(map(repr, near))}?" if near else ""
     return NoSuchValue(f"{what}.{guess}{advice and ' '}{advice}")
+
+
+def no_entry(value: object, key: object) -> NoEntries:
+    """Build the error for brackets behind a value whose parts are attributes; it names the attribute that is meant."""
+    try:
+        found = isinstance(key, str) and not key.startswith("_") and getattr(value, key) is not None
+        advice = f"Write .{key}, an attribute." if found else "Its parts are attributes, which have names."
+    except AttributeError as error:
+        # The first sentence says that there is no such attribute either.
+        advice = str(error).partition(". ")[2]
+    return NoEntries(f"{type(value).__name__!r} object has no entries, so [{key!r}] reads nothing. {advice}".rstrip())
 
 
 def called(what: str, function: Callable[..., Result], *arguments: object) -> Result:

@@ -10,13 +10,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.names.near_words import WORDS as WORDS_OF_NAMES
 from robotraj.dynamics.contacts.base import Contact, copied
 from robotraj.robot.collision.solids import Solid
 from robotraj.robot.neutral import amid
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 from robotraj.robot.sides.images import places_of
-from robotraj.robot.sides.other_side import WORDS as WORDS_OF_NAMES
 
 FootKind = Contact | Callable[[str], Contact]
 """The contact of every foot: ``rt.PointContact``, a function of the frame, or a contact to copy to other frames."""

@@ -90,6 +90,8 @@ def check_contacts(
         if not moving[worst] and abs(values[worst]) > SLACK:
             loops = {contact.name for contact in contacts if isinstance(contact, BoundLoopClosure)}
             hint = " rt.contacts.LoopClosure.closed_at closes a loop as it is." if rows[worst].label in loops else ""
+            if robot.root == "fixed":
+                hint += f" The root of {robot.name!r} is fixed; one that stands is loaded with root='floating'."
             raise InputError(
                 f"Phase {table.phase!r}: at the {end.value}, contact {rows[worst].label!r} does not hold: its row "
                 f"{rows[worst].name} is {values[worst]:.3g} {rows[worst].unit} instead of 0. Move the {end.value}, "

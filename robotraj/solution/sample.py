@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError, NoSuchValue, no_attribute
+from robotraj._util.errors import InputError, NoSuchValue, no_attribute, no_entry
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
@@ -89,6 +89,9 @@ class Sample(OneLine, Generic[Value]):
                 f"The sample of a System has no {name!r}, which is that of a robot's joints. "
                 f"Read its variables by name: sample.{', sample.'.join(lists)}."
             )
+
+        def __getitem__(self, name: object) -> object:
+            raise no_entry(self, name)
 
     def with_contacts(self, sizes: Mapping[str, int]) -> Sample[Value]:
         """Add contacts that are not held, with zero force; ``sizes`` gives the components of each."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.checks import is_whole
 from robotraj._util.display import drawn
-from robotraj._util.errors import InputError, no_attribute
+from robotraj._util.errors import InputError, no_attribute, no_entry
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief, plain
 from robotraj._util.values import dataclass
@@ -130,6 +130,9 @@ class Solution(OneLine):
             read = name if name in (*JOINTS, "x", "u") else WORDS.get(name)
             advice = f"Read values at times: solution.at(t).{read}." if read else ""
             raise no_attribute(self, name, advice)
+
+        def __getitem__(self, name: object) -> object:
+            raise no_entry(self, name)
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle and copy the solution without its program; feedback gains that were read from a file are kept."""

@@ -12,6 +12,15 @@ LARGEST = np.iinfo(np.intc).max
 """Largest count: solvers count with C's int."""
 
 
+def no_mapping(solver: str, value: object) -> None:
+    """Raise an InputError where a mapping of options is given in place of a solver's first argument."""
+    if isinstance(value, Mapping):
+        own = " Options by the solver's own names stand in options={...}." if solver == "Ipopt" else ""
+        raise InputError(
+            f"{solver} takes its options as keywords, such as rt.{solver}(max_iterations=200); got {value!r}.{own}"
+        )
+
+
 def above_zero(name: str, value: object, unit: str = "") -> None:
     """Raise an InputError unless ``value`` is a real number above 0; ``name`` as in ``"Ipopt(tolerance)"``."""
     if not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool) or not value > 0:

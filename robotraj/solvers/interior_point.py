@@ -31,7 +31,7 @@ from robotraj.solvers.attempts import (
     solve_in_turn,
 )
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
-from robotraj.solvers.checks import above_zero, counted
+from robotraj.solvers.checks import above_zero, counted, no_mapping
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
 from robotraj.solvers.fallback import fall_back
 from robotraj.solvers.formulation import BARRIER, Formulation, assembled, first_barrier, formulate, options
@@ -115,6 +115,7 @@ class InteriorPoint(Solver):
     objective_change: float | None = None
 
     def __post_init__(self) -> None:
+        no_mapping("InteriorPoint", self.tolerance)
         above_zero("InteriorPoint(tolerance)", self.tolerance)
         counted("InteriorPoint(max_iterations)", self.max_iterations)
         if self.time_limit is not None:

@@ -17,7 +17,7 @@ from robotraj._util.precision import ROUND_OFF
 from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.solvers.base import LazyMultipliers, Multipliers, Origin, Outcome, Progress, Solver
-from robotraj.solvers.checks import above_zero, counted, named_options
+from robotraj.solvers.checks import above_zero, counted, named_options, no_mapping
 from robotraj.solvers.ipopt_callback import IterationCallback
 from robotraj.solvers.status import Status
 
@@ -91,6 +91,7 @@ class Ipopt(Solver):
     options: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        no_mapping("Ipopt", self.tolerance)
         above_zero("Ipopt(tolerance)", self.tolerance)
         counted("Ipopt(max_iterations)", self.max_iterations)
         if self.time_limit is not None:

@@ -53,3 +53,12 @@ def test_rest_is_rest_whatever_the_posture() -> None:
     leg = rt.load("monopod", root="floating")
     with pytest.raises(rt.InputError, match="no contact holds 'monopod'"):
         rt.Phase(leg, 0.5, rt.State(q=leg.configuration({"root_z": 1.0}), v=0), rt.State(v=0), rt.Effort())
+
+
+@pytest.mark.parametrize("root", ["fixed", "floating"])
+def test_a_foot_that_is_not_on_the_ground_names_the_root_where_it_is_fixed(root: str) -> None:
+    dog = rt.load("solo12", root=root)
+    with pytest.raises(rt.InputError, match="contact 'FL_FOOT' does not hold") as caught:
+        stand = rt.State(q=dog.neutral, v=0)
+        rt.plan(rt.Phase(dog, 1.0, stand, stand, rt.Effort(), contacts=[rt.PointContact("FL_FOOT")]), rt.Mesh(4))
+    assert ("root='floating'" in str(caught.value)) == (root == "fixed")

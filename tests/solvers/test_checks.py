@@ -44,3 +44,9 @@ def test_numbers_of_numpy_are_numbers(solver: Any) -> None:
 def test_a_bound_on_iterations_is_never_raised() -> None:
     assert rt.InteriorPoint().at_most(5).max_iterations == 5
     assert rt.Ipopt(max_iterations=3).at_most(5).max_iterations == 3
+
+
+@pytest.mark.parametrize("solver", [rt.Ipopt, rt.InteriorPoint])
+def test_a_mapping_in_place_of_the_first_option_is_told_to_be_keywords(solver: Any) -> None:
+    with pytest.raises(rt.InputError, match=rf"options as keywords, such as rt\.{solver.__name__}\(max_iterations="):
+        solver({"max_iter": 10})

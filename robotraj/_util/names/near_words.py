@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+
+WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
+"""Words of a name such as ``leg_left_1_joint``, ``FL_HAA``, ``LThighPitch`` or ``RFAnkle``."""
 
 _MEANINGS = tuple(
     frozenset(line.split())
@@ -55,6 +59,16 @@ _MEANINGS = tuple(
 )
 """Each line holds words of one meaning; some of them are names."""
 
+_SIDES, _ENDS = {"l": "left", "r": "right"}, {"f": "front", "h": "rear", "b": "rear"}
+_SHORT = (
+    {side: {word} for side, word in _SIDES.items()}
+    | {"fore": {"front"}, "hind": {"rear"}, "back": {"rear"}, "rl": {"rear", "left"}, "rr": {"rear", "right"}}
+    | {a + b: {_SIDES[s], _ENDS[e]} for s in _SIDES for e in _ENDS for a, b in ((s, e), (e, s))}
+)
+"""What the short words of a robot's sides and corners mean: l, fl, LH, rr."""
+_SHARED = 0.6
+"""Least share of all words of two names that both have, for names of other order or of abbreviated words."""
+
 
 def near_names(name: str, valid: Iterable[str], likeness: float = 0.5) -> list[str]:
     """Return the valid names that are nearest to a name, those of like spelling first, then those of like meaning.
@@ -67,7 +81,14 @@ def near_names(name: str, valid: Iterable[str], likeness: float = 0.5) -> list[s
     ['tolerance']
     >>> near_names("goal", ["start", "end"])
     ['end']
+    >>> near_names("foot_front_left", ["root_joint", "FL_foot", "FR_foot"])
+    ['FL_foot']
     """
+    names = list(valid)
+    same = _of_same_words(name, names)
+    if same:
+        return same
+    valid = names
     plain: dict[str, list[str]] = {}
     for each in valid:
         plain.setdefault(each.lower(), []).append(each)
@@ -78,3 +99,16 @@ def near_names(name: str, valid: Iterable[str], likeness: float = 0.5) -> list[s
     meant = [each for each in plain if each in alike and each != word]
     close = get_close_matches(word, near, n=3, cutoff=0.8) if meant else near
     return [each for key in dict.fromkeys((*close, *meant)) for each in plain[key]]
+
+
+def _of_same_words(name: str, names: Iterable[str]) -> list[str]:
+    """Return the names that share most words with a name of several words, in any order and abbreviated as feet are."""
+    words = _words(name)
+    shares = {each: len(words & known) / len(words | known) for each in names if len(known := _words(each)) > 1}
+    most = max(shares.values(), default=0.0)
+    return [each for each, share in shares.items() if share == most] if len(words) > 1 and most > _SHARED else []
+
+
+def _words(name: str) -> frozenset[str]:
+    found = [word.lower() for word in WORDS.findall(name)]
+    return frozenset().union(*(_SHORT.get(word, {word}) for word in found))

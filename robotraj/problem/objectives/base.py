@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import ABCMeta, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -19,7 +19,18 @@ if TYPE_CHECKING:
     from robotraj.problem.scalars import Scalar
 
 
-class Objective(OneLine, ABC):
+class _Called(ABCMeta):
+    """The type of classes of objectives: arithmetic with a class instead of a term is refused."""
+
+    def _refuse(cls, other: object = None) -> NoReturn:
+        raise InputError(
+            f"{cls.__name__} is a class, not an objective: write {cls.__name__}(...), as in 0.1 * rt.Duration()."
+        )
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __neg__ = _refuse
+
+
+class Objective(OneLine, metaclass=_Called):
     """A function that a phase minimises. Objectives add up and scale: ``rt.Effort() + 0.1 * rt.Duration()``."""
 
     @property

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
+
+from robotraj._util.names.near_words import WORDS
 
 PAIRS = (
     ("left", "right"),
@@ -17,9 +18,6 @@ PAIRS = (
     ("bl", "br"),
 )
 """Words of the two sides, in lower case; they are also recognised in upper case and capitalised."""
-
-WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
-"""Words of a name such as ``leg_left_1_joint``, ``FL_HAA``, ``LThighPitch`` or ``RFAnkle``."""
 
 
 def other_side(name: str, names: Iterable[str]) -> str:

@@ -49,3 +49,25 @@ def test_names_of_like_letters_come_before_those_of_like_meaning() -> None:
 def test_an_existing_name_is_never_refused_for_another_of_its_meaning() -> None:
     assert rt.State(q=[0, 0], v=0).v == 0
     assert not hasattr(SOLUTION, "torque") and not hasattr(rt, "solve")
+
+
+@pytest.mark.parametrize("name", ["foot_front_left", "left_front_foot", "FrontLeftFoot", "foot_LF", "fl_foot_link"])
+def test_feet_are_found_in_any_order_and_by_the_letters_of_their_corner(name: str) -> None:
+    frames = ["root_joint", "FL_hip", "FL_foot", "FR_foot", "RL_foot"]
+    assert near_names(name, frames) == ["FL_foot"]
+    assert near_names(name.replace("FL", "LF"), ["root_joint", "LF_HIP", "LF_FOOT", "LH_FOOT"]) == ["LF_FOOT"]
+
+
+def test_names_that_share_few_words_are_not_offered() -> None:
+    assert near_names("gripper_left_finger", ["root_joint", "FL_foot", "base_link"]) == []
+
+
+def test_brackets_behind_a_value_name_the_attribute_that_is_meant() -> None:
+    with pytest.raises(rt.InputError, match=r"\['q'\] reads nothing. Read values at times: solution.at\(t\).q."):
+        SOLUTION["q"]
+    with pytest.raises(rt.InputError, match=r"\['duration'\] reads nothing. Write .duration"):
+        SOLUTION["duration"]
+    with pytest.raises(rt.InputError, match="Did you mean 'tau'"):
+        SOLUTION.at(0.1)["torque"]
+    with pytest.raises(TypeError, match="no entries"):
+        list(SOLUTION)

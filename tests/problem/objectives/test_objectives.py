@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -89,3 +91,19 @@ def test_the_objective_is_the_integral_along_the_trajectory() -> None:
     solution = rt.plan(move(cost), rt.Mesh(10, rt.schemes.GaussLegendre(points=4)))
     exact = quad(lambda t: solution.at(t).u["u"] ** 2 + solution.at(t).x["x"] ** 2, 0, 1, limit=200)[0]
     assert solution.objective == pytest.approx(exact, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        lambda: 0.1 * rt.Duration,
+        lambda: rt.Duration * np.float64(0.1),
+        lambda: rt.Effort() + rt.Duration,
+        lambda: rt.Duration - rt.Effort(),
+        lambda: -rt.Duration,
+        lambda: sum([rt.Duration, rt.Effort()]),
+    ],
+)
+def test_arithmetic_with_a_class_of_objectives_shows_how_it_is_called(mistake: Any) -> None:
+    with pytest.raises(rt.InputError, match=r"Duration is a class.* 0\.1 \* rt\.Duration\(\)"):
+        mistake()
