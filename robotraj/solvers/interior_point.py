@@ -176,6 +176,10 @@ class InteriorPoint(Solver):
             return fall_back(self.fallback, nlp, progress, multipliers, why, self._left(began))
         return self._solve_formulated(formulation, began, progress, multipliers)
 
+    def solve_assembled(self, nlp: Nlp) -> Outcome:
+        """Solve from ``nlp.guess`` without stages."""
+        return self._solve_formulated(assembled(nlp), used_time(), None, None)
+
     def resolve(
         self, nlp: Nlp, known: Multipliers, progress: Progress | None = None, multipliers: Multipliers | None = None
     ) -> Outcome:

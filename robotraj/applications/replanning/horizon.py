@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +23,7 @@ from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.parametric import parametric, with_constants
 from robotraj.solvers.stagewise.native import refresh
+from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.solvers.status import STATUSES, Status
 from robotraj.transcription.extract import extract
 from robotraj.transcription.reuse import started_at
@@ -93,6 +95,7 @@ class Horizon:
                 "A Replanner needs the program of rt.InteriorPoint, which solved this problem without one. Give "
                 "another mesh or scheme."
             )
+        origin = _with_speeds_as_numbers(origin)
         self._compiled, form = origin.compiled, origin.formulation
         self.numbers = StepNumbers(form.nlp)
         self._program = parametric(form, self.numbers.columns, () if of_gait else self.numbers.scalars)
@@ -164,6 +167,18 @@ def _with_planes(first: Solution) -> tuple[PlaneRows, CompiledOrigin | None]:
     rows = PlaneRows(nlp)
     found = InteriorPoint(fallback=None).solve(rows.added(nlp))
     return rows, origin_of(found.multipliers)
+
+
+def _with_speeds_as_numbers(origin: CompiledOrigin) -> CompiledOrigin:
+    """Return an origin whose program reads the speed at the start as a number.
+
+    Stages of a free duration have stretched speeds v T / T_0: the fixed ones are coefficients of the duration there.
+    """
+    form = origin.formulation
+    if not isinstance(form, Reduction) or form.stretched is None:
+        return origin
+    found = InteriorPoint(fallback=None).solve_assembled(replace(origin.nlp, guess=origin.w))
+    return origin_of(found.multipliers) or origin
 
 
 def _violation(formulation: Formulation, w: Array, outputs: Sequence[Array]) -> float:

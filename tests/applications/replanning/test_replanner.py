@@ -98,6 +98,21 @@ def test_free_durations_and_systems():
         assert replan.motion.duration == pytest.approx(2.0 * np.sqrt(distance), rel=1e-5)
 
 
+@pytest.mark.parametrize("weight", [0.0, 1e-3])
+def test_a_free_duration_of_a_robot_follows_the_speed_at_the_start(ur5, weight):
+    """Speeds of the stretched motion would make the one at the start a coefficient of the duration."""
+    cost = rt.Duration() + weight * rt.Effort() if weight else rt.Duration()
+    reach = rt.Phase(ur5, (0.1, 5.0), rt.State(q=START, v=0), rt.State(q=GOAL, v=0), cost)
+    replanner = rt.Replanner(reach, mesh=rt.Mesh(10))
+    for speed in (0.0, 0.3, -0.2):
+        start = rt.State(q=np.array(START) + 0.02, v=speed)
+        replan = replanner.step(0.0, start)
+        known = rt.plan(reach.with_(start=start), mesh=rt.Mesh(10))
+        assert replan.fresh
+        assert replan.motion.duration == pytest.approx(known.duration, rel=3e-3)
+        assert np.allclose(replan.at(0.0).v, speed, atol=1e-6)
+
+
 def test_bad_input(reach, ur5):
     with pytest.raises(rt.InputError, match="no rt.Periodic or rt.Mirror closes it"):
         rt.Replanner(rt.Problem([reach, reach.with_(start=None)], links=[rt.Continuity(0, 1)]))
