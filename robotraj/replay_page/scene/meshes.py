@@ -38,20 +38,6 @@ def read_meshes(paths: Iterable[str]) -> dict[str, Parts | str]:
     return found
 
 
-def read_mesh(path: str) -> Parts:
-    """Return the parts of one mesh file.
-
-    Raises
-    ------
-    InputError
-        It is not read.
-    """
-    found = read_meshes([path])[path]
-    if isinstance(found, str):
-        raise InputError(f"The mesh {path!r} cannot be read: {found}.")
-    return found
-
-
 def _read(path: Path, process: LimitedProcess) -> Parts:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:

@@ -62,15 +62,6 @@ class Claim(OneLine):
         return f"{self.name}: {self.judgement.value}{figure}{bound}"
 
 
-def overall(claims: Sequence[Claim]) -> Judgement:
-    """Return the judgement of a list: fails with one that fails, not judged with one that was not judged."""
-    judgements = {claim.judgement for claim in claims}
-    for worst in (Judgement.FAILS, Judgement.NOT_JUDGED):
-        if worst in judgements:
-            return worst
-    return Judgement.HOLDS if claims else Judgement.NOT_JUDGED
-
-
 def as_data(claims: Sequence[Claim]) -> list[dict[str, object]]:
     """Return claims as plain data, for JSON and the page."""
     return [
