@@ -7,8 +7,8 @@ import pytest
 import trimesh
 
 from robotraj._util.system.limited import LimitedProcess
-from robotraj.replay_page.scene.meshes import read_mesh
 from robotraj.robot.meshes.reading import read_mesh_file
+from tests.replay_page.scene.parts import read_mesh
 
 NAMESPACE = {"c": "http://www.collada.org/2005/11/COLLADASchema"}
 

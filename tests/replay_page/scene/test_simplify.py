@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from robotraj.replay_page.scene import meshes
 from robotraj.replay_page.scene.simplify import MOST, simplified
+from tests.replay_page.scene.parts import read_mesh
 
 
 def test_a_small_mesh_is_not_changed() -> None:
@@ -41,5 +41,5 @@ def test_a_flat_mesh_and_a_single_triangle_left_are_handled() -> None:
 def test_a_file_with_more_triangles_than_a_page_shows_is_simplified(tmp_path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=7)
     ball.export(tmp_path / "ball.stl")
-    (part,) = meshes.read_mesh(str(tmp_path / "ball.stl"))
+    (part,) = read_mesh(str(tmp_path / "ball.stl"))
     assert len(ball.faces) > MOST >= len(part.faces) > 1000
