@@ -193,7 +193,7 @@ def _parts(robot: Robot, body: OwnBody, motion: Motion, pair: Indices, at: Array
     """
     times, which = np.unique(at, return_inverse=True)
     rotations, origins = placements(robot, motion(times))
-    near = np.flatnonzero(body.gaps(pair, which, rotations, origins) <= margins)
+    near = body.near_by_balls(pair, which, rotations, origins, margins)
     parts = np.zeros(len(pair), dtype=int)
     # Most of the time is that of Python, so each shape is placed once at a time.
     shapes = len(body.solids)
@@ -224,7 +224,7 @@ def _inside(robot: Robot, body: OwnBody, motion: Motion, knots: Array, pairs: In
     rotations, origins = placements(robot, motion(times))
     which, pair = np.repeat(np.arange(len(times)), len(pairs)), np.tile(pairs, len(times))
     found = []
-    for k in np.flatnonzero(body.gaps(pair, which, rotations, origins) < 0.0).tolist():
+    for k in body.near_by_balls(pair, which, rotations, origins).tolist():
         time, own = int(which[k]), int(pair[k])
         first, second = (body.placed(shape, rotations[time], origins[time]) for shape in body.pairs[own].tolist())
         if one_inside(first, second):

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.precision import ROUND_OFF
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.lever_arms import (
@@ -89,6 +90,18 @@ class OwnBody(OneLine):
         return shape, centres, np.concatenate([np.zeros(0), *(radii for _, radii in every)])
 
     @cached_property
+    def outer_balls(self) -> tuple[Array, Array]:
+        """One ball around all balls of each shape: its centre (m, 3) in the joint's frame and radius (m,) [m]."""
+        shape, centres, radii = self.balls
+        found = np.zeros((len(self.solids), 3)), np.zeros(len(self.solids))
+        for number in range(len(self.solids)):
+            own = centres[shape == number]
+            found[0][number] = 0.5 * (own.min(axis=0) + own.max(axis=0))
+            reach = np.linalg.norm(own - found[0][number], axis=1) + radii[shape == number]
+            found[1][number] = (1.0 + ROUND_OFF) * reach.max()
+        return found
+
+    @cached_property
     def farthest(self) -> Array:
         """The point (n, 3) of each shape's hull that is furthest from its joint's origin, in that frame [m]."""
         points = [
@@ -106,22 +119,31 @@ class OwnBody(OneLine):
         counts = np.array([len(part) for part in parts], dtype=int)
         return np.concatenate([np.zeros((0, 2), dtype=int), *parts]), np.cumsum(counts) - counts
 
-    def gaps(self, pair: Indices, which: Indices, rotations: Array, origins: Array) -> Array:
-        """Distances (n,) [m] of the balls around pairs of shapes at configurations ``which`` (n,) of m.
+    def near_by_balls(
+        self, pair: Indices, which: Indices, rotations: Array, origins: Array, margins: Array | float = 0.0
+    ) -> Indices:
+        """Return which pairs of shapes (n,) have balls within margins [m] at configurations ``which`` (n,) of m.
 
-        The joints have rotations (m, njoints, 3, 3) and origins (m, njoints, 3) there.
+        The joints have rotations (m, njoints, 3, 3) and origins (m, njoints, 3) there. Most pairs are far apart already
+        by one ball around each shape.
         """
+        margins = np.broadcast_to(margins, len(pair))
+        centres, radii = self.outer_balls
+        outer = np.einsum("mnij,nj->mni", rotations[:, self.joint], centres) + origins[:, self.joint]
+        a, b = self.pairs[pair].T
+        near = np.flatnonzero(_gaps(outer[which, a], outer[which, b], radii[a] + radii[b]) <= margins)
+        if not len(near):
+            return near
         shape, centres, radii = self.balls
         joint = self.joint[shape]
-        centres = np.einsum("mnij,nj->mni", rotations[:, joint], centres) + origins[:, joint]
+        inner = np.einsum("mnij,nj->mni", rotations[:, joint], centres) + origins[:, joint]
         every, first = self.ball_pairs
-        counts = np.diff(np.append(first, len(every)))[pair]
+        counts = np.diff(np.append(first, len(every)))[pair[near]]
         begin = np.cumsum(counts) - counts
-        a, b = every[np.arange(counts.sum()) + np.repeat(first[pair] - begin, counts)].T
-        when = np.repeat(which, counts)
-        apart = centres[when, a] - centres[when, b]
-        found = np.sqrt(np.einsum("ni,ni->n", apart, apart)) - radii[a] - radii[b]
-        return np.asarray(np.minimum.reduceat(found, begin))
+        a, b = every[np.arange(counts.sum()) + np.repeat(first[pair[near]] - begin, counts)].T
+        when = np.repeat(which[near], counts)
+        gaps = _gaps(inner[when, a], inner[when, b], radii[a] + radii[b])
+        return near[np.minimum.reduceat(gaps, begin) <= margins[near]]
 
     def placed(self, shape: int, rotations: Array, origins: Array) -> Placed:
         """Place a shape in the world by the rotations (njoints, 3, 3) and origins (njoints, 3) [m] of joints."""
@@ -138,9 +160,7 @@ class OwnBody(OneLine):
         """Return the pairs that overlap in a configuration (nq,), also by one shape inside the other."""
         rotations, origins = placements(robot, q[None])
         every = np.arange(len(self.pairs))
-        near = (
-            np.flatnonzero(self.gaps(every, np.zeros_like(every), rotations, origins) <= 0.0) if len(every) else every
-        )
+        near = self.near_by_balls(every, np.zeros_like(every), rotations, origins)
         shapes = np.unique(self.pairs[near]).tolist()
         placed = {shape: self.placed(shape, rotations[0], origins[0]) for shape in shapes}
         return [
@@ -161,6 +181,12 @@ class OwnBody(OneLine):
         rotations, origins = (each[0] for each in placements(robot, q[None]))
         first, second = self.pairs[pair].tolist()
         return self.placed(first, rotations, origins), self.placed(second, rotations, origins)
+
+
+def _gaps(first: Array, second: Array, radii: Array) -> Array:
+    """Return the distances (n,) of balls with centres (n, 3) and both radii (n,) together [m]."""
+    apart = first - second
+    return np.asarray(np.sqrt(np.einsum("ni,ni->n", apart, apart)) - radii)
 
 
 _KNOWN: PerRobot[OwnBody] = PerRobot()

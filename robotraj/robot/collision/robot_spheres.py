@@ -92,14 +92,17 @@ class RobotSpheres(OneLine):
 
     def self_distances(self, robot: Robot, q: Array) -> Array:
         """Return the distance [m] of each pair of links (configurations, pairs), negative where spheres overlap."""
-        centres, pairs = self.centres(robot, q), self.sphere_pairs
-        if not len(pairs):
-            return np.zeros((len(q), 0))
-        apart = np.linalg.norm(centres[:, pairs[:, 0]] - centres[:, pairs[:, 1]], axis=2)
-        apart -= self.radius[pairs[:, 0]] + self.radius[pairs[:, 1]]
-        sizes = np.bincount(self.link, minlength=len(self.links))
-        counts = sizes[self.link_pairs[:, 0]] * sizes[self.link_pairs[:, 1]]
-        return np.asarray(np.minimum.reduceat(apart, np.cumsum(counts) - counts, axis=1))
+        centres = np.moveaxis(self.centres(robot, q), 2, 0)
+        found = np.zeros((len(q), len(self.link_pairs)))
+        members = [self.link == i for i in range(len(self.links))]
+        places = [np.ascontiguousarray(centres[:, :, own]) for own in members]
+        for number, (a, b) in enumerate(self.link_pairs):
+            # One pair of links after the other: all pairs of their spheres at once would not fit into the cache.
+            squares = sum((x[:, :, None] - y[:, None]) ** 2 for x, y in zip(places[a], places[b], strict=True))
+            apart = np.sqrt(squares)
+            apart -= self.radius[members[a], None] + self.radius[members[b]]
+            found[:, number] = apart.min(axis=(1, 2))
+        return found
 
 
 _KNOWN: WeakKeyDictionary[Robot, dict[frozenset[frozenset[str]], RobotSpheres]] = WeakKeyDictionary()

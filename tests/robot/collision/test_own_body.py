@@ -159,3 +159,14 @@ def test_a_link_that_stays_inside_another_one_overlaps_it(tmp_path: Path) -> Non
     # The deepest point of the ball lies 0.3 - 0.1 + 0.05 m below the surface.
     assert found.overlaps and body.label(found.pair) == "hand and base"
     assert deepest_overlap(made, body, motion, found)[0] == pytest.approx(0.25, abs=0.01)
+
+
+def test_one_ball_around_a_shape_holds_the_balls_of_the_shape(tmp_path: Path) -> None:
+    box, ball = '<box size="0.5 0.1 0.1"/>', '<sphere radius="0.05"/>'
+    parts = [link("base", box), link("arm", ball, at="0.1 0 0.2"), joint("a", "base", "arm")]
+    body = own_body(robot(tmp_path, *parts))
+    (shape, centres, radii), (outer, reach) = body.balls, body.outer_balls
+    assert np.all(np.linalg.norm(centres - outer[shape], axis=1) + radii <= reach[shape])
+    # A row of five balls of half the diagonal of a cube of 0.1 m, and a ball around the box of a sphere.
+    assert reach[body.links.index("base")] == pytest.approx(0.2 + 0.05 * np.sqrt(3.0))
+    assert reach[body.links.index("arm")] == pytest.approx(0.05 * np.sqrt(3.0))
