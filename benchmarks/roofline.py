@@ -33,7 +33,7 @@ from scipy.linalg.blas import dgemm
 import robotraj as rt
 from robotraj.native.build import load_native
 from robotraj.solvers.attempts import AHEAD, FACTOR
-from robotraj.solvers.formulation import BARRIER, BARRIER_OF_LEGS
+from robotraj.solvers.formulation import BARRIER, SMALL_BARRIER
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.program import StageProgram
@@ -173,8 +173,8 @@ def gait_row(problem: rt.Problem, peak: float) -> str:
     origin: Any = cast(rt.Solution, rt.plan(problem, solver=solver, progress=False)).multipliers.origin  # type: ignore[union-attr]
     program, nlp = origin.formulation.program, origin.nlp
     start = origin.formulation.start(nlp.guess)
-    scale = of_program(origin.compiled.native, start, program, BARRIER_OF_LEGS, nlp)
-    options = solver._options(BARRIER_OF_LEGS, AHEAD * FACTOR, solver.max_iterations, origin.formulation)
+    scale = of_program(origin.compiled.native, start, program, SMALL_BARRIER, nlp)
+    options = solver._options(SMALL_BARRIER, AHEAD * FACTOR, solver.max_iterations, origin.formulation)
     given = {"options": options, "objective_scale": scale, "lam": np.zeros(program.form_rows.size)}
     took, shares = [], []
     for _ in range(RUNS):

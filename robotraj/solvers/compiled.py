@@ -12,17 +12,16 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.solvers.base import Iteration, Multipliers, Origin, Progress
-from robotraj.solvers.formulation import Formulation, carried
+from robotraj.solvers.formulation import BARRIER, SMALL_BARRIER, Formulation, carried
 from robotraj.solvers.nearby_multipliers import interpolated
 
 if TYPE_CHECKING:
     from robotraj.native import Program
     from robotraj.solvers.stagewise.program import StageProgram as Written
 
-WARM_BARRIER, WARM_SHARE = 1e-4, 1e-2
-"""Smallest first barrier parameter of a solve that starts from multipliers, and its ratio to the largest violation."""
-LEAST_BARRIER, NEARBY_SHARE = 1e-8, 1e-4
-"""The same two where only few rows or bounds differ: a larger barrier would first leave the known solution."""
+LEAST_BARRIER = 1e-8
+"""Smallest first barrier parameter where only few rows or bounds differ: a larger one would leave the known solution.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,10 +79,11 @@ def warm_start(multipliers: Multipliers | None, formulation: Formulation) -> dic
 def warm_barrier(native: Program, start: NDArray[np.float64], program: Written, known_rows: bool) -> float:
     """Return the first barrier parameter of a solve that starts from multipliers, in ``known_rows`` of all rows.
 
-    The largest violation of a scaled row at the start measures its distance from the central path.
+    The largest violation of a scaled row at the start measures its distance from the central path. A start that
+    violates a row by 1 gets the barrier of a guess, or the small one where the multipliers of all rows are known.
     """
-    least, share = (LEAST_BARRIER, NEARBY_SHARE) if known_rows else (WARM_BARRIER, WARM_SHARE)
-    return max(least, share * _largest_violation(native, start, program))
+    least, most = (LEAST_BARRIER, SMALL_BARRIER) if known_rows else (SMALL_BARRIER, BARRIER)
+    return max(least, most * _largest_violation(native, start, program))
 
 
 def _largest_violation(native: Program, start: NDArray[np.float64], program: Written) -> float:

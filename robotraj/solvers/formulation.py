@@ -42,11 +42,11 @@ FINE_CORRECTIONS = {"first_correction": 1e-6, "correction_increase": 4.5, "corre
 Larger ones shorten steps along the negative curvature. Systems may start so far away that shorter steps are better, and
 the conflicts of an infeasible flight were not found with the finer ones.
 """
-BARRIER, BARRIER_OF_LEGS = 1e-2, 1e-4
-"""First barrier parameters from a guess; the latter for contacts of a floating root.
+BARRIER, SMALL_BARRIER = 1e-2, 1e-4
+"""First barrier parameters from a guess; the latter for contacts of a floating root, and from known solutions.
 
-From a barrier as small as the latter, these start with zero multipliers of their equations. Those of least squares
-would make the Hessian indefinite: early iterations would take several factorisations. Planar walkers take more
+From a barrier as small as the latter, such contacts start with zero multipliers of their equations. Those of least
+squares would make the Hessian indefinite: early iterations would take several factorisations. Planar walkers take more
 iterations so, and some end in a worse optimum.
 """
 SECONDS_OF_BLOCK = 5e-3
@@ -82,7 +82,7 @@ def first_barrier(formulation: Formulation) -> float:
     """Return the first barrier parameter of a solve from a guess."""
     phases = formulation.nlp.problem.phases
     legs = any(phase.contacts and phase.robot is not None and phase.robot.root == "floating" for phase in phases)
-    return BARRIER_OF_LEGS if legs and not isinstance(formulation, Reduction) else BARRIER
+    return SMALL_BARRIER if legs and not isinstance(formulation, Reduction) else BARRIER
 
 
 def options(formulation: Formulation) -> dict[str, float]:

@@ -27,6 +27,7 @@ from robotraj.solution.records import Lack, answered, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress, Solver
+from robotraj.solvers.formulation import SMALL_BARRIER
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 
@@ -35,10 +36,6 @@ if TYPE_CHECKING:
 
 Surfaces = Sequence["NearSurfaces | None"]
 """For each phase, links of the robot that rows keep apart."""
-
-BARRIER_OF_POWERS = 1e-4
-"""First barrier parameter there on a later mesh. A larger one raises the objective by a fifth, and takes a hundred
-iterations to lower it again."""
 
 
 def run(
@@ -214,5 +211,6 @@ def _solver(state: PlanState) -> Solver:
     # as the signs of powers do.
     warm = cold.from_nearby(altered=traits.kinked or any(phase.rows.rates for phase in state.problem.phases))
     if traits.sticking_powers and isinstance(warm, InteriorPoint):
-        return replace(warm, initial_barrier=BARRIER_OF_POWERS)
+        # A larger barrier raises the objective by a fifth, and takes a hundred iterations to lower it again.
+        return replace(warm, initial_barrier=SMALL_BARRIER)
     return warm
