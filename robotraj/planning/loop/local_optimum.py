@@ -10,6 +10,7 @@ nearby: what it gains, the plan has missed.
 from __future__ import annotations
 
 from robotraj.fixed_mesh.checked_solution import checked_solution
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.guess.from_solution import FromSolution
 from robotraj.solution.claims.objective_size import size_for
 from robotraj.solution.proof import Goals
@@ -22,8 +23,6 @@ from robotraj.transcription.reuse import started_at
 
 TOLERANCE = 1e-3
 """Tolerance of the solve relative to the goal of the objective."""
-MOST = 2
-"""Largest number of iterations relative to those of the first solve."""
 
 
 def is_converged(found: Solution, goals: Goals) -> bool:
@@ -43,8 +42,7 @@ def gain_from(
     """Solve from a plan on the mesh of its first solution.
 
     The gain is the lesser one of two: that over the plan's objective, and that over the sum that the plan has at the
-    points of this mesh. It is 0 where the solve does not converge in one iteration more than ``MOST`` times those of
-    the first one.
+    points of this mesh. It is 0 where the solve does not converge in ``PATIENCE`` iterations.
 
     Parameters
     ----------
@@ -64,7 +62,7 @@ def gain_from(
     known = first.multipliers
     assert known is not None and known.origin is not None
     nlp = started_at(known.origin.nlp, FromSolution(plan))
-    nearby = solver.from_nearby(altered=True).at_most(1 + MOST * first.iterations)
+    nearby = solver.from_nearby(altered=True).at_most(PATIENCE)
     careful = nearby.accurate_to(TOLERANCE * goals.objective)
     outcome = careful.resolve(nlp, known, progress)
     found = checked_solution(nlp, outcome, {})

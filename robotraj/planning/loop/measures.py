@@ -18,6 +18,7 @@ from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.assess import control_jumps, errors_of
 from robotraj.transcription.refinement.base import Assessment, Refinement
+from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.linear_controls import HARDLY
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors, surplus
 from robotraj.transcription.refinement.path_bends import path_bends
@@ -35,24 +36,25 @@ In least time controls stay at their limits and switch inside intervals. The fir
 against meshes four times as fine: between 1 and 2 for least times, above 2 for integrals of squared torques. The last
 is that of systems whose controls are unknowns of their own, where a switch costs a share of its interval.
 """
-LEAST_GROWTH, MOST_GROWTH = 1.5, 4.0
-"""Bounds on the growth of the number of intervals for the convergence of the objective.
+DOUBLED = 2.0
+"""Growth of the number of intervals where no order of convergence predicts it.
 
-A first mesh that could not be solved grows by the lower one, too."""
-MOST_GROWTH_BENDING = 2.0
-"""The upper bound where controls bend sharply in a few intervals, which the next mesh divides anyway."""
-FAR, MOST_GROWTH_FAR = 5e-2, 2.0
-"""Change of the objective still to come above which its order predicts little, and the upper bound there.
+It bounds the growth where controls bend sharply in a few intervals, which the next mesh divides anyway, and where the
+objective is ``FAR`` from settled. Phases that miss their goal grow by it where an error stagnates.
+"""
+FAR = 5e-2
+"""Change of the objective still to come above which its order predicts little.
 
 Coarse meshes of robots that swing often end at other optima than finer ones. Many iterations lead from one to the
 other, which should be those of a small mesh.
 """
-CLEARLY = 1.4
-"""Least ratio of the errors expected on two meshes whose objectives are compared."""
 SAFETY = 1.5
 """Factor on the growth that the order of the objective predicts.
 
-With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again."""
+With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again.
+"""
+LEAST_GROWTH = SAFETY
+"""Least growth, also that of a first mesh that could not be solved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,8 +172,8 @@ class Measured:
             return LEAST_GROWTH
         if self.coarse:
             # Intervals are added where the controls bend, and only as many elsewhere as the comparison needs.
-            return float(np.clip(left ** (1.0 / self.order), CLEARLY, MOST_GROWTH_BENDING))
-        most = MOST_GROWTH_FAR if proof.unsettled > FAR else MOST_GROWTH
+            return float(np.clip(left ** (1.0 / self.order), 1.0 / HARDLY, DOUBLED))
+        most = DOUBLED if proof.unsettled > FAR else Equidistribute.most
         return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, most))
 
 
@@ -278,12 +280,12 @@ def _bends(part: PhaseSolution, bending: bool) -> Array:
 
 
 def _coarser(before: Measured | None, count: int, order: float) -> tuple[Measured | None, tuple[Measured, ...]]:
-    """Return the last measures on a mesh with an error larger by ``CLEARLY``, and those on meshes since, about as fine.
+    """Return the last measures on a mesh whose error is clearly larger, and those on meshes since, about as fine.
 
     Without one they are those on the coarsest mesh. The change of the objective from there bounds its remaining error.
     """
     since: tuple[Measured, ...] = ()
-    while before is not None and before.before is not None and (count / before.intervals) ** order < CLEARLY:
+    while before is not None and before.before is not None and (before.intervals / count) ** order > HARDLY:
         before, since = before.before, (*since, before)
     return (before if before is not None and before.intervals < count else None), since
 

@@ -14,9 +14,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
+from robotraj.guess.paths.scene import RESOLUTION
 from robotraj.planning.loop.gauss_sums import by_gauss
 from robotraj.planning.loop.local_optimum import can_be_solved_again
-from robotraj.planning.loop.measures import FAR, LEAST_GROWTH, largest_roughness
+from robotraj.planning.loop.measures import DOUBLED, FAR, LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.planning.proving.soft_friction import factor_of, nearer
 from robotraj.solution.claims.objective_size import objective_size, size_for
@@ -36,15 +37,9 @@ it further, unless joints stick and slide."""
 ENOUGH_OF_POWERS = 3
 """The same where joints stick and slide and the objective has kinks. It does not settle on some motions, whatever the
 mesh, and limits between the points are imposed from the second mesh on."""
-MET = 1e-3
-"""Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
-DOUBLED = 2.0
-"""Growth of the number of intervals of phases that miss their goal where an error stagnates.
-
-After a second time the plan ends."""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
 NEARLY = 1e-2
@@ -167,7 +162,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     proof, measures = best.proof, best.measures
     if measures.rounded > proof.goals.objective and state.problem is not state.sharp:
         return replace(state, problem=state.sharp, meshes=best.meshes, why="kinks without rounding")
-    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET:
+    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > RESOLUTION:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.holds and not first:
         return PlanEnd(state, "")

@@ -22,9 +22,10 @@ from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment
-from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH, Equidistribute
+from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH, SAFETY, Equidistribute
 from robotraj.transcription.refinement.linear_controls import HARDLY, on_lines
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors
+from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.mesh import Mesh
 
 MOST_MESHES = 25
@@ -37,16 +38,7 @@ LESS = 0.8
 """Share of the least error so far below which an error counts as smaller."""
 ALIKE = 2.0
 """Largest ratio of the errors of successive meshes that count as alike."""
-CALMED = 4.0
-"""Largest change of the objective before the last one, relative to the tolerance, once it has settled."""
-MOST_EXCESS = 5e-4
-"""Excess over a path row or a limit between the points, relative to its bound, for which no interval is split."""
-FALL = 0.25
-"""Largest ratio of the excesses on successive meshes for a further split.
-
-An excess of a smooth control falls faster. Where a control switches inside an interval, its excess does not fall.
-"""
-FAR_MORE = 1.5
+FAR_MORE = Equidistribute.second
 """Ratio of the points of successive meshes whose errors show whether the error follows the mesh."""
 CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
@@ -63,7 +55,7 @@ def adapt(
     """Refine the meshes of all phases until every interval's error is below the tolerance and the objective settled.
 
     Each mesh starts from the solution on the one before, with a smaller barrier. An objective has settled when it
-    hardly changes on a finer mesh, and changed little on the mesh before (``CALMED``). Controls of systems become lines
+    hardly changes on a finer mesh, and changed little on the mesh before (``SAFETY``). Controls of systems become lines
     where a mesh fails, or where its error hardly falls. Last, intervals are split on which path rows on controls
     or accelerations, or limits of torques, are violated, while that excess falls.
 
@@ -116,7 +108,8 @@ class _Adaptation:
                 before = excess
                 if accurate:
                     excess = max(float(each.broken.max()) for each in assessments)
-                splitting = accurate and MOST_EXCESS < excess < FALL * before
+                # An excess of a smooth control falls so far at least; one where a control switches stays.
+                splitting = accurate and SplitAndMerge.path < excess < SAFETY * before
                 reached = self.adding_rows and accurate and not splitting
                 tighter = self.accuracy.tighten_if_needed(solution, self._allowed(solution))
                 if self._onto_lines(solution, start, worst):
@@ -156,7 +149,7 @@ class _Adaptation:
         changes = np.abs(np.diff([*(step.objective for step in self._compared), solution.objective]))
         # If each mesh halves the distance to the optimum, the remaining distance equals the last change. That change is
         # no measure of the distance if refinement left out the intervals that matter, so the one before counts too.
-        settled = len(changes) > 0 and changes[-1] <= 0.5 * allowed and bool(np.all(changes[-2:] <= CALMED * allowed))
+        settled = len(changes) > 0 and changes[-1] <= 0.5 * allowed and bool(np.all(changes[-2:] <= allowed / SAFETY))
         settled = settled and _quadrature_error(solution) <= allowed
         assessments = [assess(part.phase, part.trajectory, part.mesh, settled) for part in solution.phases]
         return assessments, max(float(a.errors.max()) for a in assessments), settled
