@@ -32,7 +32,7 @@ from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.shooting.explicit_dynamics import explicit
 
 NEAR = 0.1
-"""Largest violation of a scaled row at a guess from another problem whose multipliers are used."""
+"""Largest violation of a scaled row at a point that is near a motion, so that its multipliers are used."""
 PATIENCE = 150
 """Iterations of a solve that can only improve an objective or the guess of another solve."""
 

@@ -13,7 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
-from robotraj.guess.ends import default_parameters
+from robotraj.guess.ends import MARGIN, default_parameters
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.phase_row import Kind
 
@@ -24,10 +24,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PLACES = np.linspace(0.0, 1.0, SAMPLES)
-"""Fractions of the motion at which rows are compared with their bounds."""
-SHORTEST, LONGER, TRIES = 1e-3, 1.5, 36
-"""First duration [s], factor by which it grows while rows are violated, and largest number of times.
+SHORTEST, TRIES = 1e-3, 36
+"""Least duration of a phase [s], and largest number of times that it grows by ``MARGIN`` while rows are violated.
 
 The last duration is half an hour.
 """
@@ -61,12 +59,12 @@ def _duration(phase: Phase, cubic: _Cubic) -> float:
     if not rows:
         return tried[0]
     p = np.array(list(default_parameters(phase).values()), dtype=float)
-    least, nearest = np.inf, cubic.longest
+    least, nearest, places = np.inf, cubic.longest, np.linspace(0.0, 1.0, SAMPLES)
     for duration in tried:
         if cubic.ends_beyond(duration):
             break
-        x, z, u = (cubic.columns(kind, duration, PLACES) for kind in (dae.states, dae.algebraic, dae.controls))
-        values = table.sample(rows, duration * PLACES, x, z, u, p)
+        x, z, u = (cubic.columns(kind, duration, places) for kind in (dae.states, dae.algebraic, dae.controls))
+        values = table.sample(rows, duration * places, x, z, u, p)
         excess = max(_excess(row, column) for row, column in zip(rows, values.T, strict=True))
         if excess <= 0.0:
             return duration
@@ -105,7 +103,7 @@ class _Cubic:
     def durations(self) -> Array:
         """The durations that are tried, ascending [s]."""
         keeps = self.entry and self.leaving and not self.stops
-        growing: Array = LONGER ** np.arange(TRIES + 1.0)
+        growing: Array = MARGIN ** np.arange(TRIES + 1.0)
         return growing * (self.span / self.entry if keeps else SHORTEST)
 
     @property

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""
 ROUGH_SHORTFALL = 2e-2
-"""Shortfall of a distance that is allowed on a first mesh, which only approximates the motion [m]."""
+"""Shortfall of a distance that is allowed on a first mesh, which only approximates the motion [m].
+
+No distance is raised by more in one round."""
 MORE = 1.2
 """Ratio of the raise of a distance to its shortfall; above 1, since the motion changes with the raise."""
 GAIN = 3e-3
@@ -31,8 +33,6 @@ ACTIVE = 1e-4
 """Distance above its bound up to which a row is active [m]."""
 LEAST = 2e-5
 """Least amount by which a distance is raised [m]."""
-MOST = 0.02
-"""Largest amount by which a distance is raised in one round [m]."""
 DEEP = 0.015
 """Largest penetration of a shape by a motion that fixes the planes of the next round [m]."""
 
@@ -133,7 +133,7 @@ class Clearing:
                 found.intervals, found.pairs, found.distances, near, strict=True
             ):
                 place = int(interval), int(pair)
-                amount = min(max(MORE * (own.pairs.margin - float(distance)), LEAST), MOST)
+                amount = min(max(MORE * (own.pairs.margin - float(distance)), LEAST), ROUGH_SHORTFALL)
                 if place in self._kept[i]:
                     self._kept[i][place] += amount
                 elif is_near:

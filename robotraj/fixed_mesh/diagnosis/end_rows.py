@@ -14,6 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Measure
+from robotraj.guess.along_path import SHORTEST
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.base import Ends
 from robotraj.problem.phase import Phase
@@ -21,8 +22,6 @@ from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
 
-SHORTEST = 1e-3
-"""Least duration of a phase [s], which keeps mean speeds finite."""
 QUATERNION_WEIGHT, END_WEIGHT, CONSTRAINT_WEIGHT, LIMIT_WEIGHT = 1e3, 20.0, 5.0, 1.0
 """Weights of slacks: quaternions' lengths and roots; states given at an end; contacts, links, frames there; limits."""
 

@@ -24,7 +24,6 @@ from robotraj.fixed_mesh.diagnosis.end_rows import (
     CONSTRAINT_WEIGHT,
     END_WEIGHT,
     QUATERNION_WEIGHT,
-    SHORTEST,
     EndRow,
     ends_of_phases,
     position_count,
@@ -32,6 +31,8 @@ from robotraj.fixed_mesh.diagnosis.end_rows import (
     rows_at_ends,
     rows_of_links,
 )
+from robotraj.fixed_mesh.warm_start import PATIENCE
+from robotraj.guess.along_path import SHORTEST
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -49,8 +50,6 @@ STARTS, STARTS_MOVING = 12, 6
 
 With a moving root the search ends where two starts agree, since its problems are larger.
 """
-ITERATIONS = 150
-"""Largest number of iterations of the solver from one start."""
 NEARNESS = 1e-6
 """Weight of the squared distance from the start, which makes the minimum unique."""
 SMALL = 1e-2
@@ -108,7 +107,7 @@ def _least_slacks(
     scales = np.array([row.scale for row in rows])
     weights = np.array([rows[i].weight for i, *_ in sides])
     cost = ca.dot(weight, slack) + NEARNESS * ca.sumsqr(unknown - near)
-    options = {"tol": 1e-8, "max_iter": ITERATIONS, "print_level": 0, "sb": "yes", **NO_FILE}
+    options = {"tol": 1e-8, "max_iter": PATIENCE, "print_level": 0, "sb": "yes", **NO_FILE}
     solver = ca.nlpsol(
         "ends",
         "ipopt",

@@ -16,6 +16,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.paths.free_path import TRIES, Free, free_path
+from robotraj.guess.paths.path_in_time import WINDOW
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ Motion = Callable[[Array], Array]
 
 BESIDE = 4
 """Number of free configurations before and after an overlap from which a path leads around it."""
-ROUNDED = 7
-"""Largest half-width of the average that rounds corners, in samples; halved until the motion is free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +121,8 @@ def _window(open_: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _rounded(samples: Array, free: Free) -> Array:
-    """Return averages over neighbours, as far as they are free."""
-    width = ROUNDED
+    """Return averages over up to ``WINDOW`` neighbours on each side, half as many until they are free."""
+    width = WINDOW
     while width:
         padded = np.concatenate(
             [np.repeat(samples[:1], width, axis=0), samples, np.repeat(samples[-1:], width, axis=0)]

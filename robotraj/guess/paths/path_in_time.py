@@ -26,7 +26,7 @@ STEPS = 40
 LONGEST = 64
 """Largest duration that is tried, relative to the quickest one."""
 WINDOW = 7
-"""Number of steps over which speeds are averaged, since a robot does not start or stop instantly."""
+"""Number of steps over which motions are averaged, since a robot does not start, stop or turn instantly."""
 
 
 class TimedMotion(Protocol):

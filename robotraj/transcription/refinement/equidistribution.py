@@ -25,6 +25,7 @@ from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.refinement.base import Assessment, Refinement, error_order
+from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -32,8 +33,8 @@ Array = NDArray[np.float64]
 
 SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""
-JUMP, STEEP = 0.2, 6.0
-"""Least change of a control in an interval that counts as a jump, relative to its range, and the same per phase.
+STEEP = 6.0
+"""Least change of a control that counts as a jump, relative to its range and to the length of the interval.
 
 On few intervals a smooth control changes by as much in each of them.
 """
@@ -86,7 +87,7 @@ class Equidistribute(Refinement):
         The same mesh is returned if all errors are below the tolerance and ``assessment.growth`` is 1.
         """
         orders = np.array([error_order(scheme) for scheme in mesh.schemes], dtype=float)
-        orders[assessment.jumps > np.maximum(JUMP, STEEP * np.diff(mesh.knots))] = 1.0
+        orders[assessment.jumps > np.maximum(SplitAndMerge.jump, STEEP * np.diff(mesh.knots))] = 1.0
         parts = (assessment.errors / (SAFETY * tolerance)) ** (1.0 / orders)
         parts = np.where(assessment.errors > tolerance, np.maximum(parts, 1.0), 1.0)
         broken = np.append(0.0, np.append(assessment.broken, 0.0))

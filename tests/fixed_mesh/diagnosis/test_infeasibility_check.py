@@ -10,8 +10,8 @@ import pytest
 import robotraj as rt
 from robotraj.fixed_mesh.coarse import CoarseSolves
 from robotraj.fixed_mesh.diagnosis.infeasibility_check import (
-    FAR,
     ITERATIONS,
+    NEAR,
     Excluded,
     InfeasibilityCheck,
 )
@@ -67,7 +67,7 @@ def test_conflicts_are_looked_for_once_where_iterations_begin_again(monkeypatch:
     assert len(looked) == 1 and not check.conflicts
 
 
-@pytest.mark.parametrize(("violation", "number"), [(0.5 * FAR, ITERATIONS), (2.0 * FAR, ITERATIONS // 2)])
+@pytest.mark.parametrize(("violation", "number"), [(0.5 * NEAR, ITERATIONS), (2.0 * NEAR, ITERATIONS // 2)])
 def test_conflicts_are_looked_for_earlier_far_from_any_motion(
     monkeypatch: pytest.MonkeyPatch, violation: float, number: int
 ) -> None:
@@ -121,5 +121,5 @@ def test_searches_that_do_not_agree_exclude_no_motion(monkeypatch: pytest.Monkey
     # Interrupted searches end at sums far apart: stairs of talos_legs, whose plan is proved, were refused for one.
     problem = rising(0.3)
     assert are_certain(unreached_ends(problem))
-    monkeypatch.setattr("robotraj.fixed_mesh.diagnosis.unreached_ends.ITERATIONS", 2)
+    monkeypatch.setattr("robotraj.fixed_mesh.diagnosis.unreached_ends.PATIENCE", 2)
     assert unreached_ends(problem) and not are_certain(unreached_ends(problem))
