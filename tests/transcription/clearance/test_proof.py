@@ -60,3 +60,22 @@ def test_a_motion_far_from_everything_is_proved(arm: rt.Robot) -> None:
     far = rt.CollisionFree([rt.obstacles.Sphere(0.1, (0, 0, 5))], self_collision=False).pairs(arm)
     found = shortfalls(far, motion(0))
     assert not found.pairs.size and found.least > 2.0
+
+
+def test_a_link_deep_inside_a_moving_ball_is_found_without_dividing_its_whole_motion(
+    arm: rt.Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only pieces that may be the nearest are halved; the least distance is that of dense samples."""
+    ball = rt.obstacles.Sphere(0.4, lambda t: (0.3 + 0.01 * t, 0.1, 0.5))
+    pairs, x = rt.CollisionFree([ball], 0.01, self_collision=False).pairs(arm), motion(1)
+    counts, distances_of = [0], ClearancePairs.distances_of
+    monkeypatch.setattr(
+        ClearancePairs,
+        "distances_of",
+        lambda self, pair, *given: (counts.append(len(pair)), distances_of(self, pair, *given))[1],
+    )
+    found = shortfalls(pairs, x)
+    times = np.linspace(0, 1, 6001)
+    dense = pairs.distances(x(times)[:, :6], times)
+    assert found.least == pytest.approx(dense.min(), abs=1e-3) and found.distances.min() == found.least
+    assert sum(counts) < 256 * found.pairs.size  # eight halvings of every piece are 510
