@@ -36,6 +36,8 @@ class LegSamples:
     ----------
     places : ndarray (feet, samples, 3)
         Feet relative to the root, in its axes [m].
+    lengths : ndarray (feet, samples)
+        Distances of the feet from the first joints of their legs [m].
     forces : ndarray (feet, samples)
         Greatest vertical forces [N]; infinite where motors have no limits.
     motions : tuple of ndarray (samples, joints, 3)
@@ -46,6 +48,7 @@ class LegSamples:
     """
 
     places: Array
+    lengths: Array
     forces: Array
     motions: tuple[Array, ...]
     moved: tuple[Array, ...]
@@ -101,6 +104,7 @@ def sample_legs(
     torques = np.where([name in robot.actuated for name in robot.velocity_names], torques, np.inf)
     speeds = np.minimum(speeds, FAST)
     model, data = robot.model, robot.model.createData()
+    hips = [next(i for i in range(model.njoints) if model.joints[i].idx_v == chain[0]) for chain in chains]
     shift, base = robot.nq - robot.nv, 3 if robot.root == "planar" else 1
     lower, upper = (np.clip(side, -np.pi, np.pi) for side in robot.limits.sides("position"))
     turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
@@ -109,7 +113,7 @@ def sample_legs(
     used = sorted({i for chain in chains for i in chain})
     rng = np.random.default_rng(0)
     places = np.zeros((len(feet), configurations + 1, 3))
-    forces = np.zeros(places.shape[:2])
+    lengths, forces = np.zeros(places.shape[:2]), np.zeros(places.shape[:2])
     slopes = tuple(np.zeros((configurations + 1, 3, len(chain))) for chain in chains)
     q = np.array(standing)
     if robot.root == "floating":
@@ -122,10 +126,12 @@ def sample_legs(
         for f, (foot, chain) in enumerate(zip(feet, chains, strict=True)):
             frame = robot.frame(foot)
             slope = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[:3][:, chain]
-            places[f, k] = data.oMf[frame].translation - data.oMi[base].translation
+            at = data.oMf[frame].translation
+            places[f, k] = at - data.oMi[base].translation
+            lengths[f, k] = np.linalg.norm(at - data.oMi[hips[f]].translation)
             levers = np.maximum(np.abs(directions @ slope), 1e-9)
             forces[f, k] = (torques[chain] / levers).min(axis=1).max()
             slopes[f][k] = np.where(np.abs(slope).max(axis=1, keepdims=True) > 1e-6, slope * speeds[chain], 0.0)
     motions = tuple(np.asarray(np.linalg.pinv(each), dtype=float) for each in slopes)
     moved = tuple(each @ motion for each, motion in zip(slopes, motions, strict=True))
-    return LegSamples(places, forces, motions, moved)
+    return LegSamples(places, lengths, forces, motions, moved)

@@ -19,10 +19,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.gait.capability.take_off import BEYOND, greatest_rise
+from robotraj.gait.capability.take_off import greatest_rise
 from robotraj.robot.robot import Robot
 
 Array = NDArray[np.float64]
+
+BEYOND = 1.5
+"""Multiple of the estimate above which a turn is refused."""
 
 
 def height_of_least_energy(robot: Robot, standing: Array, axis: Sequence[float]) -> float:

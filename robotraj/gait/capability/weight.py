@@ -25,7 +25,7 @@ from robotraj.robot.robot import Robot
 Array = NDArray[np.float64]
 
 BENT = (0.5, 0.95)
-"""Least and greatest height of the root above a foot, relative to that of a straight leg."""
+"""Least height of the root above a foot, and greatest length of its leg, relative to a straight leg."""
 BEYOND = 1.5
 """Multiple of the estimate above which a weight is refused."""
 EASY = 0.5
@@ -82,7 +82,7 @@ def check_weight(
         return
     samples = sample_legs(robot, feet, standing, friction, margin)
     assert samples is not None
-    _compare(robot, _carried(_bent(samples), supports, spans, feet), "in this gait")
+    _compare(robot, _carried(bent_forces(samples), supports, spans, feet), "in this gait")
 
 
 def _compare(robot: Robot, most: float, where: str) -> None:
@@ -107,9 +107,8 @@ def _carried(
     return sum(load * time for load, (time, _) in zip(loads, spans, strict=True) if load) / sum(t for t, _ in spans)
 
 
-def _bent(samples: LegSamples) -> Array:
+def bent_forces(samples: LegSamples) -> Array:
     """Return the greatest force of each foot with a bent leg [N]."""
-    heights = -samples.places[:, :, 2]
-    least, greatest = (share * heights.max(axis=1, keepdims=True) for share in BENT)
-    bent = (heights >= least) & (heights <= greatest)
+    straight = samples.lengths.max(axis=1, keepdims=True)
+    bent = (samples.lengths <= BENT[1] * straight) & (samples.places[:, :, 2] <= -BENT[0] * straight)
     return np.asarray(np.max(samples.forces, axis=1, where=bent, initial=0.0))

@@ -73,7 +73,7 @@ def jump(
     Raises
     ------
     InputError
-        The height is not positive, or the jump needs a take-off for half as much again as the torques and speeds of the
+        The height is not positive, or the jump needs a higher take-off than the torques and speeds of the
         legs allow. The legs cannot carry the robot, or it has no feet.
     """
     check_options(None, upright)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.gait.capability.leg_samples import sample_legs
 from robotraj.gait.capability.take_off import greatest_rise
 
 
@@ -30,6 +31,16 @@ def test_slow_legs_take_off_slowly() -> None:
     """The root rises at the speed of the sliding leg, to which the hip adds the rest where the leg is tilted."""
     slow, fast = rise(hopper(400.0, 0.5)), rise(hopper(400.0, 5.0))
     assert 0.5**2 / (2.0 * 9.81) < slow < 0.2 * fast
+
+
+def test_a_straight_leg_gives_no_more_energy_than_its_speed() -> None:
+    """Strong motors accelerate the root to the speed at which the legs stretch, whatever a straight leg carries."""
+    robot = rt.load("five_link", root="planar", limits={"effort": 1e5, "velocity": 2.0})
+    posture, feet = rt.gait.stand(robot), ["left_foot", "right_foot"]
+    samples = sample_legs(robot, feet, posture, 0.7, 0.0)
+    assert samples is not None
+    fastest = float(samples.speeds((0.0, 0.0, 1.0)).max(axis=1).min())
+    assert 0.0 < greatest_rise(robot, feet, posture, 0.7, 0.0) <= fastest**2 / (2.0 * 9.81)
 
 
 def test_the_rise_grows_with_torque_and_falls_with_the_margin() -> None:

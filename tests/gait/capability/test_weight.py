@@ -10,7 +10,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.gait.capability.leg_samples import sample_legs
-from robotraj.gait.capability.weight import check_rest
+from robotraj.gait.capability.weight import bent_forces, check_rest
 
 
 def loaded(mass: float) -> rt.Robot:
@@ -50,6 +50,28 @@ def test_a_heavy_load_is_refused_within_two_seconds_and_the_stated_mass_trots() 
 def test_a_load_that_cannot_be_held_at_rest_is_refused_by_a_jump() -> None:
     with pytest.raises(rt.InputError, match="in the configuration in which it stands"):
         rt.gait.jump(loaded(500.0))
+
+
+def test_a_leg_that_is_bent_carries_what_its_knee_does() -> None:
+    """Between hip and knee of equal links l, at most 0.95 straight, lies b = l sin(acos(0.95)).
+
+    A force through the foot passes one of them at b / 2 or more, so that it is at most 2 tau / b, also for a straight
+    leg that stands obliquely.
+    """
+    robot = rt.load("five_link", root="planar")
+    samples = sample_legs(robot, ["left_foot"], rt.gait.stand(robot), 1.0, 0.0)
+    assert samples is not None
+    link = 0.5 * float(samples.lengths.max())
+    assert bent_forces(samples)[0] < 2.0 * 100.0 / (link * np.sin(np.arccos(0.95)))
+
+
+@pytest.mark.filterwarnings("ignore:The inertia of")
+def test_a_crawl_on_weak_motors_is_refused_within_two_seconds() -> None:
+    robot = rt.load("hyq", root="floating", limits={"effort": 15.0})
+    began = time.process_time()
+    with pytest.raises(rt.InputError, match=r"carries about \S+ N at most in this gait"):
+        rt.gait.crawl(robot, step_length=0.1, duration=2.0)
+    assert time.process_time() - began < 2.0
 
 
 def test_joints_without_a_motor_are_not_judged() -> None:
