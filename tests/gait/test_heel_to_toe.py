@@ -9,8 +9,13 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.witness.mujoco.feet import feet_of, landing_feet
+from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 
 SOLE = partial(rt.FlatFoot, length=(0.08, 0.12), width=0.12)
+
+
+FEET = ("left_sole_link", "right_sole_link")
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +72,20 @@ def test_the_foot_comes_down_and_rolls_over_its_toe(robot: rt.Robot) -> None:
     # Neither the sole nor the heel lands with an impact: all speeds are continuous.
     for before, after in ((first, flat), (flat, toe)):
         np.testing.assert_allclose(before.at(before.t0 + before.duration).v, after.at(after.t0).v, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_the_mirrored_walk_is_followed_on_the_soles_of_both_feet(walk: rt.Problem) -> None:
+    """The plan holds the sole of one foot alone; the other one, which it holds by its toe, has the mirrored sole."""
+    pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
+    solution = rt.plan(walk)
+    course = ReferenceMotion(solution)
+    assert {foot.name: foot.shape for foot in feet_of(course)} == dict.fromkeys(FEET, "BOX")
+    for period, name in enumerate(FEET):
+        (heel,) = landing_feet(course, 0, period)
+        assert (heel.name, heel.pose.translation[0]) == (name, pytest.approx(-0.08))
+    opinion = rt.witness.second_opinion(solution)
+    assert opinion.completed and opinion.periods == 3 and opinion.saturated == 0.0
+    for foot in opinion.feet:
+        assert foot.planned is not None
+        assert foot.force[2] == pytest.approx(foot.planned[2], rel=0.02)

@@ -15,7 +15,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.feedback.riccati import backwards
 from robotraj.witness.contacts.constrained import mass_and_bias
-from robotraj.witness.mujoco.feet import feet_of
+from robotraj.witness.mujoco.feet import landing_feet
 from robotraj.witness.mujoco.linear import LinearPhase
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.planned import robot_sample
@@ -187,8 +187,7 @@ def _entry(course: ReferenceMotion, phase: int, linear: LinearPhase) -> Array:
     around = course.closing is not None and phase == 0
     mirrored = course.closing.velocities if around and course.closing else np.eye(course.robot.model.nv)
     seen = scipy.linalg.block_diag(mirrored, mirrored)
-    lands = course.lands(phase)
-    feet = [foot for foot in feet_of(course) if foot.name in lands]
+    feet = landing_feet(course, phase)
     return linear.touchdown(course.reference(phase, np.zeros(1)).q[0], seen @ rate, feet, course.root) @ seen
 
 

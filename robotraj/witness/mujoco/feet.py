@@ -8,7 +8,7 @@ with the ground of its contact.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import ModuleType
 from typing import TYPE_CHECKING, cast
@@ -139,23 +139,27 @@ def feet_of(course: ReferenceMotion) -> tuple[Foot, ...]:
     InputError
         A contact of another kind, or a mirror without the partner of a foot.
     """
-    found: dict[str, Foot] = {}
-    held = [bound for planned in course.phases for bound in getattr(planned.phase, "bound_contacts", ())]
-    # A sole that rolls over its heel and toe has the shape of the sole in all phases.
-    for bound in sorted(held, key=lambda each: -len(each.holds)):
-        if bound.contact.ground is None:
-            continue
-        foot = found.setdefault(bound.name, _foot(course, bound))
-        if (ground := as_ground(bound.contact.ground)) not in foot.grounds:
-            found[bound.name] = replace(foot, grounds=(*foot.grounds, ground))
+    held = _held(course, range(len(course.phases)))
+    shapes = [(-len(bound.holds), 0, _foot(course, bound)) for bound in held]
     if course.mirrored(1):
-        partners = course.closing.partners if course.closing is not None else {}
-        for name, foot in tuple(found.items()):
-            frame = course.robot.model.frames[foot.frame].name
-            other = partners.get(name, partners.get(frame, name))
-            if other not in found:
-                found[other] = replace(foot, name=other, frame=_partner(course, frame, other, partners))
+        shapes += [(size, 1, _across(course, foot)) for size, _, foot in shapes]
+    found: dict[str, Foot] = {}
+    # A sole that rolls over its heel and toe, or whose mirror image does, has the shape of the sole in all phases.
+    for _, _, foot in sorted(shapes, key=lambda each: each[:2]):
+        known = found.setdefault(foot.name, foot)
+        grounds = tuple(dict.fromkeys((*known.grounds, *foot.grounds)))
+        found[foot.name] = replace(known, grounds=grounds)
     return tuple(found.values())
+
+
+def landing_feet(course: ReferenceMotion, phase: int, period: int = 0) -> tuple[Foot, ...]:
+    """Return the feet that touch down at the start of a phase, as the shapes that reach the ground then.
+
+    A foot that lands on its heel is there at the edge of its sole, not in the middle.
+    """
+    lands = course.lands(phase)
+    feet = tuple(_foot(course, bound) for bound in _held(course, (phase,)) if bound.name in lands)
+    return tuple(_across(course, foot) for foot in feet) if course.mirrored(period) else feet
 
 
 def place(foot: Foot, poses: Sequence[pin.SE3]) -> Array:
@@ -217,15 +221,29 @@ def _foot(course: ReferenceMotion, bound: BoundContact) -> Foot:
     return Foot(bound.name, frame, pose, shape, half, float(contact.friction), (ground,), arc)
 
 
-def _partner(course: ReferenceMotion, frame: str, name: str, partners: Mapping[str, str]) -> int:
-    """Return the frame of a mirrored foot: the partner of its frame, else the frame of its name."""
-    other = partners.get(frame, name)
-    if not course.robot.model.existFrame(other):
+def _held(course: ReferenceMotion, phases: Iterable[int]) -> list[BoundContact]:
+    """Return the contacts of phases that stand on a ground."""
+    held = [bound for i in phases for bound in getattr(course.phases[i].phase, "bound_contacts", ())]
+    return [bound for bound in held if bound.contact.ground is not None]
+
+
+def _across(course: ReferenceMotion, foot: Foot) -> Foot:
+    """Return the foot in the place of another one in mirrored periods.
+
+    Its frame is that of a contact of its name, else the partner of the other foot's frame, else the frame of its name.
+    """
+    partners = course.closing.partners if course.closing is not None else {}
+    model = course.robot.model
+    frame = model.frames[foot.frame].name
+    name = partners.get(foot.name, partners.get(frame, foot.name))
+    named = {bound.name: bound.frame for bound in _held(course, range(len(course.phases)))}
+    other = named.get(name, partners.get(frame, name))
+    if not model.existFrame(other):
         raise InputError(
             f"The mirror names no partner of frame {frame!r}, in whose place contact {name!r} stands; add {frame!r} to "
             f"its partners."
         )
-    return course.robot.frame(other)
+    return replace(foot, name=name, frame=course.robot.frame(other))
 
 
 def _reach(course: ReferenceMotion, feet: Sequence[Foot]) -> tuple[Array, Array]:

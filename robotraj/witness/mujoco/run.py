@@ -18,7 +18,7 @@ from robotraj._util.errors import InputError
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.mujoco.deviation import Fall, deviation_of
 from robotraj.witness.mujoco.feedback import Feedback
-from robotraj.witness.mujoco.feet import Foot, place
+from robotraj.witness.mujoco.feet import Foot, landing_feet, place
 from robotraj.witness.mujoco.footfalls import Footfalls
 from robotraj.witness.mujoco.model import MujocoRobot
 from robotraj.witness.mujoco.package import load_mujoco
@@ -66,7 +66,7 @@ class MujocoRun:
     ) -> None:
         self._mujoco = mujoco = load_mujoco()
         self._course, self._robot, self._feedback, self._fall = course, robot, feedback, fall
-        self._feet, self._footfalls = {foot.name: foot for foot in feet}, Footfalls(robot.model, feet)
+        self._footfalls = Footfalls(robot.model, feet)
         self._model, self._pin, self._kinematics = robot.model, course.robot.model, course.robot.model.createData()
         option = self._model.opt
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST if held else mujoco.mjtIntegrator.mjINT_RK4
@@ -166,11 +166,10 @@ class MujocoRun:
 
     def _anchor(self, passage: PeriodPhase, planned: Array) -> None:
         """Shift the plan to the places of the feet that have touched down."""
-        landed = self._course.lands(passage.phase)
-        if not landed or (passage.phase, passage.period) == (0, 0):
+        feet = landing_feet(self._course, passage.phase, passage.period)
+        if not feet or (passage.phase, passage.period) == (0, 0):
             return
         here = self._robot.coordinates.q(self._data.qpos)
-        feet = [self._feet[self._course.foot_onwards(name, passage.period)[0]] for name in landed]
         places = []
         for q in (here, planned):
             pin.framesForwardKinematics(self._pin, self._kinematics, q)
