@@ -1,6 +1,7 @@
 """What a study costs, and a million plans on a thousand processors: `python benchmarks/scale/run.py` writes RESULTS.md.
 
 Random reaches of the panda are planned in this process and as a study, in turn; seconds are processor seconds. The
+reaches need not keep off the arm's own body, so that plans are short and the cost of a study shows. The
 cluster is simulated from the measured seconds: chunks go to free processors one after the other, some plans never end
 until their limit, and processors fail and come back. What a failed processor had not written is planned again. Chunks
 are no larger than half of a processor's share of the plans that are left, as in ``rt.sweep``.
@@ -21,8 +22,12 @@ from numpy.typing import NDArray
 
 import robotraj as rt
 from robotraj.applications.many.processes import kept
+from robotraj.applications.studies.cases import as_cases
+from robotraj.applications.studies.store import Store
 
-ROUNDS, COUNT = 2, 20
+ROUNDS, COUNT = 2, 16
+STORED, OF_FILE = 20_000, 100
+"""Rows of the study that is opened, and those of each of its files."""
 PLANS, PROCESSORS = 1_000_000, 1000
 STUCK, LIMIT = 1e-4, 20.0
 """Share of plans that never end, and their time limit [s]."""
@@ -39,7 +44,9 @@ def reach_of(robot: rt.Robot) -> Any:
         middle, half = (low + high) / 2, 0.3 * (high - low)
         ends = np.random.default_rng(int(case["seed"])).uniform(middle - half, middle + half, (2, len(low)))
         states = [rt.State(q=q, v=0) for q in ends]
-        return rt.Phase(robot, duration=2.0, start=states[0], end=states[1], objective=rt.Effort())
+        return rt.Phase(
+            robot, duration=2.0, start=states[0], end=states[1], objective=rt.Effort(), self_collision=False
+        )
 
     return make
 
@@ -72,18 +79,34 @@ def measured() -> tuple[list[tuple[str, str]], NDArray[np.float64], float]:
         size = sum(path.stat().st_size for path in Path(folder, "rows").iterdir()) / len(found)
         seconds = found.figures.column("seconds").to_numpy(zero_copy_only=False)
         proved = sum(found.figures.column("proved").to_pylist())
-        began = time.process_time()
-        count = rt.Study(folder).figures.num_rows
-        opened = time.process_time() - began
+        count, opened = found.figures.num_rows, seconds_to_open(found, Path(folder, "large"))
     plans = ROUNDS * COUNT
     rows = [
         ("a plan in this process", f"{1e3 * here / plans:.0f} ms"),
         ("a plan of a study, workers and client", f"{1e3 * study / plans:.0f} ms, ratio {study / here:.2f}"),
         ("a row in the folder", f"{size / 1e3:.1f} kB"),
         ("proved", f"{proved} of {count}"),
-        (f"open and read the figures of {count} rows", f"{1e3 * opened:.0f} ms"),
+        (f"open {STORED:,} rows, read figures, failures and a motion", f"{1e3 * opened:.0f} ms"),
     ]
     return rows, seconds, size
+
+
+def seconds_to_open(known: rt.Study, folder: Path) -> float:
+    """Return the processor seconds in which a study of ``STORED`` rows, copies of known ones, is opened and queried."""
+    rows, store = known.table.to_pylist(), Store(folder, create=True)
+    cases = as_cases([{"seed": k} for k in range(STORED)], "copies")
+    store.begin(cases, {"digest": "copies"})
+    keys = list(cases.by_key)
+    for i in range(0, STORED, OF_FILE):
+        store.add(
+            [{**rows[k % len(rows)], "key": keys[k], "case_seed": float(k)} for k in range(i, i + OF_FILE)], cases
+        )
+    began = time.process_time()
+    study = rt.Study(folder)
+    assert study.figures.num_rows == STORED
+    assert not study.failures.num_rows
+    study.motion(keys[STORED // 2])
+    return time.process_time() - began
 
 
 def simulated(seconds: NDArray[np.float64], chunk: int, stuck: float) -> tuple[float, float, int, int]:

@@ -124,7 +124,8 @@ class Store:
     def row(self, key: str, columns: Sequence[str]) -> Row | None:
         """Return some columns of the row of a key; None where it has none."""
         for path in self._files():
-            if key in (keys := read_parquet(path, ["key"]).column("key").to_pylist()):
+            known = self._figures[path] if path in self._figures else read_parquet(path, ["key"])
+            if key in (keys := known.column("key").to_pylist()):
                 rows = read_parquet(path, wanted := ["key", *columns], wanted).select(list(columns))
                 return dict(rows.slice(keys.index(key), 1).to_pylist()[0])
         return None
