@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,34 @@ one in, which the next rows then push out.
 """
 
 
+class _Coarse(NamedTuple):
+    """A solve on the coarse mesh, of which ``left`` further ones may follow along the same motion."""
+
+    search: FreeSearch
+    left: int
+    from_routes: bool
+
+
+class _Plan(NamedTuple):
+    """A plan with the rows of a search, and the depths of overlaps of the last two such plans."""
+
+    search: FreeSearch
+    deep: tuple[float, float]
+
+
+class _AmongSpheres(NamedTuple):
+    """The plan of a problem with spheres around the links."""
+
+    problem: Problem
+
+
+class _Exact(NamedTuple):
+    """The plan with rows on the exact shapes along one with spheres, whose objective ``bar`` it has to better."""
+
+    rows: Sequence[NearSurfaces | None]
+    bar: float
+
+
 class KeptApart:
     """The overlaps of the links of a robot, from plan to plan.
 
@@ -66,16 +94,11 @@ class KeptApart:
     def __init__(self, problem: Problem, settings: Settings) -> None:
         self._problem, self._settings = problem, settings
         self._overlaps = OwnOverlaps(problem)
-        self._search: FreeSearch | None = None
-        self._coarse: FreeSearch | None = None
-        self._left, self._from_routes = 0, False
-        self._among_spheres: Problem | None = None
+        self._stage: _Coarse | _Plan | _AmongSpheres | _Exact | None = None
+        self._rows: Sequence[NearSurfaces | None] = ()
         self._plain: tuple[Problem, list[dict[int, float]]] | None = None
-        self._bar = np.inf
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
-        self._seed = 0
-        self._deep = NONE_YET
-        self._patience = 0
+        self._seed = self._patience = 0
 
     def from_guess(self, guess: InitialGuess | Solution | None) -> PlanAttempt | None:
         """Return the plan with rows along a proved solution whose links nearly touch; None for any other guess.
@@ -96,9 +119,8 @@ class KeptApart:
         pairs = [self._overlaps.touching(number, motion) for number, motion in enumerate(motions)]
         if not any(pairs):
             return None
-        self._search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
-        settings = replace(self._settings, restarts=Restarts(0))
-        return PlanAttempt(self._problem, guess, settings, self._search.surfaces, "", "rows of the guess")
+        search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
+        return self._planned(_Plan(search, NONE_YET), guess, self._plainly, "", "rows of the guess")
 
     def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try.
@@ -107,22 +129,22 @@ class KeptApart:
         """
         if not found.success:
             return None
-        if self._among_spheres is not None:
-            if dropped is None:
-                # Spheres around some links always overlap; rows along the motion keep these apart. All begins anew.
-                self._plain, self._problem, self._seed = (self._problem, self._open), self._among_spheres, 0
-            self._among_spheres = None
+        stage, self._stage = self._stage, None
+        if isinstance(stage, _AmongSpheres) and dropped is None:
+            # Spheres around some links always overlap; rows along the motion keep these apart. All begins anew.
+            self._plain, self._problem, self._seed, self._rows = (self._problem, self._open), stage.problem, 0, ()
+        elif isinstance(stage, _Exact) and dropped is None:
+            self._rows = stage.rows
         if dropped is None:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None if self._plain is None else self._without_spheres(found, *self._plain)
         self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
-        if self._coarse is not None and dropped is not None:
-            attempt = self._after_coarse(dropped)
-        elif self._search is not None:
-            attempt = self._after_plan(found, self._search, dropped is not None)
-        else:
-            attempt = None
+        attempt = None
+        if isinstance(stage, _Coarse) and dropped is not None:
+            attempt = self._after_coarse(dropped, stage)
+        elif isinstance(stage, _Plan):
+            attempt = self._after_plan(found, stage, dropped is not None)
         while attempt is None and self._seed < SEEDS:
             self._seed += 1
             attempt = self._from_seed(found)
@@ -130,15 +152,15 @@ class KeptApart:
 
     def accepts(self, again: Solution) -> bool:
         """Whether a plan was solved, whether or not its links overlap elsewhere; a coarse solution is none."""
-        if self._bar < np.inf:
+        if isinstance(self._stage, _Exact):
             proved = again.proof is not None and again.proof.holds
-            return proved and again.objective < self._bar and self.allows(again)
-        return again.success and self._coarse is None
+            return proved and again.objective < self._stage.bar and self.allows(again)
+        return again.success and not isinstance(self._stage, _Coarse)
 
     @property
     def surfaces(self) -> Sequence[NearSurfaces | None]:
         """Links that the rows of the last plan keep apart, by phase."""
-        return () if self._search is None else self._search.surfaces
+        return self._rows
 
     def allows(self, again: Solution) -> bool:
         """Whether no links overlap along a plan that did not along the one before."""
@@ -162,72 +184,76 @@ class KeptApart:
         are_free = any(routes)
         guess = AroundItself(routes, FromSolution(found)) if are_free else found
         motions: list[Motion] = [route or motion_of(part) for route, part in zip(routes, found.phases, strict=True)]
-        self._left = SOLVES if are_free else PUSHES
-        self._from_routes = are_free
         search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, are_free, self._open, guess)
-        return self._on_coarse(search, OVERLAPS, "a way around itself" if are_free else "rows along the motion")
+        first = _Coarse(search, (SOLVES if are_free else PUSHES) - 1, are_free)
+        return self._on_coarse(first, OVERLAPS, "a way around itself" if are_free else "rows along the motion")
 
-    def _on_coarse(self, search: FreeSearch, lacked: str, why: str) -> PlanAttempt:
+    def _on_coarse(self, stage: _Coarse, lacked: str, why: str) -> PlanAttempt:
         """Return the next solve on the coarse mesh."""
-        self._coarse, self._left = search, self._left - 1
-        own = self._coarsely(self._on_way)
+        self._stage, search = stage, stage.search
+        own = self._coarsely(self._on_way(stage.from_routes))
         if isinstance(search.start, Solution):
             own = replace(own, solver=own.solver.from_nearby())
         soft = softest(self._problem)
         return PlanAttempt(soft, search.start, own, search.surfaces, lacked, why, is_single=True)
 
-    def _after_coarse(self, solution: Solution) -> PlanAttempt | None:
+    def _after_coarse(self, solution: Solution, stage: _Coarse) -> PlanAttempt | None:
         """Return what follows from a solve on the coarse mesh: a further one, or the plan from the best of them."""
-        search, self._coarse = self._coarse, None
-        assert search is not None
+        search = stage.search
         if solution.success:
             motions = [motion_of(part) for part in solution.phases]
             hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
             search = search.respond(solution, motions, hit)
-            if self._left and not search.is_over:
-                return self._on_coarse(search, OVERLAPS if any(hit) else "", "rows along the free motion")
+            if stage.left and not search.is_over:
+                further = stage._replace(search=search, left=stage.left - 1)
+                return self._on_coarse(further, OVERLAPS if any(hit) else "", "rows along the free motion")
         if search.best is None:
             return None
-        self._search, self._deep = search.along_best, NONE_YET
-        settings = replace(self._settings, restarts=Restarts(0)) if self._from_routes else self._on_way
-        brief = not self._from_routes
-        return PlanAttempt(
-            self._problem, search.best, settings, self._search.surfaces, "", "the plan from the free motion", brief
-        )
+        own = self._plainly if stage.from_routes else self._on_way(False)
+        plan = self._planned(_Plan(search.along_best, NONE_YET), search.best, own, "", "the plan from the free motion")
+        return plan._replace(is_brief=not stage.from_routes)
 
-    @property
-    def _on_way(self) -> Settings:
-        """Settings of solves along routes, or along the motion that overlaps."""
-        return self._briefly(self._patience if self._from_routes else self._patience // PUSHES)
+    def _on_way(self, from_routes: bool) -> Settings:
+        """Return settings of solves along routes, or along the motion that overlaps."""
+        return self._briefly(self._patience if from_routes else self._patience // PUSHES)
 
-    def _after_plan(self, found: Solution, search: FreeSearch, refused: bool) -> PlanAttempt | None:
+    def _planned(self, stage: _Plan, guess: Solution, settings: Settings, lacked: str, why: str) -> PlanAttempt:
+        """Return the plan with the rows of a search."""
+        self._stage, self._rows = stage, stage.search.surfaces
+        return PlanAttempt(self._problem, guess, settings, self._rows, lacked, why)
+
+    def _after_plan(self, found: Solution, plan: _Plan, refused: bool) -> PlanAttempt | None:
         """Return the plan with further rows against one that overlaps, or with the rows of the best free solution."""
-        further = None if refused or not self._has_routes(found) else self._further(found, search)
-        if further is not None or search.best is None or search.behind is None:
+        further = None if refused or not self._has_routes(found) else self._further(found, plan)
+        best, behind = plan.search.best, plan.search.behind
+        if further is not None or best is None or behind is None:
             return further
         # The rows at which the best free solution ended keep a finer one near it.
-        self._deep, self._search = NONE_YET, replace(search.behind, best=None, behind=None)
-        own = self._briefly(self._patience)
-        return PlanAttempt(self._problem, search.best, own, self._search.surfaces, OVERLAPS, "the rows before it")
+        last = _Plan(replace(behind, best=None, behind=None), NONE_YET)
+        return self._planned(last, best, self._briefly(self._patience), OVERLAPS, "the rows before it")
 
-    def _further(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
+    def _further(self, found: Solution, plan: _Plan) -> PlanAttempt | None:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
         depths = self._overlaps.depths_at(found, self._open)
         deep = sum(depth for each in depths for depth in each.values())
-        if deep > (1.0 - GAIN) * max(self._deep):
+        if deep > (1.0 - GAIN) * max(plan.deep):
             return None
-        self._deep = (self._deep[1], deep)
-        self._search = search.overlapped([motion_of(part) for part in found.phases], depths)
+        search = plan.search.overlapped([motion_of(part) for part in found.phases], depths)
         settings = replace(self._briefly(self._patience), mesh=tuple(part.mesh for part in found.phases))
-        return PlanAttempt(self._problem, found, settings, self._search.surfaces, OVERLAPS, "further rows")
+        return self._planned(_Plan(search, (plan.deep[1], deep)), found, settings, OVERLAPS, "further rows")
 
     def _coarsely(self, settings: Settings) -> Settings:
         """Return settings of a solve whose solution is a guess."""
         return replace(settings, interval_limits=replace(settings.interval_limits, rounds=0))
 
+    @property
+    def _plainly(self) -> Settings:
+        """Settings of a plan from a known motion."""
+        return replace(self._settings, restarts=Restarts(0))
+
     def _briefly(self, iterations: int) -> Settings:
         """Return settings of a plan near a known one."""
-        return replace(self._settings, restarts=Restarts(0), solver=self._settings.solver.at_most(iterations))
+        return replace(self._plainly, solver=self._settings.solver.at_most(iterations))
 
     def _from_seed(self, found: Solution) -> PlanAttempt | None:
         """Return the first solve from the next motion; None without one."""
@@ -244,19 +270,19 @@ class KeptApart:
 
     def _with_spheres(self) -> PlanAttempt | None:
         """Return the plan that keeps spheres around the links apart; None where they are apart, or refuse an end."""
-        self._among_spheres = among_spheres(self._problem, self._open)
-        if self._among_spheres is None:
+        problem = among_spheres(self._problem, self._open)
+        if problem is None:
             return None
-        settings = replace(self._settings, restarts=Restarts(0))
-        return PlanAttempt(self._among_spheres, None, settings, (), OVERLAPS, "spheres around the links")
+        self._stage = _AmongSpheres(problem)
+        return PlanAttempt(problem, None, self._plainly, (), OVERLAPS, "spheres around the links")
 
     def _without_spheres(self, found: Solution, problem: Problem, pairs: Sequence[Mapping[int, float]]) -> PlanAttempt:
         """Return the plan with rows on the exact shapes along one with spheres, which are larger than the links."""
-        self._plain, self._bar = None, found.objective
         motions = [motion_of(part) for part in found.phases]
-        self._search = FreeSearch.begin(problem, self._overlaps.bodies, motions, True, pairs, found)
+        search = FreeSearch.begin(problem, self._overlaps.bodies, motions, True, pairs, found)
+        self._plain, self._stage = None, _Exact(search.surfaces, found.objective)
         own = self._briefly(self._patience)
-        return PlanAttempt(problem, found, own, self._search.surfaces, "", "the exact shapes along it")
+        return PlanAttempt(problem, found, own, self._stage.rows, "", "the exact shapes along it")
 
     def _has_routes(self, found: Solution) -> bool:
         """Whether all overlaps are those of arms with a motor at every joint, whose guesses can be routes."""
