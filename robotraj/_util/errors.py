@@ -142,7 +142,7 @@ def no_entry(value: object, key: object) -> NoEntries:
         found = isinstance(key, str) and not key.startswith("_") and getattr(value, key) is not None
         advice = f"Write .{key}, an attribute." if found else "Its parts are attributes, which have names."
     except AttributeError as error:
-        # The first sentence says that there is no such attribute either.
+        # What follows the first sentence is the advice; brackets lack the attribute just as a dot does.
         advice = str(error).partition(". ")[2]
     return NoEntries(f"{type(value).__name__!r} object has no entries, so [{key!r}] reads nothing. {advice}".rstrip())
 

@@ -12,7 +12,7 @@ import numpy as np
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj.applications.studies.rows import CASE, CURVES, KNOTS, arrow
-from robotraj.applications.studies.store import Store
+from robotraj.applications.studies.store import MOTION, Store
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -89,7 +89,7 @@ class Study(OneLine):
         InputError
             No case has the key, or its problem failed.
         """
-        row = self.store.row(key, ["t", *CURVES])
+        row = self.store.row(key, MOTION)
         if row is None:
             raise unknown_name("case of the study with the key", key, self.store.keys())
         if row["t"] is None:

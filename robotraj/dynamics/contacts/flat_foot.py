@@ -16,22 +16,18 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     Contact,
     Wrench,
-    checked_name,
-    force_range,
     force_variables,
-    friction_coefficient,
     held_rows,
     keep,
     label_of,
     positive,
-    share_kept,
     spread,
 )
 from robotraj.dynamics.contacts.foot_axes import FootAxes, foot_axes, unit
-from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
+from robotraj.dynamics.contacts.footing import BoundFoothold, Footing, keep_footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_contact import cone_share, require_normal
-from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple
 from robotraj.dynamics.contacts.soles import PressureAndTorsion, Rectangle, Sole
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
@@ -106,14 +102,12 @@ class FlatFoot(Contact):
 
     def __post_init__(self) -> None:
         what = f"FlatFoot {self.label!r}"
-        checked_name(self.name, what)
-        friction_coefficient(self.friction, what)
+        keep_footing(self, what)
         if not isinstance(self.sole, Sole):
             raise InputError(
                 f"The sole of {what} is {self.sole!r}; give rt.contacts.PressureAndTorsion() or "
                 f"rt.contacts.FourCorners()."
             )
-        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         keep(self, length=sole_length(self.length, f"length of {what}"))
         if self.width is not None:
             keep(self, width=positive(self.width, f"width of {what}", "m"))
@@ -123,7 +117,6 @@ class FlatFoot(Contact):
             keep(self, forward=unit(self.forward, f"forward axis of {what}"))
         if self.normal is not None and self.forward is not None:
             foot_axes(np.eye(3), self.normal, self.normal, self.forward, what)
-        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 
     @property
     def label(self) -> str:

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import casadi as ca
 
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import BoundContact, spread
+from robotraj.dynamics.contacts.base import (
+    BoundContact,
+    checked_name,
+    force_range,
+    friction_coefficient,
+    keep,
+    share_kept,
+    spread,
+)
 from robotraj.dynamics.contacts.mobility import AXES
-from robotraj.dynamics.contacts.point_on_frame import Spot
+from robotraj.dynamics.contacts.point_on_frame import Spot, offset_of
 from robotraj.dynamics.contacts.vectors import dot
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.dynamics.variable import Scalar, Variable
 
 
@@ -152,3 +162,18 @@ class BoundFoothold(BoundContact):
 def _size(value: Scalar) -> Scalar:
     """Smooth upper bound on the absolute value, too large by at most 0.01."""
     return abs(value) if isinstance(value, float) else (value * value + 1e-4) ** 0.5
+
+
+def keep_footing(contact: Any, what: str) -> None:
+    """Check the fields that all contacts on a ground have, and keep them as plain values; ``what`` is for errors.
+
+    Raises
+    ------
+    InputError
+        The name is no text, the friction is not positive, bounds of the normal force are crossed, the offset is no
+        vector, the ground is none, or the margin is no share.
+    """
+    checked_name(contact.name, what)
+    friction_coefficient(contact.friction, what)
+    keep(contact, normal_force=force_range(contact.normal_force, what), offset=offset_of(contact.offset, what))
+    keep(contact, ground=as_ground(contact.ground), margin=share_kept(contact.margin, what))

@@ -15,20 +15,15 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     Contact,
     Wrench,
-    checked_name,
-    force_range,
     force_variables,
-    friction_coefficient,
     held_rows,
-    keep,
     label_of,
-    share_kept,
     spread,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
-from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
+from robotraj.dynamics.contacts.footing import BoundFoothold, Footing, keep_footing
 from robotraj.dynamics.contacts.mobility import AXES, mobility, require_plane, require_rank
-from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
@@ -106,11 +101,8 @@ class PointContact(FrictionContact):
 
     def __post_init__(self) -> None:
         what = f"PointContact {self.label!r}"
-        checked_name(self.name, what)
-        friction_coefficient(self.friction, what)
+        keep_footing(self, what)
         checked_cone(self.cone, what)
-        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
-        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 
     @property
     def label(self) -> str:

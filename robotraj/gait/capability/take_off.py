@@ -8,9 +8,8 @@ the lowest to the highest at which all feet reach the ground,
 with the best of seeded random configurations at each height (``leg_samples``): F is the vertical force of a foot, V the
 greatest speed at which the root rises above it. The legs still push at the speed v that is reached above each height,
 so that a straight leg, which carries any load, adds no more than its speed. The centre of mass rises by v^2 / (2 g) at
-most. Over a length L, it
-moves at least L - R in a flight of the time T, where R is the range of the feet below the root along x. Its take-off
-speed is at least that of a vertical jump of the height
+most. Over a length L, it moves at least L - R in a flight of the time T, where R is the range of the feet below the
+root along x. Its take-off speed is at least that of a vertical jump of the height
 
     h + ((L - R) / T)^2 / (2 g).
 

@@ -14,7 +14,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
-from robotraj.guess.paths.scene import RESOLUTION
 from robotraj.planning.loop.gauss_sums import by_gauss
 from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import DOUBLED, FAR, LEAST_GROWTH, largest_roughness
@@ -37,6 +36,8 @@ it further, unless joints stick and slide."""
 ENOUGH_OF_POWERS = 3
 """The same where joints stick and slide and the objective has kinks. It does not settle on some motions, whatever the
 mesh, and limits between the points are imposed from the second mesh on."""
+MET = 1e-3
+"""Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
@@ -162,7 +163,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     proof, measures = best.proof, best.measures
     if measures.rounded > proof.goals.objective and state.problem is not state.sharp:
         return replace(state, problem=state.sharp, meshes=best.meshes, why="kinks without rounding")
-    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > RESOLUTION:
+    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.holds and not first:
         return PlanEnd(state, "")

@@ -14,22 +14,18 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
-    checked_name,
-    force_range,
-    friction_coefficient,
     keep,
     label_of,
     positive,
-    share_kept,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
 from robotraj.dynamics.contacts.edges.line_contact import BoundLineContact, EdgeContact, bind_edge
 from robotraj.dynamics.contacts.flat_foot import sole_length
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
-from robotraj.dynamics.contacts.footing import BoundFoothold
+from robotraj.dynamics.contacts.footing import BoundFoothold, keep_footing
 from robotraj.dynamics.contacts.mobility import mobility
 from robotraj.dynamics.contacts.point_contact import BoundPointContact, bind_point
-from robotraj.dynamics.contacts.point_on_frame import RollingSpot, Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import RollingSpot, Spot, Triple
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
@@ -101,8 +97,7 @@ class ArcFoot(EdgeContact):
 
     def __post_init__(self) -> None:
         what = f"ArcFoot {self.label!r}"
-        checked_name(self.name, what)
-        friction_coefficient(self.friction, what)
+        keep_footing(self, what)
         keep(self, radius=positive(self.radius, f"radius of {what}", "m"))
         keep(self, length=sole_length(self.length, f"length of {what}"))
         if self.width is not None:
@@ -111,8 +106,6 @@ class ArcFoot(EdgeContact):
         for axis in ("normal", "forward"):
             if (given := getattr(self, axis)) is not None:
                 keep(self, **{axis: unit(given, f"{axis} axis of {what}")})
-        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
-        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
         if not as_ground(self.ground).even:
             raise InputError(
                 f"{what} rolls on a plane; the ground is {self.ground!r}. Give rt.terrain.Flat(), "

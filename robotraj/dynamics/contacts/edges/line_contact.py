@@ -15,21 +15,17 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
     BoundContact,
     Wrench,
-    checked_name,
-    force_range,
-    friction_coefficient,
     held_rows,
     keep,
     label_of,
     positive,
-    share_kept,
 )
 from robotraj.dynamics.contacts.cones import FrictionCone, SecondOrder, checked_cone
 from robotraj.dynamics.contacts.foot_axes import foot_axes, unit
-from robotraj.dynamics.contacts.footing import BoundFoothold, Footing
+from robotraj.dynamics.contacts.footing import BoundFoothold, Footing, keep_footing
 from robotraj.dynamics.contacts.mobility import mobility, require_plane, require_rank
 from robotraj.dynamics.contacts.point_contact import FrictionContact, bind_point, cone_share
-from robotraj.dynamics.contacts.point_on_frame import Spot, Triple, offset_of
+from robotraj.dynamics.contacts.point_on_frame import Spot, Triple
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.row import Row
@@ -105,15 +101,12 @@ class LineContact(EdgeContact):
 
     def __post_init__(self) -> None:
         what = f"LineContact {self.label!r}"
-        checked_name(self.name, what)
-        friction_coefficient(self.friction, what)
+        keep_footing(self, what)
         if self.width is not None:
             positive(self.width, f"width of {what}", "m")
         checked_cone(self.cone, what)
-        keep(self, normal_force=force_range(self.normal_force, what), offset=offset_of(self.offset, what))
         if self.direction is not None:
             keep(self, direction=unit(self.direction, f"direction of {what}"))
-        keep(self, ground=as_ground(self.ground), margin=share_kept(self.margin, what))
 
     @property
     def label(self) -> str:
