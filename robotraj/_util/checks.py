@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from fractions import Fraction
 from typing import TypeGuard
 
 import numpy as np
 
 from robotraj._util.errors import InputError
-
-_DIGITS = 30
-"""Integers of more digits are not written out in messages."""
+from robotraj._util.printing import short
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -23,6 +23,40 @@ def is_number(value: object) -> TypeGuard[float]:
 def is_whole(value: object) -> TypeGuard[int]:
     """Whether a value is one integer; ``True`` and ``False`` are not."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def is_finite(value: object) -> TypeGuard[float]:
+    """Whether a value is one real number that a double can hold."""
+    return is_number(value) and abs(value) <= sys.float_info.max
+
+
+def unusable(value: object) -> str:
+    """Describe what no double and no file can hold: a huge or complex number, or text with half a character.
+
+    Entries of tuples, lists, mappings and arrays of objects, and fields of values, are looked at. The answer is ""
+    where nothing is found.
+    """
+    if isinstance(value, str):
+        return "" if _is_text(value) else f"{value!r}, which is no valid text: a surrogate stands alone."
+    if isinstance(value, int | Fraction) and not -sys.float_info.max <= value <= sys.float_info.max:
+        return "a number that is too large; numbers are of at most 1.8e308."
+    if isinstance(value, complex | np.complexfloating):
+        return f"the complex number {value}; give a real one."
+    if isinstance(value, np.ndarray):
+        value = value.tolist() if value.dtype.kind in "OcSU" else ()
+    if isinstance(value, Mapping):
+        value = [*value, *value.values()]
+    elif is_dataclass(value) and not isinstance(value, type):
+        value = [getattr(value, field.name, None) for field in fields(value)]
+    return next(filter(None, map(unusable, value)), "") if isinstance(value, tuple | list) else ""
+
+
+def _is_text(value: str) -> bool:
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def number(what: str, value: object, least: float, most: float = math.inf, unit: str = "") -> float:
@@ -47,7 +81,7 @@ def number(what: str, value: object, least: float, most: float = math.inf, unit:
     if not is_number(value) or not least <= value <= min(most, sys.float_info.max if is_whole(value) else most):
         unit = unit and f" {unit}"
         wanted = f"from {least:g} to {most:g}" if most < math.inf else f"of at least {least:g}"
-        raise InputError(f"{what} must be a number {wanted}{unit}, got {_short(value)}.")
+        raise InputError(f"{what} must be a number {wanted}{unit}, got {short(value)}.")
     return float(value)
 
 
@@ -60,15 +94,8 @@ def whole(what: str, value: object, least: int, most: int) -> int:
         The value is no integer, or outside the bounds.
     """
     if not is_whole(value) or not least <= value <= most:
-        raise InputError(f"{what} must be a whole number from {least} to {most}, got {_short(value)}.")
+        raise InputError(f"{what} must be a whole number from {least} to {most}, got {short(value)}.")
     return int(value)
-
-
-def _short(value: object) -> str:
-    """Print a value; integers of thousands of digits are not written out."""
-    if is_whole(value) and abs(value) >= 10**_DIGITS:
-        return f"an integer of more than {_DIGITS} digits"
-    return repr(value)
 
 
 def names(what: str, given: object) -> list[str]:

@@ -20,6 +20,10 @@ TEXT = 32
 """Largest number of characters of a nested text."""
 
 
+DIGITS = 30
+"""Integers of more digits are not written out."""
+
+
 class OneLine:
     """Base of classes whose ``repr`` is ``one_line``, unless they or a base class define another."""
 
@@ -75,6 +79,13 @@ def one_line(value: object) -> str:
     return _joined(name, full | {"": "..."})
 
 
+def short(value: object) -> str:
+    """Print a value by ``repr``; integers of thousands of digits are not written out."""
+    if isinstance(value, int | np.integer) and abs(value) >= 10**DIGITS:
+        return f"an integer of more than {DIGITS} digits"
+    return repr(value)
+
+
 def brief(value: object) -> str:
     """Print a value in a few words: numbers with six digits, arrays by shape, functions by name."""
     if isinstance(value, bool | np.bool_ | Enum | type | None):
@@ -82,6 +93,8 @@ def brief(value: object) -> str:
     if isinstance(value, float | np.floating):
         text = repr(float(value))
         return text if len(text) <= 8 else f"{float(value):.6g}"
+    if isinstance(value, int):
+        return short(value)
     if isinstance(value, str):
         return repr(value if len(value) <= TEXT else value[: TEXT - 3] + "...")
     if isinstance(value, np.ndarray):

@@ -110,7 +110,7 @@ class Phase(OneLine):
     self_collision: bool = True
 
     def __post_init__(self) -> None:
-        check_kinds(self.name, self.subject, self.start, self.end, self.objective)
+        check_kinds(self.name, self.subject, self.start, self.end, self.objective, self.dynamics)
         object.__setattr__(self, "duration", own(self.duration))
         for which in ("parameters", "design", "states", "controls", "algebraic"):
             object.__setattr__(self, which, as_mapping(self.name, which, getattr(self, which)))

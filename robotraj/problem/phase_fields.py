@@ -48,13 +48,14 @@ class PhaseChanges(TypedDict, total=False):
     self_collision: bool
 
 
-def check_kinds(phase: str, subject: object, start: object, end: object, objective: object) -> None:
-    """Check the subject, both ends and the objective of a phase.
+def check_kinds(phase: str, subject: object, start: object, end: object, objective: object, dynamics: object) -> None:
+    """Check the subject, both ends, the objective and the form of the dynamics of a phase.
 
     Raises
     ------
     InputError
         The subject is neither a robot nor a System, an end is no State, or the objective is no objective.
+        The dynamics are no form of a robot's equations of motion.
 
     Warns
     -----
@@ -76,6 +77,11 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
             advice = " Give a function to rt.Lagrange or rt.Mayer."
         raise InputError(
             f"The objective of phase {phase!r} must be an objective such as rt.Effort(); got {objective!r}.{advice}"
+        )
+    if isinstance(dynamics, type) or not callable(getattr(dynamics, "of", None)):
+        raise InputError(
+            f"dynamics= of phase {phase!r} is {dynamics!r}; give a form of the equations of motion, such as "
+            "rt.dynamics.ForwardDynamics(). Forces on the robot go into contacts=."
         )
     for weight, term in objective.terms if objective is not None else ():
         if weight < 0.0 and isinstance(term, Integral) and not isinstance(term, Lagrange):

@@ -9,7 +9,9 @@ from inspect import Parameter, isfunction, signature
 from traceback import walk_tb
 from typing import Any
 
+from robotraj._util.checks import unusable
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import brief
 
 
 class WrongArguments(InputError, TypeError):
@@ -20,6 +22,7 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
     """Return a function that refuses arguments which do not fit, and otherwise calls the given one.
 
     Signature, documentation and annotations are those of the given function. A call that fits costs one more frame.
+    A constructor also refuses lists and arrays where its annotations state text: a value must have a hash.
 
     Parameters
     ----------
@@ -27,6 +30,8 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
     package : str
         Public package of the function, by which pickles refer to it; "" keeps the function's own module.
     """
+    fields = _plain_fields(function) if function.__name__ == "__init__" else []
+    texts = [(place, name) for place, name, kind in fields if kind == "str"]
 
     @wraps(function)
     def call(*arguments: object, **keywords: object) -> object:
@@ -40,7 +45,16 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
             inner = _passed_on(error, keywords)
             if inner is not None:
                 raise _refusal(function, keywords, error, package, inner) from None
+            _refuse_values(function, arguments, keywords, package)
             raise error
+        except (ValueError, ArithmeticError) as error:
+            if not isinstance(error, InputError):
+                _refuse_values(function, arguments, keywords, package)
+            raise error
+        for place, name in texts:
+            value = arguments[place] if place < len(arguments) else keywords.get(name)
+            if getattr(type(value), "__hash__", None) is None:
+                raise _another_kind(name, "str", value, function, package)
         if type(found) not in _returned:
             _guard_value(found)
         return found
@@ -107,8 +121,7 @@ def _refusal(
     ``inner`` is a further function whose keywords are those of the call.
     """
     known = [each for each in signature(function).parameters.values() if each.name != "self"]
-    name = function.__qualname__.removesuffix(".__init__")
-    name = f"rt{package.removeprefix('robotraj')}.{name}" if package else name
+    name = _public(function, package)
     # The first parameter of a function that options are passed on to is what the outer one made.
     more = list(signature(inner).parameters.values())[1:] if inner is not None else []
     named = (Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
@@ -118,6 +131,55 @@ def _refusal(
         return WrongArguments(str(unknown_name(f"argument of {name}", wrong[0], names)))
     call = ", ".join(map(_written, known))
     return WrongArguments(f"{name} is called as {name}({call}); this call is wrong: {error}.")
+
+
+_KINDS = {"str": "text", "float": "a number", "int": "a whole number", "bool": "True or False"}
+"""Annotations that are compared with the values given."""
+
+
+def _plain_fields(function: Callable[..., Any]) -> list[tuple[int, str, str]]:
+    """Return place, name and annotation of the parameters that take text, one number or a truth value."""
+    code = function.__code__
+    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    kinds = [(i, name, function.__annotations__.get(name)) for i, name in enumerate(names)]
+    return [(i, name, kind) for i, name, kind in kinds if isinstance(kind, str) and kind in _KINDS]
+
+
+def _misfits(kind: str, value: object) -> bool:
+    """Whether a value is certainly not of a kind; symbols and arrays of one entry may stand for numbers."""
+    if kind == "str":
+        return not isinstance(value, str)
+    return isinstance(value, str | bytes | dict | list | tuple | set | None)
+
+
+def _another_kind(
+    argument: str, kind: str, value: object, function: Callable[..., Any], package: str
+) -> WrongArguments:
+    call = _public(function, package)
+    return WrongArguments(f"{argument}= of {call} must be {_KINDS[kind]}; got {brief(value)}.")
+
+
+def _refuse_values(
+    function: Callable[..., Any], arguments: tuple[object, ...], keywords: dict[str, object], package: str
+) -> None:
+    """Raise an error where an argument is of a wrong kind, or holds what no number or text of a computer can take.
+
+    This names the cause of an error that Python or NumPy raised in a call that fits.
+    """
+    given = signature(function).bind(*arguments, **keywords).arguments
+    for _, argument, kind in _plain_fields(function) if isfunction(function) else ():
+        if argument in given and _misfits(kind, given[argument]):
+            raise _another_kind(argument, kind, given[argument], function, package)
+    for argument, value in given.items():
+        wrong = unusable(value)
+        if wrong:
+            raise InputError(f"{argument}= of {_public(function, package)} holds {wrong}")
+
+
+def _public(function: Callable[..., Any], package: str) -> str:
+    """Return the name by which users call a function; a class for its constructor."""
+    name = function.__qualname__.removesuffix(".__init__")
+    return f"rt{package.removeprefix('robotraj')}.{name}" if package else name
 
 
 def _written(parameter: Parameter) -> str:

@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
@@ -290,7 +291,7 @@ def _is_count(value: object, least: int) -> bool:
 
 
 def _is_size(value: object) -> bool:
-    return isinstance(value, float | int | np.floating | np.integer) and bool(0 <= value < np.inf)
+    return is_finite(value) and value >= 0
 
 
 def _patience_reached(patience: int | None, tolerance: float) -> Callable[[Sequence[Solution | Failure]], bool] | None:

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
@@ -194,7 +195,7 @@ class Obstacle(OneLine, ABC):
     def _positive(self, name: str) -> None:
         """Check a length that must be above 0."""
         value = getattr(self, name)
-        if not (isinstance(value, float | int | np.floating | np.integer) and 0.0 < value < np.inf):
+        if not is_finite(value) or value <= 0.0:
             raise InputError(f"{self.label}: {name} is {value!r}; give a positive number of metres.")
 
 

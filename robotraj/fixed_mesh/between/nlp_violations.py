@@ -57,7 +57,8 @@ def _broken(nlp: Nlp, scalars: Scalars, values: Array, factor: Array, w: Array, 
     for i in chosen:
         beyond, limit, side = violated(float(values[i]), float(scalars.lower[i]), float(scalars.upper[i]))
         entry = scalars.entries[(scalars.lower_meaning if side == "under" else scalars.upper_meaning)[i]]
-        phase, size = nlp.problem.phases[entry.phase].name, 1.0 / float(factor[i])
+        # A factor of 0 belongs to a row of infinite size, as over a duration near the least double.
+        phase, size = nlp.problem.phases[entry.phase].name, 1.0 / float(factor[i]) if factor[i] else np.inf
         joint = entry.label or None
         violation = Violation(phase, entry.name, joint, float(times[i]), beyond, entry.unit, limit, side, size)
         found.append(violation.measured(entry.measure))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError, unknown_name
-from robotraj._util.printing import OneLine
+from robotraj._util.printing import OneLine, short
 from robotraj._util.values import dataclass, own
 
 UNBOUNDED = 1e20
@@ -264,10 +264,10 @@ def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
         return np.where(low < -UNBOUNDED, -np.inf, low), np.where(high > UNBOUNDED, np.inf, high)
     try:
         number = _numbers(value)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         advice = " Angles are in radians: np.radians(90)." if isinstance(value, str) and "deg" in value else ""
         raise InputError(
-            f"The {what} must be a number, None or rt.between(lower, upper); got {value!r}.{advice}"
+            f"The {what} must be a number, None or rt.between(lower, upper); got {short(value)}.{advice}"
         ) from error
     if number.size == 1 and not np.isfinite(number).all():
         wrong = "NaN" if np.isnan(number).any() else "infinite"
@@ -278,6 +278,6 @@ def _pair(value: object, what: str) -> tuple[ArrayLike, ArrayLike]:
 def _numbers(value: object) -> NDArray[np.float64]:
     """Convert to an array of numbers; NumPy would also convert text such as "1"."""
     array = np.asarray(value)
-    if array.dtype.kind in "SU":
-        raise TypeError(f"{value!r} is text")
+    if array.dtype.kind in "SUc":
+        raise TypeError(f"{value!r} is {'complex' if array.dtype.kind == 'c' else 'text'}")
     return np.asarray(array, dtype=float)

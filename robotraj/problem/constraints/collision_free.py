@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError, warn
 from robotraj._util.lazy_values import cached_property
+from robotraj._util.printing import short
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
@@ -69,8 +71,13 @@ class CollisionFree(Constraint):
                 raise InputError(f"CollisionFree: {obstacle!r} is no obstacle such as rt.obstacles.Box((1, 1, 1)).")
         object.__setattr__(self, "obstacles", obstacles)
         margin: object = self.margin
-        if not (isinstance(margin, float | int | np.floating | np.integer) and 0.0 <= margin < np.inf):
-            raise InputError(f"CollisionFree: margin is {margin!r}; give a distance in metres, 0 or more.")
+        if not is_finite(margin) or margin < 0.0:
+            raise InputError(f"CollisionFree: margin is {short(margin)}; give a distance in metres, 0 or more.")
+        if not isinstance(self.self_collision, bool | np.bool_):
+            raise InputError(
+                f"CollisionFree: self_collision is {short(self.self_collision)}; give True or False. "
+                "Pairs of links that may touch go into srdf=."
+            )
         if isinstance(self.srdf, str | os.PathLike):
             from robotraj.robot.collision.link_pairs import read_srdf
 

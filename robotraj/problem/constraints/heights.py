@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError, called
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -123,7 +124,7 @@ def _entries(place: Place, name: str) -> tuple[Coordinate, ...]:
     """One or two entries of a foothold."""
     entries = tuple(place) if isinstance(place, Sequence | np.ndarray) and not isinstance(place, str) else (place,)
     numbers = [v for v in entries if not isinstance(v, str) and not callable(v)]
-    finite = all(isinstance(v, int | float | np.number) and np.isfinite(v) for v in numbers)
+    finite = all(is_finite(v) for v in numbers)
     if len(entries) not in (1, 2) or not finite:
         raise InputError(f"rt.constraints.SwingApex: {name} is {place!r}; give a foothold as x or (x, y) [m].")
     return entries

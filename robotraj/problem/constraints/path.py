@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.printing import brief
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.row import Row
@@ -103,7 +104,12 @@ class PathConstraint(Constraint):
 
 def side(value: SideLike, default: float, count: int, name: str) -> list[float]:
     """Broadcast one side of the bounds to the rows of an expression."""
-    array = np.asarray(default if value is None else value, dtype=float).ravel()
+    try:
+        array = np.asarray(default if value is None else value, dtype=float).ravel()
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(
+            f"{name!r} has a bound that is {brief(value)}; give a number, or one for each of {count} rows."
+        ) from error
     if array.size not in (1, count):
         raise InputError(f"{name!r} has {count} rows but a bound of {array.size} values; give 1 or {count}.")
     if np.isnan(array).any():

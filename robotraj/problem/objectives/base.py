@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
-from robotraj._util.printing import OneLine
+from robotraj._util.printing import OneLine, short
 from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.point import AnyPoint
 
@@ -65,13 +66,13 @@ class Objective(OneLine, metaclass=_Called):
         return self * -1.0
 
     def __truediv__(self, divisor: float) -> Objective:
-        if not isinstance(divisor, int | float | np.number) or divisor == 0:
-            raise InputError(f"An objective is divided by {divisor!r}; give a number that is not 0.")
+        if not is_finite(divisor) or divisor == 0:
+            raise InputError(f"An objective is divided by {short(divisor)}; give a number that is not 0.")
         return self * (1.0 / divisor)
 
     def __mul__(self, weight: float) -> Objective:
-        if not isinstance(weight, int | float | np.number) or not np.isfinite(weight):
-            raise InputError(f"An objective is multiplied by {weight!r}; give a finite number.")
+        if not is_finite(weight):
+            raise InputError(f"An objective is multiplied by {short(weight)}; give a finite number.")
         return Sum(tuple((float(weight) * w, term) for w, term in self.terms))
 
     __rmul__ = __mul__

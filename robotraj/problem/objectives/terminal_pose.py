@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
+from robotraj._util.printing import short
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import robot_of
@@ -61,8 +63,8 @@ class TerminalPose(EndCost):
         robot_of(dynamics, "TerminalPose").frame(self.frame)
         target_of(self.pose, self._what)
         for weight in (self.position_weight, self.rotation_weight):
-            if not 0 <= weight < np.inf:
-                raise InputError(f"{self._what}: a weight is {weight}; it must be finite and not negative.")
+            if not is_finite(weight) or weight < 0:
+                raise InputError(f"{self._what}: a weight is {short(weight)}; it must be finite and not negative.")
 
     @property
     def _what(self) -> str:
@@ -77,9 +79,12 @@ def target_of(value: Triple | PoseLike, what: str) -> tuple[np.ndarray, np.ndarr
     InputError
         The value is neither three numbers nor a pose.
     """
-    placed = hasattr(value, "rotation") or len(value) != 3
+    placed = hasattr(value, "rotation") or not hasattr(value, "__len__") or len(value) != 3
     position, rotation = as_pose(value, what) if placed else (value, None)
-    place = np.asarray(position, dtype=float)
+    try:
+        place = np.asarray(position, dtype=float)
+    except (TypeError, ValueError):
+        place = np.empty(0)
     if place.shape != (3,) or not np.all(np.isfinite(place)):
         raise InputError(f"The position of the {what} must be three finite numbers; got {position!r}.")
     return place, rotation

@@ -8,7 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import short
 
 WeightsLike: TypeAlias = float | Sequence[float] | NDArray[np.float64] | Mapping[str, float] | None
 """One weight for all joints, one for each, or some by name; None weighs all joints by 1."""
@@ -36,6 +38,6 @@ def weights_of(given: WeightsLike, joints: Sequence[str], what: str) -> list[flo
     if len(values) != len(joints):
         raise InputError(f"{what} has {len(values)} weights, but there are {len(joints)} to give: {', '.join(joints)}.")
     for joint, weight in zip(joints, values, strict=True):
-        if not isinstance(weight, int | float | np.number) or not weight >= 0 or np.isinf(weight):
-            raise InputError(f"{what}: the weight of {joint!r} is {weight!r}; it must be finite and not negative.")
+        if not is_finite(weight) or weight < 0:
+            raise InputError(f"{what}: the weight of {joint!r} is {short(weight)}; it must be finite and not negative.")
     return [float(weight) for weight in values]

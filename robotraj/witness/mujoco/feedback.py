@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 import scipy
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -217,5 +218,5 @@ def _torque_scales(course: ReferenceMotion) -> Array:
 def _positive(value: Feedback, *names: str) -> None:
     for name in names:
         number = getattr(value, name)
-        if not (isinstance(number, int | float) and np.isfinite(number) and number > 0):
+        if not (is_finite(number) and number > 0):
             raise InputError(f"{name} = {number!r} of {type(value).__name__} must be a positive number.")

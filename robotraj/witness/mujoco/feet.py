@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -85,7 +86,7 @@ class SoftGround(OneLine):
     def __post_init__(self) -> None:
         for name in ("time", "radius", "grip"):
             value = getattr(self, name)
-            if not (isinstance(value, int | float) and np.isfinite(value) and value > 0):
+            if not (is_finite(value) and value > 0):
                 raise InputError(f"{name} = {value!r} of SoftGround must be a positive number.")
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError, require_solution
 from robotraj.dynamics.applied_forces.external_force import Unheld
 from robotraj.dynamics.terrain.flat import Flat
@@ -87,7 +88,7 @@ def second_opinion(
         raise InputError(
             f"second_opinion() has no forces such as {applied[0]!r} (rt.ExternalForce, rt.Thruster); use rt.validate."
         )
-    if not (isinstance(step, int | float) and np.isfinite(step) and step > 0):
+    if not (is_finite(step) and step > 0):
         raise InputError(f"step = {step!r}; give a positive time [s].")
     if not (feedback is None or isinstance(feedback, Feedback)):
         raise InputError(

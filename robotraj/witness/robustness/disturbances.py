@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -58,7 +59,7 @@ class Disturbances(OneLine):
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
-            if not (isinstance(value, int | float) and 0.0 <= value < np.inf):
+            if not (is_finite(value) and value >= 0.0):
                 raise InputError(f"Disturbances({entry.name}) is {value!r}; give 0 or a positive number.")
 
     def scaled(self, factor: float) -> Disturbances:

@@ -2,6 +2,7 @@
 
 import inspect
 import pickle
+from fractions import Fraction
 
 import pytest
 
@@ -60,3 +61,65 @@ def test_public_names_keep_their_signature_and_travel(name: str) -> None:
     assert callable(public) and pickle.loads(pickle.dumps(public)) is public
     inner = inspect.unwrap(public)
     assert inspect.signature(public) == inspect.signature(inner) and public.__doc__ == inner.__doc__
+
+
+UNUSABLE = {
+    "too large": [10**400, -(10**5000), Fraction(10**400)],
+    "complex": [1j],
+    "surrogate": ["\ud800", "a\udfffb"],
+}
+TAKERS = {
+    "Phase.duration": lambda value: rt.Phase(CART, value),
+    "Phase.start": lambda value: rt.Phase(CART, 1.0, rt.State(q=value)),
+    "State.q": lambda value: rt.Phase(CART, 1.0, rt.State(q=[value, 0.0], v={"pole": value})),
+    "between": lambda value: rt.Phase(CART, 1.0, end=rt.State(q=[rt.between(0.0, value), 0.0])),
+    "Mesh": lambda value: rt.Mesh([value, 1.0]),
+    "weight": lambda value: value * rt.Effort(),
+    "divisor": lambda value: rt.Effort() / value,
+    "weights": lambda value: rt.Phase(CART, 1.0, None, None, rt.Effort(weights=[value])).dae,
+    "margin": lambda value: rt.CollisionFree(margin=value),
+    "self_collision": lambda value: rt.CollisionFree(self_collision=value),
+    "radius": lambda value: rt.obstacles.Sphere(value),
+    "frame": lambda value: CART.frame(value),
+    "scheme": lambda value: rt.Mesh(4, value),
+    "dynamics": lambda value: rt.Phase(CART, 1.0, dynamics=value),
+}
+
+
+@pytest.mark.parametrize("taker", TAKERS)
+@pytest.mark.parametrize("kind", UNUSABLE)
+def test_what_no_double_and_no_file_holds_is_refused_wherever_it_enters(taker: str, kind: str) -> None:
+    for value in UNUSABLE[kind]:
+        with pytest.raises(rt.InputError) as caught:
+            TAKERS[taker](value)
+        assert 10 < len(str(caught.value)) < 700
+
+
+def test_the_argument_that_holds_it_is_named() -> None:
+    with pytest.raises(rt.InputError, match=r"upper= of rt.between holds a number that is too large"):
+        rt.between(0, [1, 10**400])
+    with pytest.raises(rt.InputError, match=r"surrogate stands alone"):
+        CART.frame("\ud800")
+
+
+OTHER_KINDS = {
+    "name= of PathConstraint must be text": lambda: rt.PathConstraint(lambda p: p.q[0], 0.0, 1.0, name=["lift"]),
+    "unit= of IntegralConstraint must be text": lambda: rt.constraints.IntegralConstraint(abs, 0.0, 1.0, "a", unit=[]),
+    "friction of PointContact 'foot' is .*; give a positive number": lambda: rt.PointContact("foot", [0.7]),
+    "'lift' has a bound that is 'low'": lambda: move_with(rt.PathConstraint(lambda p: p.q[0], "low", name="lift")),
+    "terminal pose of frame 'tip' must be": lambda: rt.objectives.TerminalPose("tip", None).check(MOVE.body, ()),
+    "dynamics= of phase 'phase' is .*Forces on the robot go into contacts=": lambda: MOVE.with_(
+        dynamics=rt.ExternalForce("pole", lambda place: [0.0, 0.0, 0.0])
+    ),
+    "self_collision is 1; give True or False": lambda: rt.CollisionFree(self_collision=1),
+}
+
+
+def move_with(constraint: rt.constraints.Constraint) -> rt.Solution:
+    return rt.plan(MOVE.with_(constraints=[constraint]), mesh=rt.Mesh(4))
+
+
+@pytest.mark.parametrize("text", OTHER_KINDS)
+def test_a_value_of_another_kind_is_refused_where_it_is_given(text: str) -> None:
+    with pytest.raises(rt.InputError, match=text):
+        OTHER_KINDS[text]()
