@@ -115,8 +115,7 @@ def solved(state: PlanState, progress: Progress | None = None, surfaces: Surface
         return _again(state, progress)
     settings, best = replace(state.settings, mesh=state.meshes, solver=_solver(state)), state.best
     if best is not None and best.measures.only_unsettled:
-        patience = 2 * PATIENCE if state.traits.patient else PATIENCE
-        settings = replace(settings, solver=settings.solver.at_most(patience), restarts=Restarts(0))
+        settings = replace(settings, solver=settings.solver.at_most(2 * PATIENCE), restarts=Restarts(0))
     if best is None and not state.approximates and not state.afresh:
         # Other guesses were tried on the first mesh.
         settings = replace(settings, restarts=Restarts(0))
@@ -188,13 +187,16 @@ def _again(state: PlanState, progress: Progress | None) -> Found:
 def _cold(state: PlanState) -> Solver:
     """Return the solver of a solve from a guess, which ends where its objective is flat.
 
+    So does that of a proved motion whose objective alone has not settled.
+
     Times at which joints reverse and powers change their sign move from point to point. That gains little in hundreds
     of iterations, and the next mesh moves them again. With both, most of the gain is power between the points, which
     the sum that is minimised does not see. Powers alone gain a tenth of the goal in a hundred iterations.
     """
-    traits, goals = state.traits, state.settings.goals
+    traits, goals, best = state.traits, state.settings.goals, state.best
     assert goals is not None
-    if not (traits.sticking or traits.kinked):
+    only_unsettled = best is not None and best.measures.only_unsettled
+    if not (traits.sticking or traits.kinked or only_unsettled):
         return state.settings.solver
     share = 3.0 if traits.sticking_powers else 1.0 if traits.sticking else 0.1
     return state.settings.solver.until_settled(share * goals.objective)

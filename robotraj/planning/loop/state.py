@@ -64,7 +64,7 @@ class Traits:
 
     @property
     def patient(self) -> bool:
-        """Whether many iterations and meshes pay where only the objective of a proved motion has not settled."""
+        """Whether many meshes pay where only the objective of a proved motion has not settled."""
         return self.sticking and not self.kinked
 
     @property
