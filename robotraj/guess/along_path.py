@@ -13,7 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
-from robotraj.guess.ends import MARGIN, default_parameters
+from robotraj.guess.ends import default_parameters
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.phase_row import Kind
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHORTEST, TRIES = 1e-3, 36
-"""Least duration of a phase [s], and largest number of times that it grows by ``MARGIN`` while rows are violated.
+SHORTEST, LONGER, TRIES = 1e-3, 1.5, 36
+"""Least duration of a phase [s], the factor by which it grows while rows are violated, and how often at most.
 
 The last duration is half an hour.
 """
@@ -103,7 +103,7 @@ class _Cubic:
     def durations(self) -> Array:
         """The durations that are tried, ascending [s]."""
         keeps = self.entry and self.leaving and not self.stops
-        growing: Array = MARGIN ** np.arange(TRIES + 1.0)
+        growing: Array = LONGER ** np.arange(TRIES + 1.0)
         return growing * (self.span / self.entry if keeps else SHORTEST)
 
     @property

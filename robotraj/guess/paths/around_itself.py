@@ -16,7 +16,6 @@ from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.paths.free_path import TRIES, Free, free_path
-from robotraj.guess.paths.path_in_time import WINDOW
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 
 if TYPE_CHECKING:
@@ -28,6 +27,8 @@ Motion = Callable[[Array], Array]
 
 BESIDE = 4
 """Number of free configurations before and after an overlap from which a path leads around it."""
+ROUNDED = 7
+"""Number of samples on each side over which a path around an overlap is averaged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +122,8 @@ def _window(open_: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _rounded(samples: Array, free: Free) -> Array:
-    """Return averages over up to ``WINDOW`` neighbours on each side, half as many until they are free."""
-    width = WINDOW
+    """Return averages over up to ``ROUNDED`` neighbours on each side, half as many until they are free."""
+    width = ROUNDED
     while width:
         padded = np.concatenate(
             [np.repeat(samples[:1], width, axis=0), samples, np.repeat(samples[-1:], width, axis=0)]
