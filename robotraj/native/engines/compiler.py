@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from robotraj._util.errors import InputError, RobotrajError
+from robotraj._util.system.search_path import absolute_entries
 from robotraj._util.values import dataclass
 from robotraj.native.engines.source import Source
 
@@ -143,7 +144,7 @@ def _on_path(name: str) -> str | None:
     """Return the absolute path of a program; a name is looked for in the absolute entries of PATH alone."""
     if os.path.dirname(name):
         name = os.path.abspath(name)
-    return shutil.which(name, path=os.pathsep.join(entry for entry in os.get_exec_path() if os.path.isabs(entry)))
+    return shutil.which(name, path=absolute_entries())
 
 
 @cache

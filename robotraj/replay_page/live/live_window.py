@@ -9,6 +9,7 @@ import threading
 import webbrowser
 from typing import Protocol
 
+from robotraj._util.system.search_path import without_working_folder
 from robotraj.replay_page.live.event_log import EventLog
 from robotraj.replay_page.live.page_server import PageServer
 
@@ -58,7 +59,8 @@ class BrowserWindow:
         threading.Thread(target=self._server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
         print(f"Watch the plan at {self.address}", file=sys.stderr)
         if self._show:
-            webbrowser.open(self.address)
+            with without_working_folder():
+                webbrowser.open(self.address)
             self._events.wait_for_listener(self._wait)
 
     def send(self, event: Event) -> None:

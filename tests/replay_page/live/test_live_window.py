@@ -2,13 +2,17 @@
 
 import http.client
 import json
+import os
 import socket
+import subprocess
+import sys
 import threading
 import time
 import urllib.error
 import urllib.request
 import webbrowser
 from collections.abc import Iterator
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -123,3 +127,20 @@ def test_closing_without_a_browser_waits_for_nobody(monkeypatch: pytest.MonkeyPa
     assert opened == [window.address]
     assert window.address.startswith("http://127.0.0.1:")
     assert threading.active_count() == before
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="xdg-open is a program of Linux")
+@pytest.mark.parametrize("path", [":/nonexistent", ".:bin:/nonexistent"])
+def test_no_program_of_the_working_folder_opens_the_page(path: str, tmp_path: Path) -> None:
+    (tmp_path / "bin").mkdir()
+    for planted in (tmp_path / "xdg-open", tmp_path / "bin" / "xdg-open"):
+        planted.write_text(f"#!/bin/sh\n/bin/touch {tmp_path}/run\n")
+        planted.chmod(0o755)
+    environment = {**os.environ, "PATH": path, "DISPLAY": ":0"}
+    opening = (
+        "from robotraj.replay_page.live.live_window import *; w = BrowserWindow(True, 0.01); w.open(''); w.close()"
+    )
+    unguarded = "import webbrowser; webbrowser.open('http://127.0.0.1')"
+    for code, is_run in ((opening, False), (unguarded, True)):
+        subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True, timeout=60)
+        assert (tmp_path / "run").exists() is is_run
