@@ -56,9 +56,10 @@ def remove_repeated_rows(form: Form, nlp: Nlp) -> Form:
         return form
     fixed = (form.lower == form.upper) & ~form.gone
     equations = (form.row_lower == form.row_upper) & (form.targets < 0)
-    written = [row[equations[row]] for row in (entries(block.scatter)[0] for block in form.blocks)]
     chosen = np.zeros(len(equations), dtype=bool)
-    chosen[np.concatenate(written)] = True
+    for block in form.blocks:
+        chosen[entries(block.scatter)[0]] = True
+    chosen &= equations
     rows = np.flatnonzero(chosen)
     rng = np.random.default_rng(0)
     first, *others = (

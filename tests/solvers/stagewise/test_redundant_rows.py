@@ -127,3 +127,11 @@ def test_a_base_at_rest_needs_no_equation_of_rolling() -> None:
     solution = solve(rt.Problem([move]), rt.InteriorPoint(fallback=None))
     assert solution.success and solution.iterations < 300
     assert not solution.violations()
+
+
+def test_a_linear_program_without_blocks_is_reduced() -> None:
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    row = rt.PathConstraint(lambda p: p.x["v"] + p.u["u"], upper=10.0, name="slow", unit="m/s")
+    ends = rt.State([0, 0]), rt.State([1, 0])
+    program = reduce(nlp_of(rt.Problem([rt.Phase(system, 1.0, *ends, constraints=[row])]), MESH)).program
+    assert not program.blocks
