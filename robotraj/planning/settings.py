@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import MET
 from robotraj._util.printing import as_call
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
@@ -111,11 +112,11 @@ RULES: tuple[Rule, ...] = (
         when.PROVED,
         when.EXACT,
         when.KINKED,
-        InteriorPoint(tolerance=1e-6, initial_barrier=ALTERED_BARRIER),
+        InteriorPoint(tolerance=MET, initial_barrier=ALTERED_BARRIER),
         "it is several times faster than IPOPT",
     ),
     _rule("solver", when.KINKED, Ipopt(), "it finds the local optimum next to the guess"),
-    _rule("solver", when.PROVED, InteriorPoint(tolerance=1e-6), "a hundredth of the allowed errors"),
+    _rule("solver", when.PROVED, InteriorPoint(tolerance=MET), "a hundredth of the allowed errors"),
     _rule("solver", when.ALWAYS, InteriorPoint(), "it finds the optima of IPOPT in less time"),
     _rule("engine", when.ALWAYS, Native(), "it needs no compiler at run time, and is the fastest for large graphs"),
     _rule(

@@ -276,7 +276,7 @@ class InteriorPoint(Solver):
             return replace(outcome, iterations=iterations + outcome.iterations, times=times)
         # The parts are measured by wall clock; the machine may give the process less than that.
         wall = {name: sum(each.times[name] for each in tried.found) for name in found.times}
-        share = min(1.0, spent / max(wall.pop("total", spent), 1e-9))
+        share = min(1.0, spent / max(wall.pop("total", spent), ROUND_OFF))
         parts = {f"solve: {name}": share * seconds for name, seconds in wall.items()}
         # Vectors, line search and residuals; the time of Python around the solve is negligible.
         parts["solve: steps"] = max(0.0, spent - sum(parts.values()))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.precision import MET, ROUND_OFF
+from robotraj._util.precision import MET, ROUND_OFF, SAME
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.schemes.mesh import MovingMesh
 
@@ -116,7 +116,7 @@ def _place(table: _Table, keys: Indices, chosen: Indices, numbers: Indices, scal
         lengths = np.diff(knots)
         interval = np.clip(np.searchsorted(knots, at + ROUND_OFF, side="right") - 1, 0, lengths.size - 1)
         place = (at - knots[interval]) / lengths[interval]
-        at_knot = np.abs(place - 0.5) > 0.5 - 1e-9
+        at_knot = np.abs(place - 0.5) > 0.5 - SAME
         # A knot between two intervals has half of the length of each.
         beside = 0.5 * (np.append(lengths[0], lengths) + np.append(lengths, lengths[-1]))
         knot = np.clip(np.searchsorted(knots, at - ROUND_OFF), 0, lengths.size)

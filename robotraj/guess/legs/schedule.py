@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import copied
 from robotraj.guess.ends import guessed_duration
@@ -71,7 +72,7 @@ class Schedule:
                 if name not in held:
                     continue
                 start, end = start + k * length, end + k * length
-                if found and abs(found[-1].end - start) < 1e-9:
+                if found and abs(found[-1].end - start) < SAME:
                     found[-1] = replace(found[-1], end=end)
                 else:
                     found.append(StanceTime(foot, start, end))

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj._util.precision import DIFFERENCE, MET
+from robotraj._util.precision import DIFFERENCE, MET, SAME
 from robotraj.guess.legs.stance import BalancedStance, root_freedoms
 
 Array = NDArray[np.float64]
@@ -107,7 +107,7 @@ def _to_one_side(stance: BalancedStance, q: Array, motion: Array) -> Array:
         return float(np.min(np.minimum(free / np.abs(motion[moving]), 1.0), initial=1.0))
 
     forwards, backwards = room(1.0), room(-1.0)
-    if abs(forwards - backwards) < 1e-9:
+    if abs(forwards - backwards) < SAME:
         sign = 1.0 if _middle_moves(stance, q, motion) >= 0.0 else -1.0
     else:
         sign = 1.0 if forwards > backwards else -1.0

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.precision import SAMPLES
+from robotraj._util.precision import ROUND_OFF, SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
@@ -104,8 +104,12 @@ def route_around(
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     before = float(np.linalg.norm(np.diff(known[first : last + 1], axis=0), axis=1).sum())
     # The way around takes the time of the way through, or longer at its mean speed.
-    spent = (last - first) * step * max(1.0, float(lengths.sum()) / max(before, 1e-9))
-    steps = np.full(first, step), spent * lengths / max(float(lengths.sum()), 1e-9), np.full(SAMPLES - 1 - last, step)
+    spent = (last - first) * step * max(1.0, float(lengths.sum()) / max(before, ROUND_OFF))
+    steps = (
+        np.full(first, step),
+        spent * lengths / max(float(lengths.sum()), ROUND_OFF),
+        np.full(SAMPLES - 1 - last, step),
+    )
     every, clock = np.concatenate([known[:first], path, known[last + 1 :]]), np.append(0.0, np.cumsum(np.hstack(steps)))
     even = np.linspace(0.0, clock[-1], SAMPLES)
     samples = np.column_stack([np.interp(even, clock, column) for column in every.T])

@@ -7,6 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import ROUND_OFF
+
 Array = NDArray[np.float64]
 Free = Callable[[Array], NDArray[np.bool_]]
 """From configurations (m, nq) to whether each is free."""
@@ -106,7 +108,7 @@ def _shortened(corners: Array, free: Free, rng: np.random.Generator) -> Array:
         (i, j), points = np.searchsorted(ends, at, side="right") - 1, []
         for k, place in zip((i, j), at, strict=True):
             k = min(int(k), len(lengths) - 1)
-            points.append(corners[k] + (place - ends[k]) / max(lengths[k], 1e-12) * (corners[k + 1] - corners[k]))
+            points.append(corners[k] + (place - ends[k]) / max(lengths[k], ROUND_OFF) * (corners[k + 1] - corners[k]))
         if i != j and _is_free(free, points[0], points[1]):
             corners = np.array([*corners[: i + 1], *points, *corners[j + 1 :]])
     return corners

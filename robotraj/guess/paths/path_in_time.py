@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]
@@ -80,8 +81,8 @@ def in_time(path: TimedMotion, free: Free, bounds: tuple[float, float]) -> Timed
     """
     step = path.duration / STEPS
     q = path.motion(np.linspace(0.0, 1.0, STEPS + 1))[0]
-    least = int(np.ceil(bounds[0] / step - 1e-9))
-    most = max(min(LONGEST * STEPS, int(np.floor(bounds[1] / step + 1e-9))), least)
+    least = int(np.ceil(bounds[0] / step - SAME))
+    most = max(min(LONGEST * STEPS, int(np.floor(bounds[1] / step + SAME))), least)
     reached = np.zeros((1, STEPS + 1), dtype=bool)
     reached[0, 0] = True
     while len(reached) <= most:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import ROUND_OFF
 from robotraj.planning.live.iterate_curves import iterate_charts
 from robotraj.problem.problem import Problem
 from robotraj.replay_page.colors import palette
@@ -108,7 +109,7 @@ class LivePlan:
             # A phase has at least three samples, and in all there are about SAMPLES.
             parts = []
             for phase, layout, part in zip(self._problem.phases, nlp.layouts, trajectories, strict=True):
-                count = max(3, round(SAMPLES * part.duration / max(end - start, 1e-12)))
+                count = max(3, round(SAMPLES * part.duration / max(end - start, ROUND_OFF)))
                 curve = PhaseSolution(phase, layout.mesh, part).joint_states
                 states = curve(np.linspace(part.t0, part.t0 + part.duration, count))[:, : self._robot.nq]
                 parts.append(normalised(self._robot.model, states))

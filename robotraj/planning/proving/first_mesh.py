@@ -7,6 +7,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
+from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.problem.problem import Problem
@@ -113,7 +114,7 @@ class ProportionalMeshes(OfProblem):
         known = np.isfinite(lengths)
         # A phase of any duration counts as the longest.
         lengths = np.where(known, lengths, np.max(lengths[known], initial=1e-3))
-        counts = np.clip(np.ceil(self.most * lengths / lengths.max() - 1e-9), self.least, self.most)
+        counts = np.clip(np.ceil(self.most * lengths / lengths.max() - SAME), self.least, self.most)
         return tuple(Mesh(int(count), self.scheme) for count in counts)
 
 
