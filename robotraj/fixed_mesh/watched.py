@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robotraj.fixed_mesh.at_points import AtPoints, solved_once
-from robotraj.fixed_mesh.diagnosis.exclusions.work_budgets import limits_work
+from robotraj.fixed_mesh.diagnosis.exclusions.work_budgets import exceeded_budgets
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Settings
@@ -26,13 +26,13 @@ def watched_attempt(
     progress: Progress | None = None,
     surfaces: Sequence[NearSurfaces | None] = (),
 ) -> AtPoints:
-    """Solve a problem once from one guess, and look for conflicts meanwhile where limits of work or contacts need it.
+    """Solve a problem once from one guess, and look for conflicts meanwhile with contacts or without enough energy.
 
     With contacts, only a solve without restarts is watched.
     """
     known = isinstance(guess, Solution) and guess.success
     contacts = any(phase.contacts for phase in problem.phases) and not settings.restarts.count
-    if known or not (contacts or any(map(limits_work, problem.phases))):
+    if known or not (contacts or exceeded_budgets(problem)):
         return solved_once(problem, guess, settings, progress, surfaces)
     from robotraj.fixed_mesh.coarse import CoarseSolves
     from robotraj.fixed_mesh.diagnosis.infeasibility_check import InfeasibilityCheck

@@ -1,4 +1,4 @@
-"""Budgets of work and limits of power that contradict the energy of two given states, whatever the motion between them.
+"""Budgets of work and limits of power and effort that contradict the energy of two given states, whatever lies between.
 
 The work of the motors changes the energy of a robot E(q, v) and covers its losses. Between given states, with damping
 d, dry friction f tanh(v / v_s) and travels D_j of the joints in the time T,
@@ -8,9 +8,14 @@ d, dry friction f tanh(v / v_s) and travels D_j of the joints in the time T,
 since int v^2 dt >= D^2 / T and |v| (1 - tanh(|v| / v_s)) <= 0.2785 v_s. A rate r >= c tau' v, such as the sum of all
 |tau_j v_j|, integrates to c W at least. Drawn states and torques give c, which must be the same at all sizes of power.
 
-Motors of limited powers P_j do the work T sum_j P_j at most. The stated values suffice for the straight motion at rest
-at both ends, if nothing else limits it. On a coarse mesh torques that oscillate between the points seem to need less,
-so that a solve would not find the conflict.
+Motors of limited powers P_j do the work T sum_j P_j at most. Motors of limited efforts F_j do, less the losses,
+
+    T sum_j h_j(s_j),    h_j(s) = (F_j - f_j) s - d_j s^2 + 0.2785 f_j v_s
+
+at most, with s_j >= D_j / T the mean of |v_j|, since h_j is concave. It grows with T, since h_j(0) >= 0.
+
+The stated values suffice for the straight motion at rest at both ends, if nothing else limits it. On a coarse mesh
+torques that oscillate between the points seem to need less, so that a solve would not find the conflict.
 """
 
 from __future__ import annotations
@@ -48,20 +53,15 @@ SMOOTHED = 0.27847
 
 
 def exceeded_budgets(problem: Problem) -> tuple[Conflict, ...]:
-    """Return the rows of work and power that contradict the balance of energy, the largest relative excess first."""
+    """Return the rows of work, power and effort that contradict the balance of energy, the largest excess first."""
     found = [conflict for phase in problem.phases for conflict in _exceeded(phase)]
     return tuple(sorted(found, key=lambda conflict: -conflict.relative))
-
-
-def limits_work(phase: Phase) -> bool:
-    """Whether a phase bounds an integral or powers of motors."""
-    return bool(phase.rows.integrals) or any(isinstance(each, MotorPower) for each in phase.constraints)
 
 
 def _exceeded(phase: Phase) -> Iterator[Conflict]:
     robot, body = phase.robot, phase.body
     powers = [(n, each) for n, each in enumerate(phase.rows.constraints) if isinstance(each.source, MotorPower)]
-    if not limits_work(phase) or robot is None or phase.contacts or phase.design or phase.path is not None:
+    if robot is None or phase.contacts or phase.design or phase.path is not None:
         return
     size = robot.nq + robot.nv
     ends = [np.array([each.lower[:size], each.upper[:size]], dtype=float) for each in phase.joint_ends.values()]
@@ -75,7 +75,10 @@ def _exceeded(phase: Phase) -> Iterator[Conflict]:
     for constraint, _ in powers:
         rows = [row for row in phase.rows if row.constraint == constraint]
         if _exceed_powers(robot, rows, gain, losses, phase.duration_bounds[1]):
-            yield from _needed_powers(phase, rows, begin, end, gain, losses)
+            yield from _needed_values(phase, rows, begin, end, gain, losses)
+    if gain > _greatest_gain(phase, begin, end):
+        rows = [row for row in phase.rows.throughout if row.variable in _names("tau", robot.actuated)]
+        yield from _needed_values(phase, rows, begin, end, gain, losses)
 
 
 def _exceeded_budget(
@@ -111,14 +114,51 @@ def _exceed_powers(robot: Robot, rows: Sequence[PhaseRow], gain: float, losses: 
     return bool(too_much or (lossless and -gain - each * longest > NOTICED * abs(gain)))
 
 
-def _needed_powers(
+def _greatest_gain(phase: Phase, begin: Array, end: Array) -> float:
+    """Bound the work that motors of limited efforts do between two states, less the losses [J]."""
+    robot, longest = phase.robot, phase.duration_bounds[1]
+    assert robot is not None
+    driven = np.isin(robot.velocity_names, robot.actuated)
+    effort, fastest = np.where(driven, _sizes(phase, "tau"), 0.0), _sizes(phase, "v")
+    if not np.isfinite(effort).all() or not 0.0 < longest < np.inf:
+        return np.inf
+    spare, damping = effort - robot.friction, robot.damping
+    damped = damping > 0.0
+    best = np.where(spare > 0.0, np.inf, 0.0)
+    best[damped] = 0.5 * spare[damped] / damping[damped]
+    speeds = np.maximum(
+        np.minimum(best, fastest), np.abs(difference(robot.model, begin[: robot.nq], end[: robot.nq])) / longest
+    )
+    if not np.isfinite(speeds).all():
+        return np.inf
+    most = spare * speeds - damping * speeds**2 + SMOOTHED * robot.friction * robot.friction_speed
+    return float(longest * most.sum() + NOTICED * longest * np.abs(most).sum())
+
+
+def _sizes(phase: Phase, quantity: str) -> Array:
+    """Return the largest size that a quantity of each joint may have in a phase, (nv,); inf without a limit."""
+    robot = phase.robot
+    assert robot is not None
+    names, sizes = _names(quantity, robot.velocity_names), np.full(robot.nv, np.inf)
+    for row in phase.rows.throughout:
+        if row.variable in names:
+            k = names.index(row.variable)
+            sizes[k] = min(sizes[k], max(abs(row.lower), abs(row.upper)))
+    return sizes
+
+
+def _names(quantity: str, joints: Sequence[str]) -> list[str]:
+    return [f"{quantity}.{joint}" for joint in joints]
+
+
+def _needed_values(
     phase: Phase, rows: Sequence[PhaseRow], begin: Array, end: Array, gain: float, losses: float
 ) -> Iterator[Conflict]:
-    """Yield the limits of power that the straight motion exceeds, with those that it needs."""
-    times, powers = _straight(phase, rows, begin, end)
+    """Yield the limits of power or effort that the straight motion exceeds, with those that it needs."""
+    times, values = _straight(phase, rows, begin, end)
     if not len(times):
         return
-    for row, along in zip(rows, powers.T, strict=True):
+    for row, along in zip(rows, values.T, strict=True):
         excess = np.maximum(along - row.upper, row.lower - along)
         worst = int(np.argmax(excess))
         if excess[worst] > 0.0:

@@ -107,6 +107,42 @@ def test_the_power_of_all_motors_together_is_bounded_too() -> None:
     assert not found(limited(1.1 * gain() / 1.5))
 
 
+def swing(duration: Any, start: float, end: float, effort: float, speed: float, **losses: float) -> rt.Phase:
+    """Swing a pendulum from rest to rest; its energy is -cos(q)."""
+    own = rt.load("pendulum")
+    limits = own.limits.with_(effort=effort, velocity=speed)
+    values: Any = {name: [losses.get(name, 0.0)] for name in ("damping", "friction")}
+    robot = replace(own, limits=limits, **values)
+    return rt.Phase(robot, duration, rt.State(q=[start], v=0), rt.State(q=[end], v=0), rt.Effort())
+
+
+@pytest.mark.parametrize("damping", [0.5, 2.0, 20.0])
+@pytest.mark.parametrize("friction", [0.0, 3.0])
+def test_a_motor_cannot_turn_faster_than_its_effort_beside_the_losses(damping: float, friction: float) -> None:
+    """At the constant speed (F - f) / d the losses take all of it: 1 rad takes the time d / (F - f) at least."""
+    least = damping / (5.0 - friction)
+    of_losses = {"damping": damping, "friction": friction}
+    (conflict,) = found(swing(0.95 * least, -0.5, 0.5, 5.0, 1e3, **of_losses))
+    assert conflict.certain and conflict.name.startswith("effort limit, ") and abs(conflict.needed) > 5.0 / 0.95
+    assert found(swing((0.1 * least, 0.95 * least), -0.5, 0.5, 5.0, 1e3, **of_losses))
+    assert not found(swing(1.01 * least, -0.5, 0.5, 5.0, 1e3, **of_losses))
+    assert not found(swing((0.1 * least, np.inf), -0.5, 0.5, 5.0, 1e3, **of_losses))
+
+
+def test_a_motor_of_limited_speed_and_effort_lifts_no_faster_than_both_allow() -> None:
+    assert found(swing(1.0, 0.0, 0.5 * np.pi, 0.5, 1.8))
+    assert not found(swing(1.0, 0.0, 0.5 * np.pi, 0.6, 1.8))
+    assert not found(swing(1.0, 0.0, 0.5 * np.pi, 0.5, 1e9))
+
+
+def test_a_reach_too_fast_for_damped_motors_stops_at_once_and_the_stated_effort_does() -> None:
+    weak = swing(0.3, -0.5, 0.5, 5.0, 1e3, damping=2.0)
+    solution = rt.plan(weak, check=False)
+    assert solution.status is Status.INFEASIBLE and solution.iterations <= 1
+    (conflict,) = solution.conflicts
+    assert rt.plan(swing(0.3, -0.5, 0.5, abs(conflict.needed), 1e3, damping=2.0)).success
+
+
 class Limited(Constraint):
     """A budget of a class of one's own."""
 
