@@ -120,20 +120,21 @@ def _raised(found: Solution, low: Sequence[LinkDepth]) -> Problem:
 
 
 def _lowest_points(part: PhaseSolution, low: LinkDepth, ground: Ground) -> list[Spot]:
-    """Return the points of a link that come near the ground as its lowest ones, no two of them close together."""
+    """Return the points and balls of a link that come near the ground as its lowest ones, no two close together."""
     robot = part.phase.robot
     assert robot is not None
     times = np.linspace(part.knots[0], part.knots[-1], SAMPLES * len(part.knots))
     rotations, origins = placements(robot, in_time(part)(times))
     near = NEAR * reach(robot.model)
     frame = robot.model.frames[robot.frame(low.link)].placement
-    chosen: list[NDArray[np.float64]] = []
+    chosen: list[tuple[NDArray[np.float64], float]] = []
     for shape in link_parts(robot, part.phase.constraints):
         place = rotations[:, shape.joint], origins[:, shape.joint]
         is_near = shape.heights(*place, ground) + low.lowered < near
         if shape.link != low.link or not is_near.any():
             continue
-        for point in shape.lowest(place[0][is_near], place[1][is_near], ground):
-            if all(np.linalg.norm(point - other) > near for other in chosen):
-                chosen.append(point)
-    return [Spot(low.link, tuple(frame.actInv(point).tolist())) for point in chosen]
+        points, radius = shape.lowest(place[0][is_near], place[1][is_near], ground)
+        for point in points:
+            if all(np.linalg.norm(point - other) > near for other, _ in chosen):
+                chosen.append((point, radius))
+    return [Spot(low.link, tuple(frame.actInv(point).tolist()), radius) for point, radius in chosen]

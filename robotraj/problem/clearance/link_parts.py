@@ -55,14 +55,17 @@ class LinkPart(NamedTuple):
         reached = support(self.body.solids[self.shape], -np.einsum("mi,mij->mj", normals, turned))
         return np.asarray(over(middles, ground) - reached)
 
-    def lowest(self, rotations: Array, origins: Array, ground: Ground) -> Array:
-        """Return the points (k, 3) of the hull that are its lowest ones in some placement, in the joint's axes [m]."""
+    def lowest(self, rotations: Array, origins: Array, ground: Ground) -> tuple[Array, float]:
+        """Return points (k, 3) in the joint's axes and the radius of balls about them [m].
+
+        These are the corners of the hull, or the middles of its round ends, that are lowest in some placement.
+        """
         if self.body is None:
-            return np.zeros((1, 3))
-        points = self.body.solids[self.shape].extreme_points
+            return np.zeros((1, 3)), 0.0
+        points, radius = self.body.solids[self.shape].core
         heights = over(self._in_world(points, rotations, origins), ground)
         chosen = points[np.unique(heights.argmin(axis=1))]
-        return np.asarray(chosen @ self.body.rotation[self.shape].T + self.body.position[self.shape])
+        return np.asarray(chosen @ self.body.rotation[self.shape].T + self.body.position[self.shape]), radius
 
     def _in_world(self, points: Array, rotations: Array, origins: Array) -> Array:
         assert self.body is not None

@@ -17,10 +17,6 @@ def support(solid: Solid, directions: Array) -> Array:
     """
     shape, kind = solid.geometry, type(solid.geometry).__name__
     along, across = directions[:, 2], np.hypot(directions[:, 0], directions[:, 1])
-    if kind == "Sphere":
-        return np.full(len(directions), float(shape.radius))
-    if kind == "Capsule":
-        return np.asarray(np.abs(along) * float(shape.halfLength) + float(shape.radius))
     if kind == "Cylinder":
         return np.asarray(np.abs(along) * float(shape.halfLength) + across * float(shape.radius))
     if kind == "Cone":
@@ -28,4 +24,5 @@ def support(solid: Solid, directions: Array) -> Array:
         return np.asarray(np.maximum(along * half, across * float(shape.radius) - along * half))
     if kind == "Ellipsoid":
         return np.linalg.norm(directions * np.array(shape.radii), axis=1)
-    return np.asarray((directions @ solid.extreme_points.T).max(axis=1))
+    points, radius = solid.core
+    return np.asarray((directions @ points.T).max(axis=1) + radius)

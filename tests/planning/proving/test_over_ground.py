@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import robotraj as rt
 from robotraj.solvers.status import Status
@@ -41,3 +42,14 @@ def test_an_end_with_a_link_below_the_ground_is_not_proved(tmp_path: Path) -> No
     found = rt.plan(crouch(bag_robot(tmp_path, 0.9), 0.3, pitch=0.0), check=False)
     assert found.status is not Status.SOLVED
     assert "body" in str(found.cause)
+
+
+@pytest.mark.slow
+def test_a_round_foot_clears_a_stair_by_its_ball() -> None:
+    """The corners of the box around a tilted foot's ball are below the ground on which the ball stands."""
+    robot = rt.load("five_link", root="planar")
+    found = rt.plan(rt.gait.stairs(robot, start=0.2, run=0.4, rise=0.08, count=1))
+    assert any(each.lacked == "links below the ground" for each in found.rounds)
+    assert found.proof is not None
+    assert found.proof.holds
+    assert rt.validate(found).passed
