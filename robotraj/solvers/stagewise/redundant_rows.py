@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.precision import MET, ROUND_OFF, SAME
+from robotraj._util.precision import MET, SAME
 from robotraj.solvers.stagewise.form import Form, Mask
 from robotraj.solvers.stagewise.matrices import entries
 from robotraj.transcription.assembly.block import Block
@@ -47,19 +47,16 @@ def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:
 
 
 def remove_repeated_rows(form: Form, nlp: Nlp) -> Form:
-    """Remove equations that hold at random points, and those of several blocks that are multiples of others there.
-
-    An equation holds whatever the free columns are where a fixed one multiplies them: a base at rest has no lateral
-    speed, whatever its heading.
-    """
+    """Remove equations of several blocks that are multiples of others at random points."""
     if not _has_redundant_rows(nlp):
         return form
     fixed = (form.lower == form.upper) & ~form.gone
     equations = (form.row_lower == form.row_upper) & (form.targets < 0)
+    written = [row[equations[row]] for row in (entries(block.scatter)[0] for block in form.blocks)]
+    if sum(row.size > 0 for row in written) < 2:
+        return form
     chosen = np.zeros(len(equations), dtype=bool)
-    for block in form.blocks:
-        chosen[entries(block.scatter)[0]] = True
-    chosen &= equations
+    chosen[np.concatenate(written)] = True
     rows = np.flatnonzero(chosen)
     rng = np.random.default_rng(0)
     first, *others = (
@@ -71,7 +68,6 @@ def remove_repeated_rows(form: Form, nlp: Nlp) -> Form:
     order = np.argsort(ratios[0], kind="stable")
     near = np.abs(np.diff(ratios[:, order])) <= SAME * np.abs(ratios[:, order[1:]])
     again = np.zeros_like(chosen)
-    again[rows[np.all(np.abs([first, *others]) <= ROUND_OFF, axis=0)]] = True
     again[rows[order[1:][near.all(axis=0)]]] = True
     return _without_bounds(form, again) if again.any() else form
 
