@@ -10,8 +10,8 @@ from robotraj.witness.figures import Figures, Tolerances
 SCOPE = Scope(
     "tracking",
     "forward simulation of the whole motion by plain Pinocchio, with solution.gains",
-    "time-varying linear feedback keeps the modelled robot on the plan, also from 1e-5 of its range beside it",
-    "larger disturbances, delays, sensor noise and limits of torque under feedback (rt.witness.robustness has these)",
+    "time-varying linear feedback keeps the modelled robot on the plan, without disturbances",
+    "disturbances, delays, sensor noise and limits of torque under feedback (rt.witness.robustness has these)",
 )
 
 

@@ -17,14 +17,7 @@ from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.open_loop import handed_on
 from robotraj.witness.simulation.spans import spans_of
-from robotraj.witness.simulation.steps import STIFF_TOLERANCE, march
-
-ASIDE = 10.0 * STIFF_TOLERANCE
-"""Distance from the plan, relative to the size of each state, at which the simulation begins.
-
-A robot that begins on the plan stays there under any feedback, also under one that drives it away: steps whose error
-is at most ``STIFF_TOLERANCE`` pass over a deviation that small, however fast it would grow.
-"""
+from robotraj.witness.simulation.steps import march
 
 
 @dataclass(frozen=True)
@@ -52,7 +45,7 @@ def closed_loop_of(
     atol: float,
     clock: Callable[[], None],
 ) -> ClosedLoop:
-    """Simulate a plan with its own feedback, from a state beside its first one, through all phases."""
+    """Simulate a plan from its first state through all phases with its own feedback."""
     if any(planned.phase.robot is None for planned in solution.phases):
         return ClosedLoop(None, None, "a phase moves a System, and feedback is computed for robots only")
     if not all(realised(planned).actuated for planned in solution.phases):
@@ -71,9 +64,8 @@ def closed_loop_of(
         plant = RobotPlant(planned, feedback.at)
         knots = np.asarray(planned.knots, dtype=float)
         own = plant.states(knots[:1], 0)[0]
+        x, _ = plant.begin(handed_on(solution, i, plant, own, before))
         own_sizes = plant.spread(sizes[i])
-        aside = ASIDE * own_sizes if i == 0 else 0.0
-        x, _ = plant.begin(handed_on(solution, i, plant, own + aside, before))
         motion = march(plant, x, spans_of(knots), own_sizes, rtol=rtol, atol=atol, settle=plant.settle, clock=clock)
         rows.append(drift_of(plant, motion, planned.phase.name, sizes[i]))
         if motion.failure is not None:
