@@ -75,6 +75,18 @@ def elsewhere(solution: rt.Solution, change: Callable[[rt.Phase], rt.Phase]) -> 
     return replace(solution, phases=parts, problem=rt.Problem(phases, list(solution.problem.links)))
 
 
+def spliced(solution: rt.Solution, other: rt.Solution, phase: int) -> rt.Solution:
+    """Exchange one phase for that of another plan, which is a motion by itself."""
+    parts = list(solution.phases)
+    parts[phase] = other.phases[phase]
+    return replace(solution, phases=tuple(parts))
+
+
+def linked(solution: rt.Solution, *links: rt.Link) -> rt.Solution:
+    """Pretend that the phases were joined by other links."""
+    return replace(solution, problem=rt.Problem(list(solution.problem.phases), list(links)))
+
+
 def with_model(phase: rt.Phase, change: Callable[[pin.Model], None]) -> rt.Phase:
     """Return a phase of a robot whose Pinocchio model was changed."""
     model = phase.robot.model.copy()
@@ -86,6 +98,22 @@ URDF = """<robot name="axis"><link name="base"/><link name="body"><inertial><mas
 <inertia ixx="{mass}" iyy="{mass}" izz="{mass}" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="slide" type="prismatic"><parent link="base"/><child link="body"/><axis xyz="{axis}"/>
 <limit lower="-{travel}" upper="{travel}" velocity="{speed}" effort="{effort}"/>{dynamics}</joint></robot>"""
+
+FINGER = (
+    '<link name="{0}"><inertial><mass value="0.1"/>'
+    '<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="{0}_joint" type="prismatic"><parent link="arm"/><child link="{0}"/><origin xyz="0 0 0.4"/>'
+    '<axis xyz="0 {1} 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/>{2}</joint>'
+)
+GRIPPER = (
+    '<robot name="gripper"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>'
+    '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="lift" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>'
+    '<limit lower="-3" upper="3" velocity="5" effort="50"/></joint>'
+    + FINGER.format("left", "1", "")
+    + FINGER.format("right", "-1", '<mimic joint="left_joint"/>')
+    + "</robot>"
+)
 
 
 def axis(folder: Path, **values: Any) -> rt.Robot:

@@ -66,7 +66,7 @@ class Tolerances(OneLine):
     friction : float or None
         Largest deviation of a machine with Coulomb's friction, scaled as ``tracking``.
     followed : float or None
-        Largest deviation of a joint [rad, m] in MuJoCo, which simulates the plan under ``solution.gains`` if this is
+        Largest deviation of a joint [rad, m] in MuJoCo, which simulates the plan under ``LinearQuadratic()`` if this is
         given. It takes longer than all other checks.
 
     Raises

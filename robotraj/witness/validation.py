@@ -119,7 +119,7 @@ def validate(
       left of right ones;
     - tracking: the robot follows the whole plan with ``solution.gains``, time-varying linear feedback;
     - a machine with Coulomb's friction, which may stick, follows each phase within the limits of effort;
-    - following, if ``followed=`` gives a deviation: MuJoCo's robot under ``solution.gains``;
+    - following, if ``followed=`` gives a deviation: MuJoCo's robot under ``LinearQuadratic()``;
     - the mirrored half of a gait, simulated as a motion of its own: the inertia of a robot is seldom symmetric.
 
     The open-loop drift is reported but not judged; the growth of a small error along the plan explains it.

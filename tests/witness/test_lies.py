@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -14,7 +15,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from tests.lies import axis, elsewhere, lying, stored, with_model
+from tests.cli.shell import run
+from tests.lies import GRIPPER, axis, elsewhere, linked, lying, spliced, stored, with_model
 
 Lie = Callable[[rt.Solution], rt.Solution]
 
@@ -31,9 +33,9 @@ def slide(seconds: float, metres: float, **values: Any) -> rt.Solution:
     return rt.plan(phase, progress=False)
 
 
-def two_phases() -> rt.Solution:
+def two_phases(shoulder: float = 1.0) -> rt.Solution:
     robot = rt.load("two_link_arm")
-    home, away = rt.State(q=[0, 0], v=0), rt.State(q=[1, 0.5], v=0)
+    home, away = rt.State(q=[0, 0], v=0), rt.State(q=[shoulder, 0.5], v=0)
     there = rt.Phase(robot, 1.0, home, away, rt.Effort(), name="there", limits=None)
     back = rt.Phase(robot, 1.0, None, home, rt.Effort(), name="back", limits=None)
     return rt.plan(rt.Problem([there, back], [rt.Continuity(0, 1)]), progress=False)
@@ -50,6 +52,13 @@ def hop() -> rt.Solution:
 def oscillator() -> rt.Solution:
     system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], -3600 * p.x["x"] + p.u["u"]])
     return rt.plan(rt.Phase(system, 0.3, rt.State([1e-6, 0]), rt.State([0, 0]), rt.Effort()), progress=False)
+
+
+def gripper(folder: Path, ratio: float) -> rt.Robot:
+    """Return a gripper whose right finger moves ``ratio`` times as far as the left one."""
+    file = folder / f"gripper_{ratio}.urdf"
+    file.write_text(GRIPPER.replace('joint="left_joint"/>', f'joint="left_joint" multiplier="{ratio}"/>'))
+    return rt.load(str(file))
 
 
 PLANS: dict[str, Callable[[], rt.Solution]] = {
@@ -101,8 +110,14 @@ ROBOT_LIES: dict[str, Lie] = {
 }
 MODEL_LIES: dict[str, Lie] = {
     "masses 5 percent larger": lambda s: elsewhere(s, lambda p: with_model(p, heavier)),
+    "rotors left out": lambda s: elsewhere(s, lambda p: with_model(p, geared)),
     "ends elsewhere": lambda s: elsewhere(s, other_end),
 }
+
+
+def geared(model: Any) -> None:
+    """Add rotors whose armature is a twentieth of the mass that the first joint moves."""
+    model.armature[:] += 0.05 * sum(body.mass for body in model.inertias.tolist()[1:])
 
 
 def heavier(model: Any) -> None:
@@ -210,3 +225,62 @@ def test_samples_that_are_not_numbers_are_noticed(field: str) -> None:
     middle = 0.4 * solution.duration, 0.6 * solution.duration
     told = lying(solution, **{field: lambda t, x: np.where((t > middle[0]) & (t < middle[1]), np.nan, x)})
     assert not rt.validate(told).passed
+
+
+def test_links_that_the_motion_does_not_keep_are_noticed() -> None:
+    """The second phase of another plan, a motion that does not repeat, and one that repeats by another angle."""
+    solution, other = two_phases(), two_phases(1.02)
+    told = replace(spliced(solution, other, 1), objective=0.5 * (solution.objective + other.objective))
+    assert any(breach.name == "continuity" for breach in rt.validate(told).breaches)
+    joined = rt.Continuity(0, 1)
+    assert rt.validate(linked(solution, joined, rt.Periodic())).passed
+    assert not rt.validate(linked(solution, joined, rt.Periodic({"q.shoulder": 0.01}))).passed
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.98, 1.02])
+def test_a_follower_with_another_ratio_is_noticed(tmp_path: Path, ratio: float) -> None:
+    ends = [rt.State(q={"lift": lift, "left_joint": opened}, v=0) for lift, opened in ((0, 0), (1, 0.04))]
+    solution = rt.plan(rt.Phase(gripper(tmp_path, 1.0), 1.0, *ends, rt.Effort()), progress=False)
+    assert rt.validate(solution).passed
+    assert not rt.validate(elsewhere(solution, lambda p: replace(p, subject=gripper(tmp_path, ratio)))).passed
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        rt.PointContact("body", name="foot"),
+        rt.PointContact("foot", ground=rt.terrain.Slope(0.1)),
+        rt.PointContact("foot", ground=rt.terrain.Flat(0.01)),
+        rt.PointContact("foot", offset=(0.0, 0.0, 0.02)),
+    ],
+    ids=["frame", "slope", "height", "offset"],
+)
+def test_another_contact_is_noticed(contact: rt.PointContact) -> None:
+    assert not rt.validate(elsewhere(plan("hopper"), lambda p: replace(p, contacts=[contact]))).passed
+
+
+@pytest.mark.parametrize("intervals", [4, 12])
+def test_the_proof_of_another_plan_is_noticed(intervals: int) -> None:
+    """On a coarse mesh the same problem has another motion, with errors that the copied proof denies."""
+    proved = plan("cartpole")
+    coarse = rt.plan(proved.problem, rt.Mesh(intervals), progress=False)
+    assert not rt.validate(replace(coarse, proof=proved.proof)).passed
+
+
+SAVED: dict[str, tuple[str, Lie]] = {
+    "torques": ("torques", lambda s: stored(s, "u", lambda values: 1.02 * values)),
+    "model": ("torques", MODEL_LIES["masses 5 percent larger"]),
+    "objective": ("objective", ROBOT_LIES["an objective 1 percent too small"]),
+}
+
+
+@pytest.mark.parametrize("lie", [None, *SAVED])
+def test_the_shell_notices_lies_in_a_file(tmp_path: Path, lie: str | None) -> None:
+    solution = plan("stage")
+    file = (solution if lie is None else SAVED[lie][1](solution)).save(tmp_path / "plan.npz")
+    result = run("validate", file, "--json")
+    told = json.loads(result.stdout)
+    assert (result.exit_code, told["proved"]) == ((0, True) if lie is None else (4, False)), told
+    failed = {claim["name"] for claim in told["claims"] if claim["judgement"] == "fails"}
+    assert failed == set() if lie is None else SAVED[lie][0] in failed
+    assert bool(told["failures"]) is (lie is not None)

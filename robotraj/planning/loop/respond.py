@@ -36,7 +36,7 @@ it further, unless joints stick and slide."""
 ENOUGH_OF_POWERS = 3
 """The same where joints stick and slide and the objective has kinks. It does not settle on some motions, whatever the
 mesh, and limits between the points are imposed from the second mesh on."""
-MET = 1e-3
+MET_ON_PATH = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
@@ -163,7 +163,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     proof, measures = best.proof, best.measures
     if measures.rounded > proof.goals.objective and state.problem is not state.sharp:
         return replace(state, problem=state.sharp, meshes=best.meshes, why="kinks without rounding")
-    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET:
+    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET_ON_PATH:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.holds and not first:
         return PlanEnd(state, "")

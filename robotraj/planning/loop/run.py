@@ -114,7 +114,7 @@ def solved(state: PlanState, progress: Progress | None = None, surfaces: Surface
     if state.task is Task.AGAIN:
         return _again(state, progress)
     settings, best = replace(state.settings, mesh=state.meshes, solver=_solver(state)), state.best
-    if best is not None and best.measures.only_unsettled:
+    if state.only_unsettled:
         settings = replace(settings, solver=settings.solver.at_most(2 * PATIENCE), restarts=Restarts(0))
     if best is None and not state.approximates and not state.afresh:
         # Other guesses were tried on the first mesh.
@@ -193,10 +193,9 @@ def _cold(state: PlanState) -> Solver:
     of iterations, and the next mesh moves them again. With both, most of the gain is power between the points, which
     the sum that is minimised does not see. Powers alone gain a tenth of the goal in a hundred iterations.
     """
-    traits, goals, best = state.traits, state.settings.goals, state.best
+    traits, goals = state.traits, state.settings.goals
     assert goals is not None
-    only_unsettled = best is not None and best.measures.only_unsettled
-    if not (traits.sticking or traits.kinked or only_unsettled):
+    if not (traits.sticking or traits.kinked or state.only_unsettled):
         return state.settings.solver
     share = 3.0 if traits.sticking_powers else 1.0 if traits.sticking else 0.1
     return state.settings.solver.until_settled(share * goals.objective)

@@ -233,6 +233,11 @@ class PlanState:
         return self.task is Task.MESH and self.number == 0 and self.neighbour is None
 
     @property
+    def only_unsettled(self) -> bool:
+        """Whether the best motion is proved on a second mesh or a later one, and only its objective has not settled."""
+        return self.best is not None and self.best.measures.only_unsettled
+
+    @property
     def is_softened(self) -> bool:
         """Whether the guess is the solution with softer friction."""
         return self.traits.sticking and isinstance(self.guess, Solution) and self.guess.proof is None

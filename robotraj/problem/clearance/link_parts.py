@@ -14,7 +14,7 @@ from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.collision_free import disabled_pairs
 from robotraj.robot.collision.own_body import OwnBody, own_body
 from robotraj.robot.collision.placements import joint_tree
-from robotraj.robot.collision.support import support
+from robotraj.robot.collision.support import core, support
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 
@@ -62,7 +62,7 @@ class LinkPart(NamedTuple):
         """
         if self.body is None:
             return np.zeros((1, 3)), 0.0
-        points, radius = self.body.solids[self.shape].core
+        points, radius = core(self.body.solids[self.shape])
         heights = over(self._in_world(points, rotations, origins), ground)
         chosen = points[np.unique(heights.argmin(axis=1))]
         return np.asarray(chosen @ self.body.rotation[self.shape].T + self.body.position[self.shape]), radius

@@ -83,7 +83,7 @@ def target_of(value: Triple | PoseLike, what: str) -> tuple[np.ndarray, np.ndarr
     position, rotation = as_pose(value, what) if placed else (value, None)
     try:
         place = np.asarray(position, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         place = np.empty(0)
     if place.shape != (3,) or not np.all(np.isfinite(place)):
         raise InputError(f"The position of the {what} must be three finite numbers; got {position!r}.")

@@ -84,20 +84,6 @@ class Solid(OneLine):
         return self.outer_points
 
     @cached_property
-    def core(self) -> tuple[Array, float]:
-        """Points (n, 3) and the radius of balls about them, whose hull is a sphere, a capsule, a box or a hull [m].
-
-        Around other shapes it is their box.
-        """
-        kind = type(self.geometry).__name__
-        if kind == "Sphere":
-            return np.zeros((1, 3)), float(self.geometry.radius)
-        if kind == "Capsule":
-            half = float(self.geometry.halfLength)
-            return np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), float(self.geometry.radius)
-        return self.extreme_points, 0.0
-
-    @cached_property
     def balls(self) -> tuple[Array, Array]:
         """Centres (n, 3) and radii (n,) of balls around the shape's box [m]; one infinite ball where it has none."""
         lower, upper = self.box

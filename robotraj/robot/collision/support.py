@@ -24,5 +24,19 @@ def support(solid: Solid, directions: Array) -> Array:
         return np.asarray(np.maximum(along * half, across * float(shape.radius) - along * half))
     if kind == "Ellipsoid":
         return np.linalg.norm(directions * np.array(shape.radii), axis=1)
-    points, radius = solid.core
+    points, radius = core(solid)
     return np.asarray((directions @ points.T).max(axis=1) + radius)
+
+
+def core(solid: Solid) -> tuple[Array, float]:
+    """Return points (n, 3) and the radius of balls about them, whose hull is a sphere, a capsule, a box or a hull [m].
+
+    Around other shapes it is their box.
+    """
+    shape, kind = solid.geometry, type(solid.geometry).__name__
+    if kind == "Sphere":
+        return np.zeros((1, 3)), float(shape.radius)
+    if kind == "Capsule":
+        half = float(shape.halfLength)
+        return np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), float(shape.radius)
+    return solid.extreme_points, 0.0

@@ -9,7 +9,7 @@ from robotraj.witness.robustness.followed import worst_joint
 
 SCOPE = Scope(
     "followed",
-    "MuJoCo's simulation of the robot under solution.gains, with soft ground and saturated motors",
+    "MuJoCo's simulation of the robot under rt.witness.LinearQuadratic(), with soft ground and saturated motors",
     "the robot completes the motion, three periods of one that repeats, without a fall and near the plan",
     "pushes, delays, sensor noise, and ground that is not as the plan's",
 )

@@ -1,4 +1,4 @@
-"""Whether a robot follows a plan under ``solution.gains`` in MuJoCo, judged where it is installed."""
+"""Whether a robot follows a plan under the witness's own feedback in MuJoCo, judged where it is installed."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Followed(OneLine):
 
 
 def followed(solution: SolutionLike, periods: int | None = None, near: float = NEAR) -> Followed:
-    """Let MuJoCo's robot follow a plan under ``solution.gains``, on soft ground and with all limits of its motors.
+    """Let MuJoCo's robot follow a plan under ``LinearQuadratic()``, on soft ground and with all limits of its motors.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def followed(solution: SolutionLike, periods: int | None = None, near: float = N
     Returns
     -------
     Followed
-        Not judged where MuJoCo is not installed, the plan moves a System, or it has no gains.
+        Not judged where MuJoCo is not installed, the plan moves a System, or it cannot be linearised.
     """
     if importlib.util.find_spec("mujoco") is None:
         return Followed(None, "MuJoCo is not installed: pip install 'robotraj[mujoco]'")

@@ -138,7 +138,8 @@ def test_no_program_of_the_working_folder_opens_the_page(path: str, tmp_path: Pa
         planted.chmod(0o755)
     environment = {**os.environ, "PATH": path, "DISPLAY": ":0"}
     opening = (
-        "from robotraj.replay_page.live.live_window import *; w = BrowserWindow(True, 0.01); w.open(''); w.close()"
+        "from robotraj.replay_page.live.live_window import BrowserWindow;"
+        "window = BrowserWindow(True, 0.01); window.open(''); window.close()"
     )
     unguarded = "import webbrowser; webbrowser.open('http://127.0.0.1')"
     for code, is_run in ((opening, False), (unguarded, True)):

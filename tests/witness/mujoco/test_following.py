@@ -4,6 +4,7 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.errors import InputError
+from tests.lies import GRIPPER
 from tests.robots.cartpole import swing_up
 
 pytest.importorskip("mujoco", reason="needs the extra: pip install 'robotraj[mujoco]'")
@@ -169,23 +170,6 @@ def test_systems_are_refused(make):
     planned = make.plan(make.phase(system=block), [0, 1], x=lambda t, k: t, u=lambda t, k: 1.0)
     with pytest.raises(InputError, match="second_opinion\\(\\) simulates robots"):
         rt.witness.second_opinion(make.solution(planned))
-
-
-FINGER = (
-    '<link name="{0}"><inertial><mass value="0.1"/>'
-    '<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    '<joint name="{0}_joint" type="prismatic"><parent link="arm"/><child link="{0}"/><origin xyz="0 0 0.4"/>'
-    '<axis xyz="0 {1} 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/>{2}</joint>'
-)
-GRIPPER = (
-    '<robot name="gripper"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 0.2"/><mass value="2"/>'
-    '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    '<joint name="lift" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>'
-    '<limit lower="-3" upper="3" velocity="5" effort="50"/></joint>'
-    + FINGER.format("left", "1", "")
-    + FINGER.format("right", "-1", '<mimic joint="left_joint"/>')
-    + "</robot>"
-)
 
 
 def test_a_gripper_that_opens_on_the_way_is_proved_simulated_and_stored(tmp_path):
