@@ -316,9 +316,9 @@ def _method(settings: Settings) -> Callable[..., Solution]:
     from robotraj.planning.proving.softer_guess import from_softer
 
     if settings.tolerance is not None:
-        from robotraj.planning.refining.adapt import adapt
+        from robotraj.planning.loop.run import run
 
-        return from_softer(adapt)
+        return from_softer(run)
     return from_softer(solve)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.fixed_mesh.between import limits_between
-from robotraj.planning.refining import adapt as adaptive
+from robotraj.planning.loop import to_tolerance
 
 RADAU = rt.Mesh(5, rt.schemes.RadauIIA(3))
 
@@ -223,12 +223,12 @@ def test_an_interrupted_last_solve_of_a_refinement_is_reported(monkeypatch: pyte
     carriage = rt.System(["x", "v", "a"], ["j"], lambda p: [p.x["v"], p.x["a"], p.u["j"]])
     limits = {"states": states, "controls": {"j": rt.between(-40, 40)}}
     phase = rt.Phase(carriage, (0.1, 10), rt.State([0, 0, 0]), rt.State([4, 0, 0]), rt.Duration(), **limits)
-    once = adaptive.limited_between
+    once = to_tolerance.limited_between
 
     def interrupted(*arguments: Any) -> rt.Solution:
         solution = once(*arguments)
         return replace(solution, status=rt.solvers.Status.INTERRUPTED) if arguments[3] else solution
 
-    monkeypatch.setattr(adaptive, "limited_between", interrupted)
-    monkeypatch.setattr(adaptive, "MOST_MESHES", 2)
+    monkeypatch.setattr(to_tolerance, "limited_between", interrupted)
+    monkeypatch.setattr(to_tolerance, "MOST_MESHES", 2)
     assert rt.plan(phase, tolerance=1e-6, check=False).status is rt.solvers.Status.INTERRUPTED

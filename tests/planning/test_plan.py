@@ -14,7 +14,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.fixed_mesh import posed
-from robotraj.planning.refining import adapt as adaptive
+from robotraj.planning.loop import to_tolerance
 from robotraj.solvers.base import Iteration
 
 BLOCK = rt.System(
@@ -165,14 +165,16 @@ class Pressed(rt.Ipopt):
 
 
 def test_ctrl_c_between_meshes_keeps_what_the_last_one_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    solved = to_tolerance.solved_at_points
     with monkeypatch.context() as patch:
-        patch.setattr(adaptive, "finer_meshes", pressed)
+        once = iter([solved, pressed])
+        patch.setattr(to_tolerance, "solved_at_points", lambda *given: next(once)(*given))
         solution = rt.plan(cartpole(), tolerance=1e-9, check=False)
     assert solution.status is rt.solvers.Status.INTERRUPTED
     assert len(solution.refinement) == 1
     again = rt.plan(cartpole(), rt.Mesh(20, rt.schemes.RadauIIA(3)), guess=solution)
     assert again.objective == pytest.approx(solution.objective, rel=1e-6)
-    monkeypatch.setattr(adaptive, "assess", pressed)
+    monkeypatch.setattr(to_tolerance, "assess", pressed)
     assert rt.plan(cartpole(), tolerance=1e-9, check=False).status is rt.solvers.Status.INTERRUPTED
 
 

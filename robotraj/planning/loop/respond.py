@@ -18,6 +18,8 @@ from robotraj.planning.loop.gauss_sums import by_gauss
 from robotraj.planning.loop.local_optimum import can_be_solved_again
 from robotraj.planning.loop.measures import DOUBLED, FAR, LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
+from robotraj.planning.loop.to_tolerance import SPENT, after_errors
+from robotraj.planning.loop.tolerance_state import ToleranceState
 from robotraj.planning.proving.soft_friction import factor_of, nearer
 from robotraj.solution.claims.objective_size import objective_size, size_for
 from robotraj.solution.conflict import are_clear
@@ -38,7 +40,6 @@ ENOUGH_OF_POWERS = 3
 mesh, and limits between the points are imposed from the second mesh on."""
 MET_ON_PATH = 1e-3
 """Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
-SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
 SOFTER = 1.25
@@ -49,8 +50,10 @@ SMOOTHER = 6.0
 """Factor on the weight of smooth torques where they alternate with the mesh nevertheless."""
 
 
-def respond(state: PlanState, found: Found) -> PlanState | PlanEnd:
+def respond(state: PlanState | ToleranceState, found: Found) -> PlanState | ToleranceState | PlanEnd:
     """Return the state that follows from what a solve found, or the end of the plan."""
+    if isinstance(state, ToleranceState):
+        return after_errors(state, found)
     return _RESPONSES[state.task](state, found)
 
 
@@ -187,13 +190,15 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
 
 def _concluded(end: PlanEnd) -> PlanState | PlanEnd:
     """Return the solve that a plan still needs where its meshes end; without one, the end."""
-    best = end.state.best
+    state = end.state
+    assert isinstance(state, PlanState)
+    best = state.best
     if best is None:
         return end
     if best.holds:
-        return _polished(end.state, Task.SWITCHES, end.why)
+        return _polished(state, Task.SWITCHES, end.why)
     if not best.limited:
-        return replace(end.state, task=Task.LIMITS, meshes=best.meshes, why=Task.LIMITS.value)
+        return replace(state, task=Task.LIMITS, meshes=best.meshes, why=Task.LIMITS.value)
     return end
 
 

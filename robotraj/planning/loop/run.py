@@ -1,4 +1,4 @@
-"""The loop of a proved plan: solve what the state holds, measure it, respond, until the plan ends.
+"""The loop of a plan on several meshes: solve what the state holds, measure it, respond, until the plan ends.
 
 A time limit or Ctrl-C ends the loop here and nowhere else. The best motion so far is then the plan.
 """
@@ -20,6 +20,8 @@ from robotraj.planning.loop.local_optimum import gain_from, is_converged
 from robotraj.planning.loop.measures import Measured, measured
 from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
+from robotraj.planning.loop.to_tolerance import solved_to_tolerance
+from robotraj.planning.loop.tolerance_state import ToleranceState
 from robotraj.planning.proving.softer_guess import solved_softer
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -46,14 +48,14 @@ def run(
     surfaces: Surfaces = (),
     is_brief: bool = False,
 ) -> Solution:
-    """Plan on finer and finer meshes until ``settings.goals`` hold.
+    """Plan on finer and finer meshes until ``settings.goals`` hold, or the errors are within ``settings.tolerance``.
 
     Parameters
     ----------
     problem : Problem
     guess : InitialGuess, Solution or None
     settings : Settings
-        With goals and a refinement.
+        With goals or a tolerance, and a refinement.
     progress : callable, optional
     surfaces : sequence of NearSurfaces or None
     is_brief : bool
@@ -62,44 +64,47 @@ def run(
     Returns
     -------
     Solution
-        With ``proof``. Its status is ``Status.NOT_PROVED`` if it is no motion within its limits. If a finer mesh cannot
-        be solved, it is the solution on the coarser one.
+        Where a finer mesh cannot be solved, it is the solution on the coarser one. With goals it has ``proof``, and its
+        status is ``Status.NOT_PROVED`` if it is no motion within its limits. Where the errors exceed a tolerance, the
+        status is ``Status.TOLERANCE_NOT_REACHED``.
     """
-    state: PlanState | PlanEnd = begin(problem, guess, settings, is_brief)
+    state: PlanState | ToleranceState | PlanEnd = begin(problem, guess, settings, is_brief)
     spent: Solution | None = None
-    while isinstance(state, PlanState):
+    while not isinstance(state, PlanEnd):
+        softer = isinstance(state, PlanState) and state.task is Task.SOFTER
         try:
             found = solved(state, progress, surfaces)
         except KeyboardInterrupt as stop:
-            if state.task is Task.SOFTER and isinstance(stop, LimitReached):
-                state = _at_last(state, progress)
-                continue
-            if spent is None or (state.best is None and state.failed is None):
-                raise
-            return _with_effort(_interrupted(state), spent)
+            if not (softer and isinstance(stop, LimitReached)):
+                if spent is None or (state.best is None and state.failed is None):
+                    raise
+                return _interrupted(state, spent)
+            state = _at_last(state, progress)
+            continue
         spent = found.solution if spent is None else with_effort_of(spent, found.solution)
         if found.solution.status is Status.INTERRUPTED:
-            if state.task is Task.SOFTER:
-                state = _at_last(state, progress)
-                continue
-            return _with_effort(_interrupted(replace(state, failed=found.solution)), spent)
+            if not softer:
+                return _interrupted(replace(state, failed=found.solution), spent)
+            state = _at_last(state, progress)
+            continue
         state = respond(state, found)
         lacked = ", ".join(map(str, found.lacks)) if found.solution.success else found.solution.status.value
-        response = state.why if isinstance(state, PlanState) else ": ".join(filter(None, ("end", state.why)))
+        response = ": ".join(filter(None, ("end", state.why))) if isinstance(state, PlanEnd) else state.why
         spent = replace(spent, rounds=answered(spent.rounds, lacked, response))
     assert spent is not None
-    return _with_effort(state.solution, spent)
+    return _with_effort(state.state.kept, spent)
 
 
-def _at_last(state: PlanState, progress: Progress | None) -> PlanState:
+def _at_last(state: PlanState | ToleranceState, progress: Progress | None) -> PlanState:
     """Return the state with the robot's own friction, which is solved whatever the clock reads."""
     if isinstance(progress, PlanLimits):
         progress.begin()
+    assert isinstance(state, PlanState)
     return own_friction(state)
 
 
-def _interrupted(state: PlanState) -> Solution:
-    return replace(PlanEnd(state, "").solution, status=Status.INTERRUPTED)
+def _interrupted(state: PlanState | ToleranceState, spent: Solution) -> Solution:
+    return _with_effort(replace(state.kept, status=Status.INTERRUPTED), spent)
 
 
 def _with_effort(solution: Solution, spent: Solution) -> Solution:
@@ -107,8 +112,10 @@ def _with_effort(solution: Solution, spent: Solution) -> Solution:
     return replace(solution, times=spent.times, iterations=spent.iterations, rounds=spent.rounds)
 
 
-def solved(state: PlanState, progress: Progress | None = None, surfaces: Surfaces = ()) -> Found:
+def solved(state: PlanState | ToleranceState, progress: Progress | None = None, surfaces: Surfaces = ()) -> Found:
     """Solve what a state holds, and measure the solution."""
+    if isinstance(state, ToleranceState):
+        return solved_to_tolerance(state, progress)
     if state.task is Task.SOFTER:
         return _softer(state, progress, surfaces)
     if state.task is Task.AGAIN:

@@ -9,6 +9,7 @@ from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.fixed_mesh.sizes.soft_kinks import with_soft_kinks
 from robotraj.planning.loop.measures import LEAST_GROWTH, Measured, proof_on
+from robotraj.planning.loop.tolerance_state import Errors, ToleranceState
 from robotraj.planning.proving.soft_friction import softening_of
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -20,6 +21,7 @@ from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.full_friction import has_full_friction
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.transcribe import meshes_of
 
 Meshes = tuple[Mesh, ...]
 """The mesh of every phase."""
@@ -137,6 +139,8 @@ class Found:
         Whether the solver stopped before its tolerance, or that is too large.
     gained : float
         Share of the objective that a solve from the plan gained on the first mesh.
+    errors : Errors or None
+        Errors of a solve to a tolerance.
     """
 
     solution: Solution
@@ -145,6 +149,7 @@ class Found:
     lacks: tuple[Lack, ...] = ()
     stopped_early: bool = False
     gained: float = 0.0
+    errors: Errors | None = None
 
     @property
     def motion(self) -> MeasuredMotion | None:
@@ -224,8 +229,7 @@ class PlanState:
     @property
     def coarsest(self) -> Meshes:
         """Meshes of the settings."""
-        mesh = self.settings.mesh
-        return (mesh,) * len(self.problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+        return tuple(meshes_of(self.problem, self.settings.mesh))
 
     @property
     def approximates(self) -> bool:
@@ -247,39 +251,39 @@ class PlanState:
         """Where the next solve starts."""
         return self.start or (self.guess if self.best is None else self.best.solution)
 
+    @property
+    def kept(self) -> Solution:
+        """The best motion or else the last solve. A motion beyond its limits has ``Status.NOT_PROVED``."""
+        best = self.best
+        if best is None:
+            assert self.failed is not None
+            return replace(self.failed, refinement=self.steps)
+        status = best.solution.status
+        if status is Status.SOLVED and not best.holds:
+            status = Status.NOT_PROVED
+        return replace(best.solution, status=status, refinement=self.steps)
+
 
 @dataclass(frozen=True, eq=False)
 class PlanEnd:
     """The end of a plan, and why."""
 
-    state: PlanState
+    state: PlanState | ToleranceState
     why: str
-
-    @property
-    def solution(self) -> Solution:
-        """The best motion or else the last solve. A motion beyond its limits has ``Status.NOT_PROVED``."""
-        best = self.state.best
-        if best is None:
-            assert self.state.failed is not None
-            return replace(self.state.failed, refinement=self.state.steps)
-        status = best.solution.status
-        if status is Status.SOLVED and not best.holds:
-            status = Status.NOT_PROVED
-        return replace(best.solution, status=status, refinement=self.state.steps)
 
 
 def begin(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, is_brief: bool = False
-) -> PlanState:
+) -> PlanState | ToleranceState:
     """Return the first state of a plan."""
-    traits, refinement = Traits.of(problem), settings.refinement
+    meshes, refinement = tuple(meshes_of(problem, settings.mesh)), settings.refinement
+    if settings.goals is None:
+        return ToleranceState.begun(problem, guess, settings, meshes)
+    traits = Traits.of(problem)
     second = refinement.second if isinstance(refinement, Equidistribute) else LEAST_GROWTH
-    assert settings.goals is not None
     soft = with_soft_kinks(problem, settings.goals, settings.smoothing)
-    state = PlanState(soft, problem, settings, traits, guess, (), second, is_brief=is_brief)
-    neighbour = proof_on(guess, state.coarsest)
+    neighbour = proof_on(guess, meshes)
+    state = PlanState(soft, problem, settings, traits, guess, meshes, second, neighbour=neighbour, is_brief=is_brief)
     known = guess if isinstance(guess, Solution) and neighbour is not None else None
     softening = softening_of(problem, known)
-    if softening:
-        state = replace(state, task=Task.SOFTER, softening=softening)
-    return replace(state, meshes=state.coarsest, neighbour=neighbour)
+    return replace(state, task=Task.SOFTER, softening=softening) if softening else state

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 import robotraj as rt
 from robotraj.planning.loop import run as loop
-from robotraj.planning.refining import adapt
+from robotraj.planning.loop import to_tolerance
 from robotraj.transcription.refinement.linear_controls import LINES, on_lines
 
 ENDLESS = rt.InteriorPoint.max_iterations
@@ -56,7 +56,7 @@ def test_a_chain_hangs_as_a_catenary(options):
     assert options or solution.phases[0].mesh.given == (LINES,)
 
 
-@pytest.mark.parametrize(("module", "options"), [(loop, {}), (adapt, {"tolerance": 1e-4})])
+@pytest.mark.parametrize(("module", "options"), [(loop, {}), (to_tolerance, {"tolerance": 1e-4})])
 def test_controls_are_lines_where_a_first_mesh_is_exploited_without_end(monkeypatch, module, options):
     real, meshes = module.solved_at_points, []
 

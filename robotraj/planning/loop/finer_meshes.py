@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from robotraj._util.precision import ROUND_OFF
+from robotraj.planning.loop.tolerance_state import Errors
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.transcription.refinement.base import Assessment, Refinement
@@ -20,14 +21,7 @@ ROOM = 0.1
 """Largest relative change of the length of a moving interval from one mesh to the next."""
 
 
-def finer_meshes(
-    solution: Solution,
-    assessments: Sequence[Assessment],
-    refinement: Refinement,
-    tolerance: float,
-    settled: bool,
-    barely_grown: bool,
-) -> list[Mesh]:
+def finer_meshes(solution: Solution, errors: Errors, refinement: Refinement, barely_grown: bool) -> list[Mesh]:
     """Return the mesh of every phase that follows the mesh of a solution.
 
     While the objective changes, errors must be smaller than the tolerance. Where the meshes barely grow, the goal falls
@@ -36,13 +30,13 @@ def finer_meshes(
     fixed is halved.
     """
     meshes = [part.mesh for part in solution.phases]
-    worst = max(float(each.errors.max()) for each in assessments)
+    assessments, worst, tolerance = errors.assessments, errors.worst, errors.tolerance
     goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
     finer = _refined_to(solution, assessments, refinement, tolerance, goal)
     while barely_grown and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
         goal *= 0.3
         finer = _refined_to(solution, assessments, refinement, tolerance, goal)
-    if worst <= tolerance and not settled and not _is_finer(meshes, finer):
+    if worst <= tolerance and errors.left > errors.allowed and not _is_finer(meshes, finer):
         closer = _refined_to(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
         if not _is_finer(meshes, closer):
             closer = [_halved(mesh) for mesh in meshes]

@@ -1,1 +1,0 @@
-"""Plans whose mesh is refined to a tolerance of their error and their objective."""
