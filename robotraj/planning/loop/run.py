@@ -92,7 +92,7 @@ def run(
         response = ": ".join(filter(None, ("end", state.why))) if isinstance(state, PlanEnd) else state.why
         spent = replace(spent, rounds=answered(spent.rounds, lacked, response))
     assert spent is not None
-    return _with_effort(state.state.kept, spent)
+    return _with_effort(state.solution, spent)
 
 
 def _at_last(state: PlanState | ToleranceState, progress: Progress | None) -> PlanState:

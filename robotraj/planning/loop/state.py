@@ -271,6 +271,11 @@ class PlanEnd:
     state: PlanState | ToleranceState
     why: str
 
+    @property
+    def solution(self) -> Solution:
+        """What the plan returns."""
+        return self.state.kept
+
 
 def begin(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, is_brief: bool = False
