@@ -142,7 +142,8 @@ class Figures(OneLine):
     link_depths : tuple of LinkDepth
         Depth of every link below the ground that the feet stand on, in every phase.
     foot_orders : tuple of FootOrder
-        Least lateral distance of left and right feet in every phase; legs that cross do not pass.
+        Least distance of left from right feet in every phase, and of fore from hind feet whose legs share a plane; legs
+        that cross do not pass.
     shares : tuple of Share
         Largest shares of friction cones, soles, torques and speeds that a plan with contacts uses; without a threshold.
     stiff : float or None

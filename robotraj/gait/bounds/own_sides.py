@@ -29,7 +29,8 @@ class OwnSides(OneLine):
     For a left foot l and a right foot r the row is  e . (p_l - p_r) >= w  with the root's axis e from right to left,
     of which only the horizontal part counts. w is the width of the soles and a share of the gap between them in the
     standing configuration. Without the row an optimal biped crosses its legs, which are bodies, to put its feet below
-    its centre of mass. ``sides=None`` of the gait functions omits it.
+    its centre of mass. A fore foot stays in front of the hind one in the same way where no joint moves their legs out
+    of their plane. ``sides=None`` of the gait functions omits the rows.
 
     Parameters
     ----------

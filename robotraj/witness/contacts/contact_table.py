@@ -82,8 +82,8 @@ def order_lines(orders: Sequence[FootOrder]) -> list[str]:
         return []
     low = min(orders, key=lambda order: order.distance)
     return wrapped(
-        f"left and right feet are {low.distance:.3g} m apart at least, {low.neutral:.3g} m in the neutral "
-        f"configuration ({low.first}, {low.second}, t = {low.time:.4g} s)"
+        f"{low.first} and {low.second} are {low.distance:.3g} m apart at least, {low.neutral:.3g} m in the neutral "
+        f"configuration (t = {low.time:.4g} s)"
     )
 
 

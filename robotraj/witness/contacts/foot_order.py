@@ -1,4 +1,4 @@
-"""The lateral order of the feet along a plan: left feet left of right ones, as in the neutral configuration."""
+"""The order of the feet along a plan, as in the neutral configuration: left of right ones, fore before hind ones."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
-from robotraj.robot.sides.foot_pairs import foot_pairs
+from robotraj.robot.sides.foot_pairs import foot_pairs, root_joint
 from robotraj.witness.contacts.ground import feet_of_plan
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.sampling import interval_samples
 
 AHEAD = 0.3
-"""Length of the horizontal part of the root's lateral axis below which the root is turned over in its phase.
+"""Length of the horizontal part of that axis below which the root is turned over in its phase.
 
 Of other roots only the horizontal parts of axis and distance count. A root that turns over has all three parts: halfway
 through a side flip the axis is vertical."""
@@ -26,7 +26,7 @@ through a side flip the axis is vertical."""
 
 @dataclass(frozen=True)
 class FootOrder(OneLine):
-    """The least lateral distance of a pair of feet in one phase.
+    """The least distance of a pair of feet in one phase.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class FootOrder(OneLine):
         Frames of the feet.
     phase : str
     distance : float
-        Least distance along the root's lateral axis [m]; negative where the legs cross.
+        Least distance along the lateral axis of the root, or along its x axis [m]; negative where the legs cross.
     neutral : float
         Distance in the neutral configuration [m].
     time : float
@@ -52,7 +52,7 @@ class FootOrder(OneLine):
 def foot_orders_of(
     solution: SolutionLike, samples: int, clock: Callable[[], None] = lambda: None
 ) -> tuple[FootOrder, ...]:
-    """Measure every pair of feet in every phase of a robot with a floating root."""
+    """Measure every pair of feet in every phase."""
     frames = list(dict.fromkeys(spot.frame for spot in feet_of_plan(solution)))
     found: list[FootOrder] = []
     if len(frames) < 2:
@@ -70,7 +70,7 @@ def foot_orders_of(
             for t, each in zip(part.times, q, strict=True):
                 pin.framesForwardKinematics(model, data, each)
                 places = [[data.oMf[robot.frame(foot)].translation for foot in pair[:2]] for pair in pairs]
-                axes = [data.oMi[1].rotation @ np.array(pair.across) for pair in pairs]
+                axes = [data.oMi[root_joint(robot)].rotation @ np.array(pair.across) for pair in pairs]
                 along.append((float(t), np.array(axes), np.array([first - second for first, second in places])))
         least = [_least(along, k) for k in range(len(pairs))]
         found += [
@@ -82,7 +82,7 @@ def foot_orders_of(
 
 
 def _least(along: Sequence[tuple[float, NDArray[np.float64], NDArray[np.float64]]], pair: int) -> tuple[float, float]:
-    """Return the least distance of a pair of feet along the lateral axis [m] and its time [s].
+    """Return the least distance of a pair of feet along its axis [m] and its time [s].
 
     ``along`` has times, and the axes and the distances of all pairs (pairs, 3) in the world.
     """

@@ -10,8 +10,10 @@ import pytest
 
 import robotraj as rt
 from robotraj.robot.sides.foot_pairs import foot_pairs
+from robotraj.robot.sides.images import places_of
 
 FEET = ("FL_FOOT", "FR_FOOT")
+SOLO = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 
 
 @pytest.fixture(scope="module")
@@ -71,10 +73,41 @@ def test_the_width_is_that_of_the_soles_and_a_share_of_the_gap_between_them() ->
     assert not widths(make(sides=None))
 
 
-def test_quadrupeds_have_two_pairs_and_planar_robots_none() -> None:
+def test_quadrupeds_have_two_pairs_and_planar_bipeds_none() -> None:
     solo = rt.load("solo12", root="floating")
     assert len(widths(rt.gait.trot(solo, step_length=0.05, duration=0.2))) == 2
     assert not widths(rt.gait.walk(rt.load("five_link", root="planar"), step_length=0.4, duration=0.6))
+
+
+@pytest.mark.parametrize(("root", "count"), [("planar", 2), ("floating", 4)])
+def test_legs_of_one_plane_keep_their_order_along_it(root: str, count: int) -> None:
+    """solo8 has no joint that moves a leg aside; solo12 has."""
+    solo = rt.load("solo8", root=root)
+    pairs = foot_pairs(solo, SOLO, solo.neutral)
+    assert len(pairs) == count
+    ahead = [pair for pair in pairs if pair.across[0] ** 2 > 0.99]
+    assert sorted((pair.first, pair.second) for pair in ahead) == [("FL_FOOT", "HL_FOOT"), ("FR_FOOT", "HR_FOOT")]
+    np.testing.assert_allclose([pair.distance for pair in ahead], 0.38, atol=1e-6)
+
+
+def test_turning_a_robot_in_its_root_turns_the_axis_of_a_pair() -> None:
+    solo = rt.load("solo8", root="planar", base=((0, 0, 0), (0, 0, 1, 0)))
+    places = places_of(solo, solo.neutral)
+    for pair in foot_pairs(solo, SOLO, solo.neutral):
+        assert (places[pair.first] - places[pair.second]) @ np.array(pair.across) == pytest.approx(pair.distance)
+
+
+@pytest.mark.slow
+def test_a_hind_leg_in_the_plane_of_a_front_one_does_not_pass_it() -> None:
+    limits = {"position": (-2.5, 2.5), "velocity": 20.0, "effort": 2.7}
+    solo = rt.load("solo8", root="planar", limits=limits)
+    planned = [
+        rt.plan(rt.gait.crawl(solo, step_length=0.1, duration=0.8, **sides), progress=False)
+        for sides in ({}, {"sides": None})
+    ]
+    assert planned[0].proof.holds and not planned[1].proof.holds
+    orders = [min(order.distance for order in rt.validate(each).foot_orders) for each in planned]
+    assert orders[0] > 0.19 - 1e-4 and orders[1] < 0.0
 
 
 def test_phases_that_hold_both_feet_have_no_row(bolt: rt.Robot) -> None:
