@@ -187,9 +187,10 @@ def steps(
 def _room(
     robot: Robot, contacts: Mapping[str, BoundContact], first: Array, ends: Sequence[Mapping[str, float]]
 ) -> float:
-    """Return the distance [m] of left and right feet that the footholds before and after a step allow."""
+    """Return the distance [m] of feet on their own sides that the footholds before and after a step allow."""
     names = [[contacts[foot].name for foot in pair[:2]] for pair in foot_pairs(robot, list(contacts), first)]
-    apart = [[place[f"{a}.{axis}"] - place[f"{b}.{axis}"] for axis in "xy"] for a, b in names for place in ends]
+    axes = "x" if robot.root == "planar" else "xy"
+    apart = [[place[f"{a}.{axis}"] - place[f"{b}.{axis}"] for axis in axes] for a, b in names for place in ends]
     return ROOM * float(np.min(np.linalg.norm(apart, axis=1))) if apart else np.inf
 
 
