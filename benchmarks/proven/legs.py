@@ -53,8 +53,6 @@ SOLES = {
     "talos": (("left_sole_link", "right_sole_link"), {"length": 0.2, "width": 0.12}),
 }
 """Feet of humanoids and their soles [m]."""
-LOCKED = {"icub": {"neck_yaw": 0.0}}
-"""Joints whose links have no inertia."""
 ROBOTS = (*QUADRUPEDS, "bolt", *SOLES)
 HEAD = (
     "| robot | speed | proved | processor [s] | meshes | intervals | iterations | error | excess | root [%] | remark |"
@@ -64,7 +62,7 @@ RULE = "|---|---|---|---|---|---|---|---|---|---|---|"
 
 def step(name: str, froude: float) -> rt.Problem:
     """Return one step at a speed of froude sqrt(g h)."""
-    robot = rt.load(name, root="floating", locked=LOCKED.get(name))
+    robot = rt.load(name, root="floating")
     if name in SOLES:
         feet, sole = SOLES[name]
         contact, gait, more = partial(rt.FlatFoot, **sole), rt.gait.walk, {"double_support": 0.2}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -20,10 +20,11 @@ from robotraj.robot.known_robots.makers import makers_note
 from robotraj.robot.limits import BOUNDS, Limits
 from robotraj.robot.loading.chain_names import Chains, chains_note, pitches, spread_names, spread_positions
 from robotraj.robot.loading.geometry import Geometry, GivenGeometry
-from robotraj.robot.loading.inertia import weightless_joints
+from robotraj.robot.loading.inertia import idle_joints, weightless_joints
 from robotraj.robot.loading.notes import (
     dissipation_note,
     friction_note,
+    idle_note,
     locked_note,
     mimic_note,
     neutral_note,
@@ -40,7 +41,7 @@ from robotraj.robot.loading.single_axes import single_axes
 from robotraj.robot.loading.source import Description
 from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
-from robotraj.robot.root import carried, root_of, units_of, with_root
+from robotraj.robot.root import Root, carried, root_of, units_of, with_root
 from robotraj.robot.sides.unlike_limits import sides_note
 
 Array = npt.NDArray[np.float64]
@@ -87,6 +88,9 @@ def assemble(
     resting = inside(q, every)
     held = _locked(about, names, dict(zip(names, resting[start:], strict=True)), locked)
     _check_couplings(about.mimics, names)
+    actuated = list(actuated) if isinstance(actuated, Iterable) and not isinstance(actuated, str) else actuated
+    idle = _idle(about, whole, stand, resting, held, _named(actuated, limits))
+    held |= idle
     ids = [i for i, joint in enumerate(names, start=first) if joint in held]
     if len(ids) == whole.njoints - 1:
         raise InputError(
@@ -111,6 +115,7 @@ def assemble(
     units = units_of(model, root)
     found = (
         weightless_note(weightless_joints(model)),
+        idle_note(idle),
         strength_note(model, wanted, units, motors),
         spread_note(model),
         sides_note(own, wanted, units),
@@ -196,6 +201,35 @@ def _locked(
             leader: resting[leader] for leader in heads if not any(_leads(m, leader, asked) for m in about.mimics)
         }
     return lock_mimics(about.mimics, asked)
+
+
+def _idle(
+    about: Description,
+    whole: pin.Model,
+    stand: Root,
+    resting: Array,
+    held: Mapping[str, float],
+    named: Collection[str],
+) -> dict[str, float]:
+    """Return the joints of a free root that move no mass, with their positions at rest, unless the caller names them.
+
+    Such a robot is planned by its dynamics, whose mass matrix would be singular. Coupled joints are left as they are.
+    """
+    if not stand.joints:
+        return {}
+    places = dict(zip(names_of(whole)[1 + len(stand.joints) :], resting[len(stand.positions) :], strict=True))
+    at = np.append(resting[: len(stand.positions)], [held.get(joint, place) for joint, place in places.items()])
+    kept = {*named, *(joint for mimic in about.mimics for joint in (mimic.leader, mimic.follower))}
+    return {joint: places[joint] for joint in idle_joints(whole, at, len(stand.velocities), held, kept)}
+
+
+def _named(
+    actuated: Iterable[str] | None, limits: Limits | Mapping[str, PositionLimits | RateLimits] | None
+) -> set[str]:
+    """Return the joints that the caller names."""
+    given = limits.values() if isinstance(limits, Mapping) else ()
+    joints = {joint for each in given if isinstance(each, Mapping) for joint in each}
+    return joints | (set(limits.joints) if isinstance(limits, Limits) else set()) | set(actuated or ())
 
 
 def _leads(mimic: Mimic, leader: str, asked: Mapping[str, float]) -> bool:

@@ -5,13 +5,15 @@ Source: Traversaro, Brossette, Escande and Nori, Identification of fully physica
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.robot.coupling.dynamics import mass_matrix
-from robotraj.robot.loading.planning_model import names_of, parents_of
+from robotraj.robot.loading.planning_model import names_of, parents_of, reduced
 
 NEGATIVE = 1e-6
 """Negative moments up to this fraction of the largest one are attributed to rounding."""
@@ -117,3 +119,35 @@ def weightless_together(model: pin.Model, q: NDArray[np.float64], root: int) -> 
         return ()
     speeds = np.abs(vectors[:, 0] / sizes)
     return tuple(root + int(i) for i in np.flatnonzero(speeds > TAKING_PART * speeds.max()))
+
+
+def idle_joints(
+    model: pin.Model, q: NDArray[np.float64], root: int, held: Collection[str], kept: Collection[str]
+) -> tuple[str, ...]:
+    """Return joints without which no others move without kinetic energy at q, alone or together; none of the root.
+
+    The last joint is taken of those that move together. There are none in a model without any mass, which has no
+    dynamics.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        Its joints after the root are independent and have one position each.
+    q : ndarray (nq,)
+    root : int
+        Number of velocities of the root.
+    held, kept : collection of str
+        Joints that are locked, and joints that must not be.
+    """
+    found: list[str] = []
+    while any(body.mass for body in model.inertias.tolist()[1:]):
+        ids = [model.getJointId(joint) for joint in (*held, *found)]
+        rest = reduced(model, ids, q)
+        free = [*[""] * root, *names_of(rest)[len(rest.names) - (rest.nv - root) :]]
+        together = weightless_together(rest, np.delete(q, [model.joints[i].idx_q for i in ids]), root)
+        idle = [joint for joint in weightless_joints(rest) if joint in free]
+        idle = [joint for joint in idle or [free[i] for i in together] if joint not in kept]
+        if not idle:
+            break
+        found.append(idle[-1])
+    return tuple(found)

@@ -55,6 +55,16 @@ def weightless_note(joints: Sequence[str]) -> str:
     )
 
 
+def idle_note(joints: Mapping[str, float]) -> str:
+    """Name the joints that are locked since they move no mass."""
+    if not joints:
+        return ""
+    places = ", ".join(f"{joint} at {value:.4g}" for joint, value in joints.items())
+    return (
+        f"Joints that move no mass, alone or together, are locked: {places}. Give the links an <inertial> to move them."
+    )
+
+
 def strength_note(model: pin.Model, limits: Limits, units: Sequence[str], actuated: Collection[str]) -> str:
     """Name joints whose effort limit is implausible beside the weight of the whole robot at its full reach."""
     weight = GRAVITY * sum(body.mass for body in model.inertias.tolist()[1:])
