@@ -185,11 +185,16 @@ def angles(model: pin.Model, q: Array) -> Array:
 def reduced(model: pin.Model, ids: list[int], q: Array) -> pin.Model:
     """Return a copy with joints locked at configuration q; their frames become fixed.
 
-    Links with the name of a joint are renamed during the call: Pinocchio 4.1 raises for ambiguous names.
+    Links with the name of a joint are renamed during the call: Pinocchio 4.1 raises for ambiguous names. Locked joints
+    without a frame get one: without it the process would abort.
     """
     copy = model.copy()
     if not ids:
         return copy
+    framed = {frame.parentJoint for frame in copy.frames if frame.type == pin.FrameType.JOINT}
+    for joint in ids:
+        if joint not in framed:
+            copy.addJointFrame(joint)
     ambiguous = [frame for frame in copy.frames if frame.type == pin.FrameType.BODY and frame.name in model.names]
     for frame in ambiguous:
         frame.name += LINK_MARK

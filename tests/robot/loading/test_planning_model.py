@@ -8,7 +8,7 @@ import pytest
 
 import robotraj as rt
 from robotraj.robot.known_robots.catalogue import find
-from robotraj.robot.loading.planning_model import angles, with_angles
+from robotraj.robot.loading.planning_model import angles, reduced, with_angles
 
 CONTINUOUS = ("kinova", "double_pendulum_continuous", "tiago_no_hand")
 
@@ -135,3 +135,14 @@ def test_links_named_like_their_joints_are_distinguished(urdf):
             mine = data.oMf[robot.model.getFrameId(name)].homogeneous
             place = expected.oMf[plain.model.getFrameId(link)].homogeneous
             np.testing.assert_allclose(mine, place, atol=1e-12)
+
+
+def test_a_joint_without_a_frame_can_be_locked() -> None:
+    """A model built by hand may have none; Pinocchio 4.1 ends the process there."""
+    model = pin.Model()
+    parent = 0
+    for name in ("hip", "knee"):
+        parent = model.addJoint(parent, pin.JointModelRY(), pin.SE3.Identity(), name)
+        model.appendBodyToJoint(parent, pin.Inertia.Random(), pin.SE3.Identity())
+    smaller = reduced(model, [2], np.array([0.0, 0.3]))
+    assert list(smaller.names) == ["universe", "hip"] and smaller.existFrame("knee")
