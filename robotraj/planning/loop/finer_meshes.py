@@ -12,7 +12,7 @@ from robotraj.planning.loop.tolerance_state import Errors
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.transcription.refinement.base import Assessment, Refinement
-from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH
+from robotraj.transcription.refinement.equidistribution import LEAST_GROWTH, SAFETY
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
@@ -26,21 +26,20 @@ def finer_meshes(solution: Solution, errors: Errors, refinement: Refinement, bar
 
     While the objective changes, errors must be smaller than the tolerance. Where the meshes barely grow, the goal falls
     until they do: with an interval or two more, errors would stay the same for mesh after mesh. If the errors are small
-    enough but ``refinement`` returns no finer mesh, the goal falls further. Otherwise every interval whose knots are
+    enough but ``refinement`` returns no finer mesh, the goal falls to round-off. Last, every interval whose knots are
     fixed is halved.
     """
-    meshes = [part.mesh for part in solution.phases]
-    assessments, worst, tolerance = errors.assessments, errors.worst, errors.tolerance
-    goal = tolerance if worst > tolerance else max(0.1 * worst, 1e-3 * tolerance)
-    finer = _refined_to(solution, assessments, refinement, tolerance, goal)
-    while barely_grown and not _has_grown(meshes, finer) and goal > 1e-3 * tolerance:
-        goal *= 0.3
-        finer = _refined_to(solution, assessments, refinement, tolerance, goal)
-    if worst <= tolerance and errors.left > errors.allowed and not _is_finer(meshes, finer):
-        closer = _refined_to(solution, assessments, refinement, tolerance, max(0.1 * worst, ROUND_OFF))
-        if not _is_finer(meshes, closer):
-            closer = [_halved(mesh) for mesh in meshes]
-        finer = [b if isinstance(b, MovingMesh) else c for b, c in zip(finer, closer, strict=True)]
+    meshes, tolerance = [part.mesh for part in solution.phases], errors.tolerance
+    is_met = errors.worst <= tolerance
+    goal = max(SAFETY * errors.worst, ROUND_OFF) if is_met else tolerance
+    while True:
+        finer = _refined_to(solution, errors.assessments, refinement, tolerance, goal)
+        enough = _has_grown(meshes, finer) if barely_grown else not is_met or _is_finer(meshes, finer)
+        if enough or goal <= ROUND_OFF:
+            break
+        goal = max(SAFETY * goal, ROUND_OFF)
+    if is_met and not _is_finer(meshes, finer):
+        finer = [b if isinstance(b, MovingMesh) else _halved(a) for a, b in zip(meshes, finer, strict=True)]
     return finer
 
 

@@ -36,14 +36,6 @@ MOST_INTERVALS = 10_000
 """Largest number of intervals of all phases; errors of more are round-off or need a higher order."""
 PATIENCE = 4
 """Number of successive meshes without a smaller error after which refinement stops."""
-LESS = 0.8
-"""Share of the least error so far below which an error counts as smaller."""
-ALIKE = 2.0
-"""Largest ratio of the errors of successive meshes that count as alike."""
-FAR_MORE = Equidistribute.second
-"""Ratio of the points of successive meshes whose errors show whether the error follows the mesh."""
-MARGIN = 0.1
-"""Ratio of the duality gap of the next solver to the allowed one."""
 CALM = Equidistribute(finest=MOST_INTERVALS)
 """Refinement of meshes whose controls are lines; it keeps their scheme."""
 SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
@@ -141,7 +133,7 @@ def _next_gap(state: ToleranceState, solution: Solution, allowed: float) -> floa
     ratio = duality_gap(solution) / (SAFETY * allowed)
     if ratio <= 1.0:
         return gap
-    smaller = gap * MARGIN / ratio
+    smaller = SAFETY * gap / ratio
     # A solver at its smallest gap returns itself.
     return gap if own.with_smaller_gap(smaller) == own.with_smaller_gap(gap) else smaller
 
@@ -181,11 +173,11 @@ def _barely_grow(steps: Sequence[MeshStep]) -> bool:
 
 
 def _hardly_falls(steps: Sequence[MeshStep]) -> bool:
-    """Whether the error hardly fell although the last mesh has far more points, as on singular arcs."""
+    """Whether the error hardly fell although one of first order would have, as on singular arcs."""
     if len(steps) < 2:
         return False
     before, last = steps[-2:]
-    return last.points > FAR_MORE * before.points and last.error > HARDLY * before.error
+    return before.points < HARDLY * last.points and last.error > HARDLY * before.error
 
 
 def stagnates(errors: Sequence[float]) -> bool:
@@ -194,4 +186,4 @@ def stagnates(errors: Sequence[float]) -> bool:
     Errors that vary widely belong to different motions, as without an objective. The next error may be small enough.
     """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
-    return bool(before) and min(last) > LESS * min(before) and max(last) < ALIKE * min(last)
+    return bool(before) and min(last) > HARDLY * min(before) and min(last) > HARDLY * max(last)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -14,6 +15,7 @@ from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
 from robotraj.transcription.refinement.base import Assessment
+from robotraj.transcription.refinement.equidistribution import SAFETY
 from robotraj.transcription.schemes.mesh import Mesh
 
 
@@ -107,8 +109,7 @@ class ToleranceState:
         """Return the first state of a plan."""
         limits = settings.interval_limits
         assert settings.tolerance is not None
-        # Violations below 1e-7 are round-off of the solver.
-        least = min(limits.tolerance, max(1e-7, 0.1 * settings.tolerance))
+        least = min(limits.tolerance, SAFETY * max(MET, settings.tolerance))
         return cls(problem, replace(settings, interval_limits=replace(limits, tolerance=least)), guess, meshes)
 
     @property
