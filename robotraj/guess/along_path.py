@@ -123,14 +123,10 @@ class _Cubic:
 
     def columns(self, variables: Sequence[Variable], duration: float, f: Array) -> Array:
         """Return the values of variables at fractions f, (m, n)."""
-        c1, c2, c3 = self._coefficients(duration)
+        curve = np.polynomial.Polynomial((self.first, *self._coefficients(duration)))
         f = np.asarray(f, dtype=float)
-        known = {
-            PARAMETER: self.first + f * (c1 + f * (c2 + f * c3)),
-            SPEED: (c1 + f * (2.0 * c2 + 3.0 * f * c3)) / duration,
-            ACCELERATION: (2.0 * c2 + 6.0 * f * c3) / duration**2,
-            f"rate.{ACCELERATION}": np.full_like(f, 6.0 * c3 / duration**3),
-        }
+        names = (PARAMETER, SPEED, ACCELERATION, f"rate.{ACCELERATION}")
+        known = {name: (curve.deriv(k) if k else curve)(f) / duration**k for k, name in enumerate(names)}
         zero = np.zeros_like(f)
         return np.column_stack([known.get(v.name, zero) for v in variables] or [np.zeros((len(f), 0))])
 

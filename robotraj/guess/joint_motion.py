@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.precision import SAME
 from robotraj.problem.initial_guess import Curve, PhaseGuess
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
@@ -106,7 +107,7 @@ def fractions_of(given: Sequence[float] | None, keys: Array, speeds: Array, what
     if given is None:
         gaps = np.abs(np.diff(keys, axis=0)) / np.where(np.isfinite(speeds), speeds, 1.0)
         # Equal keys take a small part of the time, so that fractions ascend.
-        steps = np.maximum(gaps.max(axis=1), 1e-2 * max(gaps.max(), 1e-9))
+        steps = np.maximum(gaps.max(axis=1), 1e-2 * max(gaps.max(), SAME))
         return np.concatenate([[0.0], np.cumsum(steps)]) / steps.sum()
     fractions = np.asarray(given, dtype=float)
     sorted_ends = len(fractions) == len(keys) and fractions[0] == 0.0 and fractions[-1] == 1.0

@@ -188,11 +188,9 @@ def plan(
                      tolerance, stages or systems              BernsteinBounds(controls=True, states=False)
                      robots, stages                            BernsteinBounds()
                      otherwise                                 ConstraintGeneration()
-    refinement       goals, a path                             Equidistribute(most=8.0)
-                     goals, arms, friction                     Equidistribute(second=3.0, finest=400, slope=0.3)
+    refinement       goals, arms, friction                     Equidistribute(second=3.0, finest=400, slope=0.3)
                      goals, fully actuated                     RefinementOfShares()
                      goals                                     RefinementOfStates()
-                     tolerance, a path                         SplitAndMerge()
                      tolerance                                 SplitOrRaise()
                      otherwise                                 None
     restarts         contacts                                  Restarts(count=0)

@@ -37,14 +37,13 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
 from robotraj.solution.settings import Restarts as Restarts
 from robotraj.solution.settings import Settings as Settings
-from robotraj.solvers.base import Solver
-from robotraj.solvers.interior_point import ALTERED_BARRIER, InteriorPoint
+from robotraj.solvers.base import ALTERED_BARRIER, Solver
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.interval_limits.methods import BernsteinBounds, ConstraintGeneration
 from robotraj.transcription.refinement.base import Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.raise_order import SplitOrRaise
-from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
 
@@ -154,7 +153,6 @@ RULES: tuple[Rule, ...] = (
         ConstraintGeneration(),
         "rows are imposed only where a solution violates them, so the optimum stays",
     ),
-    _rule("refinement", when.PROVED, when.ON_PATH, Equidistribute(most=8.0), "knots are added where s'' bends"),
     _rule(
         "refinement",
         when.PROVED,
@@ -165,7 +163,6 @@ RULES: tuple[Rule, ...] = (
     ),
     _rule("refinement", when.PROVED, when.EXACT, RefinementOfShares(), "the second mesh mostly settles the objective"),
     _rule("refinement", when.PROVED, RefinementOfStates(), "the order of the scheme predicts the mesh"),
-    _rule("refinement", when.TOLERANCE, when.ON_PATH, SplitAndMerge(), "lines have no order to raise"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
     _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
+"""First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
+BOUND_RELAXATION = 1e-10
+"""Relaxation of bounds relative to them: with a wider one, the eighth digit of minimum times changes."""
+
 
 @dataclass(frozen=True, eq=False)
 class Origin(OneLine):

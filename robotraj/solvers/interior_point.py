@@ -30,7 +30,16 @@ from robotraj.solvers.attempts import (
     later_attempts,
     solve_in_turn,
 )
-from robotraj.solvers.base import LazyMultipliers, Multipliers, Outcome, Progress, Solver
+from robotraj.solvers.base import (
+    ALTERED_BARRIER,
+    BOUND_RELAXATION,
+    NEARBY_BARRIER,
+    LazyMultipliers,
+    Multipliers,
+    Outcome,
+    Progress,
+    Solver,
+)
 from robotraj.solvers.checks import above_zero, counted, no_mapping
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
 from robotraj.solvers.fallback import fall_back
@@ -48,8 +57,6 @@ if TYPE_CHECKING:
     from robotraj.native import Outcome as NativeOutcome
     from robotraj.transcription.nlp import Nlp
 
-NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
-"""First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
 LOST_DIGITS = ("step failed",)
 """Ends of a recursion that loses digits, as on fine meshes where few motors bring many states to their end."""
 UNSOLVED = (Status.STALLED, Status.SOLVER_ERROR)
@@ -304,8 +311,7 @@ class InteriorPoint(Solver):
             # Pivots of a last interval with a fixed end are of the order of its length squared: a larger threshold
             # would take them for zeros.
             elimination_tolerance=1e-10,
-            # Bounds hold at the solution: a wider relaxation changes the eighth digit of minimum times.
-            bound_relaxation=1e-10,
+            bound_relaxation=BOUND_RELAXATION,
             **options(formulation),
         )
         return chosen

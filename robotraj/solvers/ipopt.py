@@ -16,7 +16,16 @@ from robotraj._util.errors import InputError
 from robotraj._util.precision import ROUND_OFF
 from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
-from robotraj.solvers.base import LazyMultipliers, Multipliers, Origin, Outcome, Progress, Solver
+from robotraj.solvers.base import (
+    BOUND_RELAXATION,
+    NEARBY_BARRIER,
+    LazyMultipliers,
+    Multipliers,
+    Origin,
+    Outcome,
+    Progress,
+    Solver,
+)
 from robotraj.solvers.checks import above_zero, counted, named_options, no_mapping
 from robotraj.solvers.ipopt_callback import IterationCallback
 from robotraj.solvers.status import Status
@@ -24,6 +33,8 @@ from robotraj.solvers.status import Status
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
+PUSHES = ("warm_start_bound_push", "warm_start_mult_bound_push", "warm_start_slack_bound_push")
+"""Options that move a known solution away from its bounds."""
 STATUSES = {
     "Solve_Succeeded": Status.SOLVED,
     "Solved_To_Acceptable_Level": Status.SOLVED,
@@ -146,7 +157,7 @@ class Ipopt(Solver):
             # Bounds hold at the solution. IPOPT relaxes them by 1e-8 while it iterates. Restoring them then changes
             # rows with steep gradients by more than their tolerance.
             "honor_original_bounds": "yes",
-            "bound_relax_factor": 1e-10,
+            "bound_relax_factor": BOUND_RELAXATION,
             # Rows may be redundant, such as a periodic link on a conserved quantity. The rounding error of a zero pivot
             # would then determine the inertia and the iterates. Every system is regularised instead. Near a straight
             # knee rows are almost dependent, and IPOPT's default of 1e-8 converges slowly or diverges there.
@@ -164,10 +175,8 @@ class Ipopt(Solver):
         if warm:
             options |= {
                 "warm_start_init_point": "yes",
-                "mu_init": 1e-5,
-                "warm_start_bound_push": 1e-7,
-                "warm_start_mult_bound_push": 1e-7,
-                "warm_start_slack_bound_push": 1e-7,
+                "mu_init": NEARBY_BARRIER,
+                **dict.fromkeys(PUSHES, 1e-7),
             }
         return options | dict(self.options)
 

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.precision import SAME
 from robotraj._util.splines import Spline, hermite
 from robotraj._util.values import dataclass
 
@@ -75,7 +76,7 @@ class Pendulum:
             matrix[row, :2] += first[1] * speeds[0][0][0]
             matrix[row, -2:] += last[1] * speeds[-1][0][1]
             vector[row] = total - first[1] * speeds[0][1][0] - last[1] * speeds[-1][1][1]
-        return np.asarray(np.linalg.lstsq(matrix, vector, rcond=1e-9)[0])
+        return np.asarray(np.linalg.lstsq(matrix, vector, rcond=SAME)[0])
 
     def repeating(self, sign: float, gain: float) -> Array:
         """Return the positions (n + 1,) at the knots of n phases [m]: last (x, v) = sign first (x, v) + (gain, 0)."""

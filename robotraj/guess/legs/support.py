@@ -90,4 +90,5 @@ def _shrink(contact: BoundContact, ground: Ground, axes: Sequence[str], own: Arr
     if size > allowed:
         own[along] *= allowed / size
     about = [i for i, axis in enumerate(axes) if axis.startswith("m")]
-    own[about] = np.clip(own[about], -0.2 * lever * up, 0.2 * lever * up)
+    most = 0.2 * lever * up
+    own[about] = np.clip(own[about], -most, most)

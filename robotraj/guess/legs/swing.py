@@ -37,9 +37,9 @@ class Swing:
         return {name: value + ease * (last[name] - value) for name, value in first.items()}
 
     def lift(self, t: float) -> float:
-        """Return the height above the ground divided by the apex: 16 s^2 (1 - s)^2, s the fraction of the swing."""
+        """Return the height above the ground divided by the apex: (4 s (1 - s))^2, s the fraction of the swing."""
         _, _, share = self._between(t)
-        return 16.0 * share**2 * (1.0 - share) ** 2
+        return (4.0 * share * (1.0 - share)) ** 2
 
     def _between(self, t: float) -> tuple[int, int, float]:
         """Return the indices of the stances before and after a time, and the fraction of the swing between them."""

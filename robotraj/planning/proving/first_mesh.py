@@ -30,8 +30,6 @@ SYSTEM = 30
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
 STEP = 4
 """Intervals of the longest phase of a motion with contacts, by Lobatto IIIA with four points."""
-FEWEST = 2
-"""Intervals of its shortest phases."""
 VALUES = 12 * 640
 """Values of the states on the finest mesh of a system: those of an arm of six joints on 640 intervals."""
 CROWDING = 0.8
@@ -87,8 +85,9 @@ class RefinementOfStates(OfProblem):
 
 
 def _ends(problem: Problem) -> float:
-    """Part of the ends in the objective; none where obstacles are in the way, which decide the motion."""
-    avoiding = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
+    """Part of the ends in the objective; none where obstacles are in the way, which decide a motion without a path."""
+    free = [phase for phase in problem.phases if phase.path is None]
+    avoiding = any(each.avoids_collisions for phase in free for each in phase.constraints)
     return 0.0 if avoiding else shares_of(problem).ends
 
 
@@ -105,7 +104,7 @@ class ProportionalMeshes(OfProblem):
     """
 
     most: int = STEP
-    least: int = FEWEST
+    least: int = STEP // 2
     scheme: Scheme = field(default_factory=lambda: LobattoIIIA(4))
 
     def of(self, problem: Problem) -> tuple[Mesh, ...]:
@@ -113,7 +112,7 @@ class ProportionalMeshes(OfProblem):
         lengths = np.array([0.5 * sum(phase.duration_bounds) for phase in problem.phases])
         known = np.isfinite(lengths)
         # A phase of any duration counts as the longest.
-        lengths = np.where(known, lengths, np.max(lengths[known], initial=1e-3))
+        lengths = np.where(known, lengths, max(lengths[known], default=1.0))
         counts = np.clip(np.ceil(self.most * lengths / lengths.max() - SAME), self.least, self.most)
         return tuple(Mesh(int(count), self.scheme) for count in counts)
 

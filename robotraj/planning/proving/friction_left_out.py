@@ -24,10 +24,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss
 from robotraj._util.values import dataclass
-from robotraj.fixed_mesh.sizes.shares import shares_of
+from robotraj.fixed_mesh.sizes.shares import PLACES, WEIGHTS, shares_of
 from robotraj.planning.proving.soft_friction import has_friction
+from robotraj.problem.constraints.bounds import UNBOUNDED
 from robotraj.problem.phase import Phase
 from robotraj.robot.robot import Robot
 from robotraj.solution.claims.objective_size import size_for
@@ -43,12 +43,8 @@ SHARE = 0.1
 """Least size of a joint's impulse relative to that of its motor: a slow joint has hardly any inertia."""
 AT_LIMIT = 0.99
 """Share of its limit from which a torque is at the limit."""
-UNLIMITED = 1e20
-"""Torque in place of an infinite limit [N m, N]."""
 STILL = 3e-3
 """Speed below which a joint rests, relative to its largest: its friction takes any value up to F."""
-PLACES, WEIGHTS = 0.5 * (gauss(8)[0] + 1.0), 0.5 * gauss(8)[1]
-"""Gauss's rule on an interval."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +96,9 @@ def _limits(phase: Phase, robot: Robot) -> tuple[Array, Array]:
     known = {each.name: each for each in (*phase.dae.controls, *phase.dae.algebraic)}
     torques = tuple(known[name] for joint in robot.actuated if (name := f"tau.{joint}") in known)
     if len(torques) < len(robot.actuated):
-        return np.full(robot.nu, -UNLIMITED), np.full(robot.nu, UNLIMITED)
+        return np.full(robot.nu, -UNBOUNDED), np.full(robot.nu, UNBOUNDED)
     low, high = phase.rows.limits_of(torques)
-    return np.maximum(low, -UNLIMITED), np.minimum(high, UNLIMITED)
+    return np.maximum(low, -UNBOUNDED), np.minimum(high, UNBOUNDED)
 
 
 def _share(missing: Array, size: Array) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.precision import MET, SAMPLES
 from robotraj.guess.paths.around_itself import Motion
+from robotraj.planning.proving.free_solution import MARGIN
 from robotraj.problem.clearance.own_shapes import own_shapes
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_within
@@ -21,8 +22,6 @@ Array = NDArray[np.float64]
 
 RESERVE = 1.2
 """Factor on the joint speeds at the points of an interval, for those between them."""
-TOUCHING = 2e-3
-"""Distance up to which the links of a free solution count as kept apart by rows, whose margin is half of it [m]."""
 
 
 class Overlap(NamedTuple):
@@ -67,7 +66,8 @@ class OwnOverlaps:
         robot, body = self._problem.phases[number].robot, self.bodies[number]
         if robot is None or body is None:
             return {}
-        near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)), TOUCHING)
+        # Links at twice the margin of rows count as kept apart by them.
+        near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)), 2.0 * MARGIN)
         return dict.fromkeys(np.flatnonzero(near.any(axis=0)).tolist(), 0.0)
 
     def deepest(self, found: Solution) -> list[Overlap]:

@@ -15,7 +15,7 @@ from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.proving.correction import PlanAttempt
 from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.planning.proving.kept_apart import KeptApart
-from robotraj.planning.proving.soft_friction import has_friction
+from robotraj.planning.proving.soft_friction import SMALLEST_FALL, has_friction
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import FRICTION
@@ -28,8 +28,6 @@ LEAST, MOST = 0.3, 0.5
 AIM = 0.7
 """Part of what is allowed that plans aim at: shares and deviations are of first order in v_s, and plans leave out more.
 """
-GENTLEST = 0.8
-"""Factor above which a further plan would hardly differ."""
 STEPS = 8
 """Largest number of plans with a smaller v_s."""
 
@@ -59,7 +57,7 @@ class SharpFriction:
             return None
         if dropped is not None:
             self._factor **= 0.5
-            if self._factor > GENTLEST or self._deviation(found) <= 1.0:
+            if self._factor * SMALLEST_FALL > 1.0 or self._deviation(found) <= 1.0:
                 return None
         missing = friction_left_out(found)
         over = missing.objective / (AIM * FRICTION)

@@ -42,7 +42,7 @@ LAST, FALL = 0.5, 3.5
 With larger steps fewer plans are proved, smaller ones take longer (``benchmarks/friction.md``).
 """
 SMALLEST_FALL = 1.2
-"""Least ratio of one factor to the next one after a failed solve; below it, no nearer factor is tried."""
+"""Least ratio of one factor to the next one after a failed plan; below it, the next plan would hardly differ."""
 AVERAGED = 0.1
 """Half the time over which soft friction is averaged, relative to the mean interval of the mesh."""
 

@@ -17,7 +17,7 @@ from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.refinement.base import Assessment, Refinement, points_of
-from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
+from robotraj.transcription.refinement.split_and_merge import SplitAndMerge, coarsely_controlled
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.onestep import OneStep
@@ -64,7 +64,7 @@ class RaiseOrder(Refinement):
 class SplitOrRaise(Refinement):
     """hp-refinement: raise the order where the states are smooth, split where they are not or a control jumps.
 
-    Shooting and compressed collocation have no order to raise and are split everywhere.
+    Shooting, compressed collocation and collocation with coarse controls have no order to raise and are split.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class SplitOrRaise(Refinement):
 
     def refine(self, mesh: Mesh, assessment: Assessment, tolerance: float) -> Mesh:
         """Decide interval by interval."""
-        if any(isinstance(scheme, OneStep) for scheme in mesh.schemes):
+        if any(isinstance(scheme, OneStep) or coarsely_controlled(scheme) for scheme in mesh.schemes):
             return self.splitting.refine(mesh, assessment, tolerance)
         switching = self.splitting.switching(assessment, mesh.schemes)
         knots, schemes = [0.0], list[Scheme]()

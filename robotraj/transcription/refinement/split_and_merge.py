@@ -97,7 +97,7 @@ class SplitAndMerge(Refinement):
         """Whether two neighbours, away from switches, would stay far below the tolerance as one interval."""
         if k + 1 >= len(parts) or parts[k] > 1 or parts[k + 1] > 1 or schemes[k] != schemes[k + 1]:
             return False
-        if isinstance(schemes[k], OneStep) or _coarsely_controlled(schemes[k]):
+        if isinstance(schemes[k], OneStep) or coarsely_controlled(schemes[k]):
             return False
         merged = assessment.errors[k : k + 2].max() * 2.0 ** error_order(schemes[k])
         return bool(merged < 0.01 * tolerance and assessment.jumps[k : k + 2].max() < 0.1 * self.jump)
@@ -112,7 +112,7 @@ def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
     """
     chosen = np.zeros(len(coarse), dtype=bool)
     stepped = isinstance(schemes[0], OneStep)
-    if not stepped and (not coarse.any() or not any(map(_coarsely_controlled, schemes))):
+    if not stepped and (not coarse.any() or not any(map(coarsely_controlled, schemes))):
         return chosen
     order = np.argsort(-coarse)
     count = int(np.searchsorted(np.cumsum(coarse[order]), BULK * coarse.sum())) + 1
@@ -120,7 +120,8 @@ def _bulk(coarse: Array, schemes: tuple[Scheme, ...]) -> NDArray[np.bool_]:
     return chosen
 
 
-def _coarsely_controlled(scheme: Scheme) -> bool:
+def coarsely_controlled(scheme: Scheme) -> bool:
+    """Whether the controls have fewer values on an interval than the states."""
     return isinstance(scheme, Collocation) and len(scheme.control_sites) < len(scheme.nodes)
 
 

@@ -20,7 +20,7 @@ from robotraj.planning.loop.state import Task, begin
 from robotraj.planning.proving.soft_friction import softened
 from robotraj.planning.settings import resolve
 from robotraj.solution.proof import Goals, Proof
-from robotraj.solvers.interior_point import NEARBY_BARRIER
+from robotraj.solvers.base import NEARBY_BARRIER
 from robotraj.solvers.status import Status
 
 
