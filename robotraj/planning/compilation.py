@@ -11,10 +11,10 @@ from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
 from robotraj.guess.default import default_guess
 from robotraj.native.engines.compiled import Compiled
-from robotraj.planning.settings import SMOOTHING
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.smoothness.smoothing import SMOOTHING
 from robotraj.transcription.transcribe import transcribe
 
 

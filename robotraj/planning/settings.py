@@ -46,9 +46,8 @@ from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.raise_order import SplitOrRaise
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.radau import RadauIIA
+from robotraj.transcription.smoothness.smoothing import SMOOTHING
 
-SMOOTHING = 5e-3
-"""Weight of the mean square of torques beside a duration. The loss is of second order: see benchmarks/smoothness.md."""
 GIVEN = "given"
 """Reason of a setting that the user gave."""
 

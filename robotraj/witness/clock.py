@@ -29,6 +29,11 @@ class ProcessorClock:
         """Processor time since the start [s]."""
         return time.process_time() - self._begin
 
+    @property
+    def left(self) -> float | None:
+        """Processor time until the limit [s], at least 0; None without one."""
+        return None if self._limit is None else max(0.0, self._limit - self.seconds)
+
     def __call__(self) -> None:
         """Raise ``OutOfTime`` once the limit is reached, and ``KeyboardInterrupt`` after Ctrl-C."""
         stop_if_noted()

@@ -10,7 +10,6 @@ from robotraj.solution.reserves.shares import Share
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
-from robotraj.witness.checks.objective import ObjectiveCheck
 from robotraj.witness.checks.residual import Residual
 from robotraj.witness.checks.torques import RateError, TorqueError
 from robotraj.witness.contacts.foot_order import FootOrder
@@ -18,6 +17,8 @@ from robotraj.witness.contacts.ground import SwingingFoot
 from robotraj.witness.contacts.impact import Impact
 from robotraj.witness.contacts.links_over_ground import LinkDepth
 from robotraj.witness.contacts.slip_and_friction import Holding
+from robotraj.witness.cost.objective import ObjectiveCheck
+from robotraj.witness.cost.second_solve import SecondSolve
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.robustness.followed import Followed
 from robotraj.witness.simulation.closed_loop import ClosedLoop
@@ -63,6 +64,9 @@ class Tolerances(OneLine):
         of velocities against the derivatives of positions, relative to their sizes.
     objective : float or None
         Largest relative difference between the stated objective and the cost of the motion.
+    optimum : float or None
+        Largest share of the objective that a second solve from the plan may gain, on meshes twice as fine. It is at
+        least the goal of the proof.
     friction : float or None
         Largest deviation of a machine with Coulomb's friction, scaled as ``tracking``.
     followed : float or None
@@ -87,6 +91,7 @@ class Tolerances(OneLine):
     drift: float | None = None
     torques: float | None = 5e-3
     objective: float | None = 2e-3
+    optimum: float | None = 3e-3
     friction: float | None = 2e-2
     followed: float | None = None
 
@@ -158,6 +163,8 @@ class Figures(OneLine):
         The robot in MuJoCo; None where ``followed=`` was not asked for.
     objective : ObjectiveCheck or None
         The stated objective beside the cost of the motion; None where the time limit was reached before.
+    second : SecondSolve or None
+        A second solve from the plan; None where the plan claims no optimum, or the time limit was reached before.
     proof : Proof or None
         The planner's own measures.
     moves_robot, avoids_collisions, has_friction : bool
@@ -208,6 +215,7 @@ class Figures(OneLine):
     friction: Drift | str | None = None
     followed: Followed | None = None
     objective: ObjectiveCheck | None = None
+    second: SecondSolve | None = None
     proof: Proof | None = None
     moves_robot: bool = False
     avoids_collisions: bool = False

@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj.solution.claims.claim import Judgement
+from robotraj.witness.cost.objective import objective_check
 from tests.cli.shell import run
 from tests.lies import GRIPPER, axis, elsewhere, linked, lying, spliced, stored, with_model
 
@@ -265,6 +267,78 @@ def test_the_proof_of_another_plan_is_noticed(intervals: int) -> None:
     proved = plan("cartpole")
     coarse = rt.plan(proved.problem, rt.Mesh(intervals), progress=False)
     assert not rt.validate(replace(coarse, proof=proved.proof)).passed
+
+
+def there_and_back(objective: rt.Objective, *seconds: Any, speed: float | None = None) -> rt.Problem:
+    """Return two phases of an arm, each with its bounds of the duration, under its own or a lower limit of speed."""
+    robot = rt.load("two_link_arm")
+    limits = None if speed is None else robot.limits.with_(velocity=speed)
+    ends = rt.State(q=[0, 0], v=0), rt.State(q=[1.0, 0.5], v=0)
+    pairs = zip(seconds, (ends, ends[::-1]), ("there", "back"), strict=True)
+    phases = [rt.Phase(robot, each, *own, objective, name=name) for each, own, name in pairs]
+    return rt.Problem([phase if limits is None else replace(phase, limits=limits) for phase in phases])
+
+
+FREE = (0.1, 20.0)
+
+
+@cache
+def fastest() -> rt.Solution:
+    return rt.plan(there_and_back(rt.Duration(), FREE, FREE), progress=False)
+
+
+@cache
+def quick_and_calm() -> rt.Solution:
+    return rt.plan(there_and_back(rt.Duration() + 0.01 * rt.Effort(), FREE, FREE), progress=False)
+
+
+def worse(motion: rt.Solution, optimal: rt.Solution) -> rt.Solution:
+    """Return a motion as if it answered the problem of an optimal one, with its proof and with its own cost."""
+    phases = iter(optimal.problem.phases)
+    told = elsewhere(motion, lambda _: next(phases))
+    return replace(told, objective=objective_check(told).of_motion, proof=optimal.proof, status=optimal.status)
+
+
+def stopped_early() -> rt.Solution:
+    """Return a motion whose rows hold, before the solver converged."""
+    solver = rt.InteriorPoint(max_iterations=4, fallback=None)
+    mesh = tuple(part.mesh for part in quick_and_calm().phases)
+    problem = quick_and_calm().problem
+    return rt.plan(problem, mesh, fastest(), solver, check=False, progress=False, restarts=rt.planning.Restarts(0))
+
+
+WORSE: dict[str, Callable[[], rt.Solution]] = {
+    "both phases 10 percent slower": lambda: worse(
+        rt.plan(there_and_back(rt.Effort(), *(1.1 * p.duration for p in fastest().phases)), progress=False), fastest()
+    ),
+    "one phase 2 percent slower": lambda: worse(
+        rt.plan(there_and_back(rt.Duration(), FREE, (1.02 * fastest().phases[1].duration, 20.0)), progress=False),
+        fastest(),
+    ),
+    "a lower limit": lambda: worse(
+        rt.plan(there_and_back(rt.Duration(), FREE, FREE, speed=0.8), progress=False), fastest()
+    ),
+    "another weight": lambda: worse(
+        rt.plan(there_and_back(rt.Duration() + 0.1 * rt.Effort(), FREE, FREE), progress=False), quick_and_calm()
+    ),
+    "another objective": lambda: worse(
+        rt.plan(there_and_back(rt.Duration() + 0.3 * rt.Effort(), FREE, FREE), progress=False), fastest()
+    ),
+    "a solver that stopped early": lambda: worse(stopped_early(), quick_and_calm()),
+}
+
+
+@pytest.mark.parametrize("name", WORSE)
+def test_a_worse_motion_with_the_proof_of_an_optimum_is_noticed(name: str) -> None:
+    """Everything else about the motion is true, so that no other claim fails."""
+    told = WORSE[name]()
+    report = rt.validate(told)
+    assert [claim.name for claim in report.claims if claim.judgement is Judgement.FAILS] == ["optimum"]
+
+
+@pytest.mark.parametrize("optimal", [fastest, quick_and_calm])
+def test_the_optimum_itself_is_not_refused(optimal: Callable[[], rt.Solution]) -> None:
+    assert all(claim.holds for claim in rt.validate(optimal()).claims if claim.name == "optimum")
 
 
 SAVED: dict[str, tuple[str, Lie]] = {

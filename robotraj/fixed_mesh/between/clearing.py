@@ -86,18 +86,11 @@ class Clearing:
         """Add rows on the pairs that are near along the known motion, or were near along an earlier one."""
         if not self._every:
             return nlp
-        from robotraj.transcription.clearance.clearance_rows import with_clearance_rows
-        from robotraj.transcription.clearance.near_pairs import NEAR, NEAR_SOLUTION, near_pairs, nearest_along
+        from robotraj.transcription.clearance.clearance_rows import with_rows_along
+        from robotraj.transcription.clearance.near_pairs import NEAR, NEAR_SOLUTION
 
-        found = [
-            nearest_along(own.pairs, nlp.layouts[own.phase], motion)
-            for own, motion in zip(self._every, self._motions, strict=True)
-        ]
         near = NEAR_SOLUTION if self._stays_near else NEAR
-        for own, nearest, kept in zip(self._every, found, self._kept, strict=True):
-            for interval, pair in near_pairs(own.pairs, nearest, near).tolist():
-                kept.setdefault((interval, pair), 0.0)
-        longer = with_clearance_rows(nlp, self._every, self._kept, self._motions, found)
+        longer = with_rows_along(nlp, self._every, self._motions, self._kept, near)
         self._count = len(longer.rows) - len(nlp.rows)
         return longer
 
@@ -122,6 +115,7 @@ class Clearing:
         self._objectives.append(solution.objective if bound else -np.inf)
         from robotraj.transcription.clearance.near_pairs import nearest_of_links
         from robotraj.transcription.clearance.proof import shortfalls
+        from robotraj.transcription.clearance.supporting_planes import motion_of
 
         self._found, self._found_on_paths = (
             [(own, shortfalls(own.pairs, solution.phases[own.phase].joint_states)) for own in group]
@@ -139,7 +133,7 @@ class Clearing:
                 elif is_near:
                     self._kept[i][place] = 0.0
             if solution.success and found.least > own.pairs.margin - DEEP:
-                self._motions[i] = _solved(solution, own)
+                self._motions[i] = motion_of(solution.phases[own.phase].joint_states, own.pairs.robot.nq)
 
     def proved(self, allowed: float) -> bool:
         """Whether all distances of the measured solution are proved, up to an ``allowed`` shortfall [m]."""
@@ -182,14 +176,3 @@ def _guessed(guess: InitialGuess, phases: Sequence[Phase], own: Clearances) -> M
     moves = any(obstacle.moves for obstacle in own.pairs.obstacles)
     t0 = sum(guess.of(phases[i], i).duration for i in range(own.phase)) if moves else 0.0
     return lambda s: (known.states(s)[:, :nq], t0 + known.duration * s)
-
-
-def _solved(solution: Solution, own: Clearances) -> Motion:
-    x, nq = solution.phases[own.phase].joint_states, own.pairs.robot.nq
-    first, last = float(x.breaks[0]), float(x.breaks[-1])
-
-    def motion(s: Array) -> tuple[Array, Array]:
-        times = first + s * (last - first)
-        return x(times)[:, :nq], times
-
-    return motion

@@ -6,7 +6,7 @@ small slack, plus the shortfall of the proof on the interval.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -24,7 +24,7 @@ from robotraj.transcription.clearance.distance_functions import (
     function_of,
     key_of,
 )
-from robotraj.transcription.clearance.near_pairs import Nearest
+from robotraj.transcription.clearance.near_pairs import Nearest, near_pairs, nearest_along
 from robotraj.transcription.clearance.state_places import StatePlaces, state_places
 from robotraj.transcription.clearance.supporting_planes import Motion, heights, in_axes, in_world, planes
 from robotraj.transcription.collocation.ends import widen
@@ -79,6 +79,36 @@ def clearances(nlp: Nlp) -> list[Clearances]:
 
 RaisedPairs = Mapping[tuple[int, int], float]
 """Raise of the bound beyond its slack [m] by (interval, pair), for all pairs with rows, the earlier ones first."""
+
+
+def with_rows_along(
+    nlp: Nlp,
+    every: Sequence[Clearances],
+    motions: Sequence[Motion],
+    kept: Sequence[MutableMapping[tuple[int, int], float]],
+    near: float,
+) -> Nlp:
+    """Append rows on the pairs that come near along known motions, and on those that have rows already.
+
+    Parameters
+    ----------
+    nlp : Nlp
+        Without any such rows.
+    every : sequence of Clearances
+    motions : sequence of callable
+        The motion along which normals are fixed, for each of ``every``.
+    kept : sequence of mutable mapping
+        Pairs with rows; those that come near are added.
+    near : float
+        Distance from the margin below which a pair is near [m].
+    """
+    found = [
+        nearest_along(own.pairs, nlp.layouts[own.phase], motion) for own, motion in zip(every, motions, strict=True)
+    ]
+    for own, nearest, raised in zip(every, found, kept, strict=True):
+        for interval, pair in near_pairs(own.pairs, nearest, near).tolist():
+            raised.setdefault((interval, pair), 0.0)
+    return with_clearance_rows(nlp, every, kept, motions, found)
 
 
 def with_clearance_rows(

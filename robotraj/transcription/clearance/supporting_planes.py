@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.clearance.pairs import ClearancePairs
 
@@ -17,6 +18,17 @@ Motion = Callable[[Array], tuple[Array, Array]]
 
 STEP = 1e-6
 """Step of the central difference of a distance [m]."""
+
+
+def motion_of(x: PiecewisePolynomial, nq: int) -> Motion:
+    """Return the motion of a solution whose states x in time begin with the nq positions."""
+    first, last = float(x.breaks[0]), float(x.breaks[-1])
+
+    def motion(s: Array) -> tuple[Array, Array]:
+        times = first + s * (last - first)
+        return x(times)[:, :nq], times
+
+    return motion
 
 
 def planes(pairs: ClearancePairs, chosen: Indices, q: Array, times: Array | None = None) -> Array:

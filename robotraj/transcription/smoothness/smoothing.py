@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+SMOOTHING = 5e-3
+"""The weight epsilon of a proved plan. The loss is of second order: see benchmarks/smoothness.md."""
+
 
 def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
     """Return the weights of the squares of algebraic variables, (nz,), and of controls, (nu,).

@@ -1,0 +1,4 @@
+"""What a motion costs: its objective by quadrature, and whether a motion nearby costs less.
+
+Start with ``objective.py``.
+"""
