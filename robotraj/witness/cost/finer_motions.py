@@ -19,8 +19,8 @@ from robotraj.guess.from_solution import FromSolution
 from robotraj.native.engines.native import Native
 from robotraj.solution.phase_solution import PhaseSolution, alike
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Outcome
-from robotraj.solvers.interior_point import ALTERED_BARRIER, InteriorPoint
+from robotraj.solvers.base import ALTERED_BARRIER, Outcome
+from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.transcription.clearance.supporting_planes import motion_of
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import rows_against_swings, with_added_rows
