@@ -78,9 +78,9 @@ def main(arguments: list[str]) -> None:
             print(lines[-1], flush=True)
     if not arguments:
         head = (
-            "Written by `python benchmarks/proven/steps.py`: `rt.gait.steps` from rest to rest. A foot, or a diagonal pair,"
-            "\nmoves by 0.2 times the height of the centre of mass a step. Default calls, each in a fresh process, one"
-            "\nthread, without validation."
+            "Written by `python benchmarks/proven/steps.py`: `rt.gait.steps` from rest to rest. A foot, or a diagonal"
+            "\npair, moves by 0.2 times the height of the centre of mass a step. Default calls, each in a fresh"
+            "\nprocess, one thread, without validation."
         )
         table = "\n".join(["# Many steps", "", head, "", *lines, ""])
         Path(__file__).with_name("STEPS.md").write_text(table)

@@ -15,7 +15,8 @@ from robotraj.dynamics.variable import Scalar
 from robotraj.gait.bounds.margins import checked_margin
 from robotraj.gait.capability.leg_reach import check_step
 from robotraj.gait.capability.leg_samples import greatest_friction
-from robotraj.gait.capability.leg_speed import check_speed
+from robotraj.gait.capability.leg_speed import check_speed, standing_shares
+from robotraj.gait.capability.swing_time import check_swing_time
 from robotraj.gait.capability.weight import check_weight
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
@@ -31,6 +32,7 @@ from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.links.base import Ends
 from robotraj.problem.links.linkage import Linkage
 from robotraj.problem.links.periodic import Mirror, Periodic
+from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 
@@ -114,6 +116,15 @@ def _check_legs(
     half, time = 0.5 if whole else 1.0, sum(longest for _, longest in spans)
     check_speed(robot, phases, parts, sides, half * length, half * time, posture, margin, half * steps)
     check_weight(robot, phases, spans, list(sides), posture, greatest_friction(stance), margin)
+    impact = any(isinstance(link, Touchdown) for link in problem.links)
+    for foot, share in standing_shares(phases, parts, sides).items():
+        way, air = 2.0 * half * abs(length), 2.0 * half * time * (1.0 - share)
+
+        def remedy(enough: float, air: float = air) -> str:
+            return f"step_length={length / steps:.2g} with duration={time / steps * enough / air:.2g}"
+
+        if air > 0.0:
+            check_swing_time(robot, posture, {foot: way}, air, margin, remedy, impact)
 
 
 def whole_stride(

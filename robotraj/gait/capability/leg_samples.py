@@ -2,7 +2,8 @@
 
 In a configuration of a leg with the Jacobian J of its foot, the vertical force of the foot is at most
 F = max over directions d in the friction cone of min_j tau_j / |J_j . d|. The foot moves relative to the root along a
-direction at most at the speed at which the first joint reaches its speed limit.
+direction at most at the speed at which the first joint reaches its speed limit, and from rest at most with the
+acceleration at which the first joint reaches its effort limit against the inertia of the leg.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.guess.legs.stance import BalancedStance
+from robotraj.robot.coupling.dynamics import mass_matrix
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION, root_of
 
@@ -26,6 +28,8 @@ DIRECTIONS = 8
 """Directions of friction forces around the cone."""
 FAST = 1e3
 """Speed [rad/s, m/s] that stands for no limit."""
+STRONG = 1e9
+"""Torque [N m, N] that stands for no limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +47,9 @@ class LegSamples:
     motions : tuple of ndarray (samples, joints, 3)
         For each foot, joint speeds relative to their limits that move it at 1 m/s along x, y and z,
         as nearly as the leg can.
+    loads : tuple of ndarray (samples, joints, 3)
+        For each foot, torques relative to their limits for accelerations of these joint speeds a second from rest,
+        without gravity.
     moved : tuple of ndarray (samples, 3, 3)
         For each foot, its velocities at these joint speeds, in columns.
     """
@@ -51,12 +58,20 @@ class LegSamples:
     lengths: Array
     forces: Array
     motions: tuple[Array, ...]
+    loads: tuple[Array, ...]
     moved: tuple[Array, ...]
 
     def speeds(self, direction: Sequence[float]) -> Array:
         """Return the greatest speeds (feet, samples) of the feet along a unit vector [m/s]."""
+        return self._greatest(self.motions, direction)
+
+    def accelerations(self, direction: Sequence[float]) -> Array:
+        """Return the greatest accelerations (feet, samples) of the feet from rest along a unit vector [m/s^2]."""
+        return self._greatest(self.loads, direction)
+
+    def _greatest(self, shares: tuple[Array, ...], direction: Sequence[float]) -> Array:
         along = np.asarray(direction)
-        used = [np.abs(motion @ along).max(axis=1) for motion in self.motions]
+        used = [np.abs(share @ along).max(axis=1) for share in shares]
         return np.asarray([along @ moved @ along for moved in self.moved] / np.maximum(used, 1e-9))
 
 
@@ -115,6 +130,7 @@ def sample_legs(
     places = np.zeros((len(feet), configurations + 1, 3))
     lengths, forces = np.zeros(places.shape[:2]), np.zeros(places.shape[:2])
     slopes = tuple(np.zeros((configurations + 1, 3, len(chain))) for chain in chains)
+    inertias = tuple(np.zeros((configurations + 1, len(chain), len(chain))) for chain in chains)
     q = np.array(standing)
     if robot.root == "floating":
         q[QUATERNION] = (0.0, 0.0, 0.0, 1.0)
@@ -123,6 +139,7 @@ def sample_legs(
             q[[i + shift for i in used]] = rng.uniform(lower[used], upper[used])
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
+        mass = mass_matrix(model, data, q)
         for f, (foot, chain) in enumerate(zip(feet, chains, strict=True)):
             frame = robot.frame(foot)
             slope = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[:3][:, chain]
@@ -131,7 +148,12 @@ def sample_legs(
             lengths[f, k] = np.linalg.norm(at - data.oMi[hips[f]].translation)
             levers = np.maximum(np.abs(directions @ slope), 1e-9)
             forces[f, k] = (torques[chain] / levers).min(axis=1).max()
+            inertias[f][k] = mass[np.ix_(chain, chain)]
             slopes[f][k] = np.where(np.abs(slope).max(axis=1, keepdims=True) > 1e-6, slope * speeds[chain], 0.0)
     motions = tuple(np.asarray(np.linalg.pinv(each), dtype=float) for each in slopes)
     moved = tuple(each @ motion for each, motion in zip(slopes, motions, strict=True))
-    return LegSamples(places, lengths, forces, motions, moved)
+    loads = tuple(
+        each @ (speeds[chain][:, None] * motion) / np.minimum(torques[chain], STRONG)[:, None]
+        for each, motion, chain in zip(inertias, motions, chains, strict=True)
+    )
+    return LegSamples(places, lengths, forces, motions, loads, moved)

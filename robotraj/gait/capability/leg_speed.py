@@ -79,8 +79,7 @@ def check_speed(
     at_rest = sample_legs(robot, feet, standing, 0.0, margin, 0)
     if at_rest is None or speed <= EASY * float(at_rest.speeds((1.0, 0.0, 0.0)).min()):
         return
-    held = {foot: _share(foot, phases, parts) for foot in feet}
-    shares = [0.5 * (held[foot] + held[sides[foot]]) for foot in feet]
+    shares = list(standing_shares(phases, parts, sides).values())
     samples = sample_legs(robot, feet, standing, 0.0, margin)
     assert samples is not None
     bounds = [_bound(samples, f, share, 2.0 * abs(length)) for f, share in enumerate(shares)]
@@ -98,9 +97,16 @@ def check_speed(
     )
 
 
-def _share(foot: str, phases: Sequence[Support], parts: Sequence[float]) -> float:
-    """Return the share of the half stride in which a foot stands."""
-    return sum(part for phase, part in zip(phases, parts, strict=True) if foot in phase.feet) / sum(parts)
+def standing_shares(phases: Sequence[Support], parts: Sequence[float], sides: Mapping[str, str]) -> dict[str, float]:
+    """Return the share of the stride in which each foot stands, in the order of their names.
+
+    The parameters are those of ``check_speed``.
+    """
+    held = {
+        foot: sum(part for phase, part in zip(phases, parts, strict=True) if foot in phase.feet) / sum(parts)
+        for foot in sorted(sides)
+    }
+    return {foot: 0.5 * (held[foot] + held[sides[foot]]) for foot in held}
 
 
 def _bound(samples: LegSamples, foot: int, share: float, stride: float) -> float:

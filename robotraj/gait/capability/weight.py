@@ -12,7 +12,7 @@ weights far above the estimate are refused.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,59 @@ def check_weight(
     samples = sample_legs(robot, feet, standing, friction, margin)
     assert samples is not None
     _compare(robot, _carried(bent_forces(samples), supports, spans, feet), "in this gait")
+
+
+def check_push(
+    robot: Robot,
+    feet: Sequence[str],
+    standing: Array,
+    rise: float,
+    time: float,
+    friction: float,
+    margin: float,
+    remedy: Callable[[float], str],
+) -> None:
+    """Refuse a push in which the legs cannot give the speed of a take-off.
+
+    From rest to the speed sqrt(2 g h), at which the centre of mass rises by h, the mean vertical force over the time T
+    is  m (g + sqrt(2 g h) / T).
+
+    Parameters
+    ----------
+    robot : Robot
+    feet : sequence of str
+        Frames of the feet that push.
+    standing, friction, margin
+        As for ``sample_legs``.
+    rise : float
+        Rise of the centre of mass in flight [m].
+    time : float
+        Duration of the push [s].
+    remedy : callable
+        From the duration of a push that would do [s] to the option that has it, ``"push=0.2"``.
+
+    Raises
+    ------
+    InputError
+        The message has the force, the estimate, and a push that would do.
+    """
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    speed = np.sqrt(2.0 * gravity * rise)
+    needed = robot.mass * (gravity + speed / time)
+    at_rest = sample_legs(robot, feet, standing, friction, margin, 0)
+    if at_rest is None or needed <= EASY * float(at_rest.forces[:, 0].sum()):
+        return
+    samples = sample_legs(robot, feet, standing, friction, margin)
+    assert samples is not None
+    most = float(bent_forces(samples).sum())
+    if needed <= BEYOND * most:
+        return
+    left = MODEST * most / robot.mass - gravity
+    raise InputError(
+        f"The push of {time:.3g} s to a take-off at {speed:.3g} m/s takes {needed:.3g} N. By the effort limits of its "
+        f"legs, {robot.name!r} pushes with about {most:.2g} N at most. "
+        f"{remedy(speed / left if left > 0.0 else np.inf)} would do."
+    )
 
 
 def _compare(robot: Robot, most: float, where: str) -> None:

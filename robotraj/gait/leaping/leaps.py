@@ -16,7 +16,7 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.bounds.margins import checked_margin
 from robotraj.gait.bounds.turning import Turning
 from robotraj.gait.capability.leg_samples import greatest_friction
-from robotraj.gait.capability.weight import check_rest
+from robotraj.gait.capability.weight import check_push, check_rest
 from robotraj.gait.checks import number
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.phase_sequence import sequence
@@ -25,6 +25,7 @@ from robotraj.gait.repetition import on_ground
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time, standing
+from robotraj.problem.constraints.bounds import as_duration
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
@@ -135,7 +136,19 @@ class Leap:
         return found
 
     def problem(self, height: float, pushes: Sequence[Support], landings: Sequence[Support]) -> Problem:
-        """Return the problem of the pushes, a flight that rises by ``height`` [m], and the landings."""
+        """Return the problem of the pushes, a flight that rises by ``height`` [m], and the landings.
+
+        Raises
+        ------
+        InputError
+            The pushes are too short for the torques of the legs.
+        """
+        time = sum(as_duration(push.duration, push.name)[1] for push in pushes)
+
+        def remedy(enough: float) -> str:
+            return f"push={max(enough, self.stance_time) if np.isfinite(enough) else self.stance_time:.2g}"
+
+        check_push(self.robot, self.feet, self.standing, height, time, self.friction, self.margin, remedy)
         flight = Support((), float(np.sqrt(8.0 * height / self.gravity)), "flight")
         start, end = (State(q=q, v=0.0) for q in (self.standing, self.landed))
         return sequence(self.robot, [*pushes, flight, *landings], self.terms, None, start, end)

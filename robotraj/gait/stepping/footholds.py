@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import cast
@@ -20,6 +21,7 @@ from robotraj.gait.bounds.margins import MARGIN, checked_margin, limits_with
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.swing_clearance import through_ground
 from robotraj.gait.bounds.upright import Upright
+from robotraj.gait.capability.swing_time import check_swing_time
 from robotraj.gait.checks import check_options, number, positive
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
@@ -140,6 +142,9 @@ def steps(
         last = _levelled(robot, stance, last, places[-1])
     bounds = Upright(tilt=min(TILT + abs(turn), 3.1)) if upright is None else upright
     check_root(stance, first, places, [tuple(step) for step in footholds], bounds)
+    for before, after in itertools.pairwise(places):
+        ways = {foot: _way(contacts[foot].name, before, after) for foot in names}
+        check_swing_time(robot, first, ways, swing, checked_margin(margin), lambda enough: f"swing={enough:.2g}")
     supports = [Support(names, shift, "stand")]
     swings: list[tuple[int, int]] = []
     for k, step in enumerate(footholds):
@@ -192,6 +197,11 @@ def _room(
     axes = "x" if robot.root == "planar" else "xy"
     apart = [[place[f"{a}.{axis}"] - place[f"{b}.{axis}"] for axis in axes] for a, b in names for place in ends]
     return ROOM * float(np.min(np.linalg.norm(apart, axis=1))) if apart else np.inf
+
+
+def _way(foot: str, before: Mapping[str, float], after: Mapping[str, float]) -> float:
+    """Return the horizontal distance of two footholds [m]."""
+    return float(np.linalg.norm([after[n] - before[n] for n in _names(foot, before) if n.endswith((".x", ".y"))]))
 
 
 def _span(levels: Sequence[float], k: int) -> tuple[float, float]:
