@@ -14,6 +14,9 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.printing import short
 
+LONGEST = 10**8
+"""Largest number of entries of an argument, which would take 800 MB as doubles."""
+
 
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value is one real number; ``True`` and ``False`` are not."""
@@ -31,7 +34,7 @@ def is_finite(value: object) -> TypeGuard[float]:
 
 
 def unusable(value: object) -> str:
-    """Describe what no double and no file can hold: a huge or complex number, or text with half a character.
+    """Describe what no double, file or memory can hold: a huge or complex number, half a character, too many entries.
 
     Entries of tuples, lists, mappings and arrays of objects, and fields of values, are looked at. The answer is ""
     where nothing is found.
@@ -42,6 +45,9 @@ def unusable(value: object) -> str:
         return "a number that is too large; numbers are of at most 1.8e308."
     if isinstance(value, complex | np.complexfloating):
         return f"the complex number {value}; give a real one."
+    entries = value.size if isinstance(value, np.ndarray) else len(value) if isinstance(value, range) else 0
+    if entries > LONGEST:
+        return f"{entries} entries; at most {LONGEST} are taken."
     if isinstance(value, np.ndarray):
         value = value.tolist() if value.dtype.kind in "OcSU" else ()
     if isinstance(value, Mapping):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.checks import number, whole
+from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
+from robotraj._util.printing import brief
 from robotraj._util.values import dataclass
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.robot.root import QUATERNION
@@ -46,11 +50,23 @@ class Perturbed(InitialGuess):
         Seed of NumPy's default generator, combined with the index of the phase.
     spread : float
         Relative size of the perturbations; 0 for none.
+
+    Raises
+    ------
+    InputError
+        There is no guess to perturb, a seed is no integer of 0 or more, or the spread is negative or not finite.
     """
 
     guess: InitialGuess
     seed: int | tuple[int, ...]
     spread: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.guess, InitialGuess):
+            raise InputError(f"Perturbed takes a guess such as rt.guess.StraightLine(), got {brief(self.guess)}.")
+        for each in self.seed if isinstance(self.seed, tuple | list) else [self.seed]:
+            whole("A seed of Perturbed", each, 0, 2**63 - 1)
+        number("The spread of Perturbed", self.spread, 0.0, sys.float_info.max)
 
     def prepared(self, problem: Problem) -> InitialGuess:
         """Prepare the guess that is perturbed."""

@@ -62,3 +62,14 @@ def test_controls_of_a_system_and_free_parameters_vary_inside_their_bounds() -> 
     assert np.ptp(controls[:, 100], axis=0).max() > 0.1
     values = [g.parameters["k"] for g in guesses]
     assert 2.0 <= min(values) < max(values) <= 3.0
+
+
+LINE = rt.guess.StraightLine()
+
+
+@pytest.mark.parametrize(
+    "given", [(3, 0), (LINE, -1), (LINE, (1, 0.5)), (LINE, 0, -1.0), (LINE, 0, np.nan), (LINE, 0, np.inf)]
+)
+def test_what_cannot_be_drawn_is_refused_when_it_is_made(given: tuple[object, ...]) -> None:
+    with pytest.raises(rt.InputError, match="Perturbed"):
+        rt.guess.Perturbed(*given)

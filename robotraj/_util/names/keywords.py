@@ -47,7 +47,7 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
                 raise _refusal(function, keywords, error, package, inner) from None
             _refuse_values(function, arguments, keywords, package)
             raise error
-        except (ValueError, ArithmeticError) as error:
+        except (ValueError, ArithmeticError, MemoryError) as error:
             if not isinstance(error, InputError):
                 _refuse_values(function, arguments, keywords, package)
             raise error

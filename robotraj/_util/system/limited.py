@@ -138,12 +138,16 @@ def serve(answer: Callable[[bytes], bytes]) -> None:
             found, text = False, _TOO_MUCH.encode()
         except Exception as error:
             reason = " ".join(str(error).split())[:200] or type(error).__name__
+            if isinstance(error, _UNCHECKED):
+                reason = f"its content is damaged ({type(error).__name__})"
             found, text = False, (_TOO_MUCH if "bad_alloc" in reason else reason).encode()
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         _send(answers, found, text)
 
 
+_UNCHECKED = (ArithmeticError, AssertionError, AttributeError, LookupError, NameError, RecursionError, TypeError)
+"""Errors of parsers that do not check what they read, whose texts are about the parser."""
 _TOO_MUCH = f"reading it takes more than {MEMORY / 1e6:.0f} MB"
 
 

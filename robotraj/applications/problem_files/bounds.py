@@ -1,7 +1,8 @@
-"""Bounds of a problem file, which are checked before a value is made from it."""
+"""Bounds of a problem file: of its keys before it is read, of the rest before a value is made from it."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from robotraj._util.errors import InputError
@@ -16,8 +17,29 @@ MOST_LETTERS = 4_000
 GREATEST = 10**18
 """Largest whole number."""
 MOST_PHASES = 200
+MOST_ROBOTS = 50
+MOST_INTERVALS = 5_000
+"""Largest number of intervals of a phase."""
 MOST_USES = 10_000
 """Largest number of times that values of ``[define]`` are used."""
+
+
+_QUOTED = re.compile(r'"[^"\n]*"|\'[^\'\n]*\'')
+
+
+def check_keys(text: str, name: str) -> None:
+    """Refuse ``a.b.c...`` of too many parts: Python's reader of TOML keeps every beginning of such a key.
+
+    Raises
+    ------
+    InputError
+        Names the line.
+    """
+    for number, line in enumerate(text.split("\n"), start=1):
+        if line.count(".") > MOST_DEPTH:
+            keys = re.split(r"[^\w.\- \t]+", _QUOTED.sub("k", line))
+            if max(key.count(".") for key in keys) > MOST_DEPTH:
+                raise InputError(f"{name}, line {number}: a key has more than {MOST_DEPTH} parts.")
 
 
 def check_bounds(data: Mapping[str, Data], name: str) -> None:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from robotraj._util.errors import unknown_name
-from robotraj.applications.problem_files.bounds import MOST_PHASES
+from robotraj._util.errors import InputError, unknown_name
+from robotraj.applications.problem_files.bounds import MOST_INTERVALS, MOST_PHASES
 from robotraj.applications.problem_files.kinds import GAITS
 from robotraj.applications.problem_files.lines import Data, Misplaced, Place
 from robotraj.applications.problem_files.narrowing import narrowed
@@ -25,6 +25,7 @@ from robotraj.replay_page.options import ReplayOptions, check_options
 from robotraj.replay_page.write import replay
 from robotraj.robot.robot import Robot
 from robotraj.solvers.checks import above_zero
+from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.witness.validation import ValidationOptions, validate
 
 if TYPE_CHECKING:
@@ -105,6 +106,11 @@ def _plan(table: dict[str, Data], reader: Reader) -> PlanOptions:
         above_zero("time_limit", options["time_limit"], "s")
     if options.get("memory_limit") is not None:
         above_zero("memory_limit", options["memory_limit"], "MB")
+    mesh = options.get("mesh")
+    for each in mesh if isinstance(mesh, Sequence) else [mesh]:
+        count = len(each.knots) - 1 if isinstance(each, Mesh) else 0
+        if count > MOST_INTERVALS:
+            raise InputError(f"mesh has {count} intervals; a file has at most {MOST_INTERVALS} for a phase.")
     return options
 
 

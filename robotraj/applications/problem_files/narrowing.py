@@ -10,7 +10,7 @@ from typing import TypeVar
 from robotraj._util.errors import InputError, UnknownName
 from robotraj.applications.problem_files.lines import Data, Misplaced, Place
 
-SECONDS = 5.0
+SECONDS = 2.0
 """Processor time after which no smaller place is searched for."""
 
 LABELS = ("name", "type", "robot")

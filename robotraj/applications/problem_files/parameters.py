@@ -10,7 +10,7 @@ from functools import cache
 from types import ModuleType
 
 from robotraj._util.values import dataclass
-from robotraj.solution.storage.classes import CLASSES, split
+from robotraj.solution.storage.classes import BASES, split
 
 Maker = Callable[..., object]
 """A class or a function that makes a value from keyword arguments."""
@@ -25,7 +25,7 @@ PATHS = ("Path", "PathLike")
 LISTED = (*SEQUENCES, "ndarray", "ArrayLike", ANYTHING)
 
 _DEPTH = 8
-_KNOWN = {name for kind in CLASSES.values() for name in (base.__name__ for base in kind.__mro__)} - {"object"}
+_KNOWN = BASES - {"object"}
 
 
 @dataclass(frozen=True)

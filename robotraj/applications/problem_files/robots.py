@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import cast
 
 from robotraj._util.errors import unknown_name
+from robotraj.applications.problem_files.bounds import MOST_ROBOTS
 from robotraj.applications.problem_files.kinds import KINDS
 from robotraj.applications.problem_files.lines import Data, Misplaced, Place
 from robotraj.applications.problem_files.narrowing import narrowed
@@ -36,6 +37,8 @@ def robots_of(data: Mapping[str, Data], reader: Reader) -> dict[str, Robot]:
     if not isinstance(several, dict):
         raise Misplaced(("robots",), "is a table of robots by name, [robots.NAME].")
     tables += [(name, ("robots", name), entry) for name, entry in several.items()]
+    if len(tables) > MOST_ROBOTS:
+        raise Misplaced(("robots",), f"has {len(tables)} robots; a file has at most {MOST_ROBOTS}.")
     if not tables:
         raise Misplaced((), 'names no robot: add [robot] with source = "a name or a URDF file".')
     robots: dict[str, Robot] = {}

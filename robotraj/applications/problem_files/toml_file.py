@@ -13,7 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.paths import input_path
 from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
-from robotraj.applications.problem_files.bounds import MOST_BYTES, check_bounds
+from robotraj.applications.problem_files.bounds import MOST_BYTES, check_bounds, check_keys
 from robotraj.applications.problem_files.lines import Data, Misplaced, line_of, lines_of, named
 
 if sys.version_info >= (3, 11):
@@ -69,6 +69,7 @@ def read_toml(path: str | os.PathLike[str], what: str) -> TomlFile:
         number = 1 + content[: error.start].count(b"\n")
         raise InputError(f"{source.name}, line {number}: this is no UTF-8 text; save the file as UTF-8.") from error
     text = text.replace("\r\n", "\n")
+    check_keys(text, source.name)
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits are ValueErrors

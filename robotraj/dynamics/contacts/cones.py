@@ -44,7 +44,7 @@ class SecondOrder(FrictionCone):
 
     def rows(self, friction: float, normal: Scalar, first: Scalar, second: Scalar) -> list[Scalar]:
         """Evaluate the row."""
-        return [friction**2 * normal * normal - first * first - second * second]
+        return [friction * friction * normal * normal - first * first - second * second]
 
 
 @dataclass(frozen=True)

@@ -130,10 +130,11 @@ def as_bounds(value: object, names: Sequence[str], what: str, kind: str = "joint
     n = len(names)
     if _is_mapping(value):
         lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
+        places = {name: i for i, name in enumerate(names)}
         for name, entry in value.items():
-            if name not in names:
+            if name not in places:
                 raise unknown_name(kind, name, names, f"It was used in the {what}.")
-            i = list(names).index(name)
+            i = places[name]
             low, high = _pair(entry, f"{what} of {kind} {name!r}")
             if np.size(low) != 1 or np.size(high) != 1:
                 raise InputError(

@@ -46,7 +46,8 @@ def _by_coal(data: bytes, suffix: str) -> MeshArrays:
     file = Path(f"mesh{suffix}")
     file.write_bytes(data)
     try:
-        mesh = coal.MeshLoader().load(str(file), np.ones(3))
+        # The tree of boxes is not used, and this one is built soonest.
+        mesh = coal.MeshLoader(coal.BV_AABB).load(str(file), np.ones(3))
     except ValueError as error:  # with the place in its own source
         reason = str(error).rpartition("message: ")[2].partition("Hint:")[0]
         raise ValueError(reason.replace(f"file {file}", "it").replace(f"resource {file}", "it:")) from error

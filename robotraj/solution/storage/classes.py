@@ -50,6 +50,7 @@ from robotraj.gait.bounds.upright import RootHeight, Upright
 from robotraj.gait.posture import FixedPosture, Haste, SquaredAccelerations
 from robotraj.gait.repetition import DurationRatio
 from robotraj.gait.stepping.foothold_arcs import FootholdArc, TimedArc
+from robotraj.guess.paths.planner import PathPlanner
 from robotraj.native.engines.base import VirtualMachine
 from robotraj.native.engines.compiled import Compiled
 from robotraj.native.engines.native import Native
@@ -75,6 +76,7 @@ from robotraj.problem.constraints.task_space.region import PoseRegion
 from robotraj.problem.constraints.task_space.tool_motion import FrameAcceleration, FrameSpeed
 from robotraj.problem.constraints.task_space.tool_path import CircularPath, LinearPath
 from robotraj.problem.constraints.variable_bounds import VariableBounds
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.links.continuity import Continuity, Jump
 from robotraj.problem.links.linkage import EqualDuration, Linkage, SameParameter
 from robotraj.problem.links.periodic import Mirror, Periodic
@@ -257,7 +259,7 @@ def mismatch(kind: type, given: Mapping[str, object]) -> str | None:
 def fits(value: object, annotation: str) -> bool:
     """Whether a value has one of the types of an annotation such as ``"float | tuple[str, ...] | None"``.
 
-    Names that are neither plain types nor classes of the allow-list accept every value.
+    Names that are neither plain types nor in ``BASES`` accept every value.
     """
     return any(_fits_one(value, part) for part in split(annotation, "|"))
 
@@ -272,7 +274,7 @@ def _fits_one(value: object, part: str) -> bool:
         return right and (not inside or _entries_fit(value, split(inside, ",")))
     if name == "Callable":
         return callable(value)
-    if name in _BASES:
+    if name in BASES:
         return any(base.__name__ == name for base in type(value).__mro__)
     return True
 
@@ -299,4 +301,7 @@ def split(annotation: str, separator: str) -> list[str]:
     return [part.strip() for part in parts]
 
 
-_BASES = frozenset(base.__name__ for kind in (*CLASSES.values(), *ENUMS.values()) for base in kind.__mro__)
+GUESSES: tuple[type, ...] = (InitialGuess, PathPlanner)
+"""Bases of what a problem file may state and a saved solution does not hold."""
+BASES = frozenset(base.__name__ for kind in (*CLASSES.values(), *ENUMS.values(), *GUESSES) for base in kind.__mro__)
+"""Names of classes that values are compared with, where an annotation names them."""

@@ -144,6 +144,13 @@ def test_a_file_runs_no_command_and_loads_no_library(solver: str, tmp_path: Path
     assert f"plan.{key}" in message_of(UR5.replace("[plan]", f"[plan]\n{key} = {solver}"), tmp_path)
 
 
+@pytest.mark.parametrize("value", ["3", '{ type = "Box", sides = [1, 1, 1] }'])
+@pytest.mark.parametrize("guess", ['type = "Perturbed", seed = 1, guess', 'type = "GeometricPath", planner'])
+def test_a_part_of_a_guess_has_the_kind_that_its_class_states(guess: str, value: str, tmp_path: Path) -> None:
+    message = message_of(UR5.replace("[plan]", f"[plan]\nguess = {{ {guess} = {value} }}"), tmp_path)
+    assert "plan.guess." in message and "takes " in message
+
+
 @pytest.mark.parametrize(
     ("added", "message"),
     [
@@ -166,6 +173,10 @@ def test_a_file_runs_no_command_and_loads_no_library(solver: str, tmp_path: Path
             "more than 10000 times",
         ),
         ("[[phases]]\nduration = 1.0\n" * 300, "has 301 phases; a file has at most 200"),
+        ("".join(f'[robots.r{i}]\nsource = "ur5"\n' for i in range(300)), "has 301 robots; a file has at most 50"),
+        ("[plan]\nmesh = { intervals = 100000 }", "mesh has 100000 intervals; a file has at most 5000"),
+        ("x." + "a." * 20_000 + "b = 1", "line 1: a key has more than 32 parts"),
+        ("x = { a" + ' . "a.b"' * 40 + " = 1 }", "line 1: a key has more than 32 parts"),
     ],
 )
 def test_a_file_is_bounded(added: str, message: str, tmp_path: Path) -> None:

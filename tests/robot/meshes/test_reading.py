@@ -88,6 +88,10 @@ REFUSED = {
     "point.stl": (stl(0.0 * CORNERS), ""),
     "short.dae": (dae()[:700], ""),
     "header.glb": (b"glTF" + struct.pack("<IIII", 2, 20, 0xFFFFFFF0, 0x4E4F534A), ""),
+    "fields.glb": (
+        b"glTF" + struct.pack("<IIII", 2, 52, 32, 0x4E4F534A) + b'{"meshes":[{"primitives":1}]}   ',
+        "damaged",
+    ),
     "vertices.ply": (b"ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n0\n", ""),
     "other.gltf": (b"{}", "format .gltf is none of"),
     "other.blend": (b"BLENDER_v277", "format .blend is none of"),
