@@ -5,6 +5,7 @@ A message names the fault, its place, the valid choices and the remedy, in that 
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Callable, Iterable
@@ -84,8 +85,10 @@ def require_solution(value: object, what: str) -> None:
     """
     parts = getattr(value, "phases", None)
     if parts is None or not all(hasattr(part, "phase") for part in parts):
-        best = " Its .best is one." if hasattr(type(value), "best") else ""
-        raise InputError(f"{what} takes a solution that rt.plan returned; got {type(value).__name__}.{best}")
+        advice = " Its .best is one." if hasattr(type(value), "best") else ""
+        if isinstance(value, str | os.PathLike):
+            advice = f" rt.load_solution({os.fspath(value)!r}) reads a saved one."
+        raise InputError(f"{what} takes a solution that rt.plan returned; got {type(value).__name__}.{advice}")
 
 
 def unknown_name(kind: str, name: object, valid: Iterable[str], advice: str = "") -> UnknownName:

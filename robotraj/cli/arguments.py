@@ -84,15 +84,15 @@ def duration_of(text: str) -> float | tuple[float, float]:
     """Read ``"2"`` or ``"0.5:3"`` [s]."""
     least, separator, greatest = text.partition(":")
     if not separator:
-        return _number(text, "--duration")
+        return _number(text, "--duration", " such as 2, or least and greatest as in 0.5:3 [s]")
     return _number(least, "--duration"), _number(greatest, "--duration")
 
 
-def _number(text: str, option: str) -> float:
+def _number(text: str, option: str, such_as: str = " such as 1.57; a comma separates two, as in 0,1.57") -> float:
     try:
         value = float(text)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise InputError(f"{option} has {text!r}, which is no number; give a number such as 1.57.")
+        raise InputError(f"{option} has {text!r}, which is no number; give a number{such_as}.")
     return value

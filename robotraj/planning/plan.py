@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
@@ -208,6 +209,8 @@ def plan(
         advice = (
             " rt.sweep plans each of several; rt.Problem(phases, links) makes one motion of them." if several else ""
         )
+        if isinstance(given, str | os.PathLike):
+            advice = f" rt.load_problem({os.fspath(given)!r}).plan() plans a problem file."
         if isinstance(given, Robot):
             advice = " A motion of it is rt.Phase(robot, duration, start=rt.State(...), end=rt.State(...))."
         raise InputError(f"rt.plan takes an rt.Problem or an rt.Phase; got {type(given).__name__}.{advice}")

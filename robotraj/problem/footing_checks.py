@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
 from robotraj.dynamics.kinematics import KinematicBody
@@ -21,8 +21,10 @@ from robotraj.problem.constraints.base import Where, symbols_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import SLACK, Ends
 from robotraj.problem.rows import RowTable
+from robotraj.robot.loading.other_units import in_other_unit, seems_other
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
+from robotraj.robot.size.reach import reach
 
 Array = NDArray[np.float64]
 
@@ -61,7 +63,13 @@ def check_contacts(
         A contact does not hold at an end, or the root must turn by more than half a turn while several feet are held.
         The message names the contact, the row with its value, and the end. Without contacts, gravity gives the robot
         another speed than the ends have.
+
+    Warns
+    -----
+    UserWarning
+        A sole, an arc or an offset of a contact is plausible in millimetres only.
     """
+    _warn_of_sizes(table.phase, robot, contacts)
     if not contacts and not isinstance(table.body, KinematicBody):
         _check_fall(table.phase, robot, durations, ends)
     if not any(contact.holds for contact in contacts):
@@ -123,6 +131,19 @@ def _check_turn(phase: str, robot: Robot, contacts: Sequence[BoundContact], ends
             f"{len(frames)} feet are held. A quaternion and its negative are one attitude, a full turn apart. Negate "
             "the end quaternion to select the nearer one, or turn the robot in a phase without these contacts."
         )
+
+
+def _warn_of_sizes(phase: str, robot: Robot, contacts: Sequence[BoundContact]) -> None:
+    """Warn of the first contact that touches farther from its frame than the robot reaches."""
+    span = reach(robot.model) if contacts else 0.0
+    for contact in contacts:
+        away = max((max(*np.abs(spot.offset), spot.radius) for spot in contact.outline()), default=0.0)
+        if seems_other(away, span, "m"):
+            warn(
+                f"Phase {phase!r}: the contact {contact.name!r} touches the ground {away:.4g} m from its frame, and "
+                f"{robot.name!r} reaches {span:.2g} m. {in_other_unit(away, 'm')}"
+            )
+            return
 
 
 def _check_fall(phase: str, robot: Robot, durations: tuple[float, float], ends: Ends) -> None:

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.errors import InputError, unknown_name, warn
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.limits import concatenated
 from robotraj.robot.loading.joined import JoinedGeometry, JoinedPart, joined_model
@@ -40,6 +40,11 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
     InputError
         Fewer than two robots, a root that moves, another gravity, or an impossible pose.
 
+    Warns
+    -----
+    UserWarning
+        Two roots are in the same place.
+
     Examples
     --------
     >>> ur5 = rt.load("ur5")
@@ -66,6 +71,11 @@ def join(robots: Mapping[str, Robot], at: Mapping[str, Pose] | None = None) -> R
         JoinedPart(f"{name}_", robot.model, robot.geometry, *_pose(name, poses.get(name, (0.0, 0.0, 0.0))))
         for name, robot in robots.items()
     )
+    for i, part in enumerate(parts):
+        beside = [each.prefix[:-1] for each in parts[:i] if each.position == part.position]
+        if beside:
+            name = part.prefix[:-1]
+            warn(f"{beside[0]!r} and {name!r} stand in the same place; at={{{name!r}: (x, y, z)}} moves one [m].")
     every = tuple(robots.items())
 
     def names(which: str) -> tuple[str, ...]:

@@ -6,10 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 
 LARGEST = np.iinfo(np.intc).max
 """Largest count: solvers count with C's int."""
+
+
+LOOSEST = 0.1
+"""Largest optimality tolerance: above it nothing is optimal."""
 
 
 def no_mapping(solver: str, value: object) -> None:
@@ -21,10 +26,14 @@ def no_mapping(solver: str, value: object) -> None:
         )
 
 
-def above_zero(name: str, value: object, unit: str = "") -> None:
-    """Raise an InputError unless ``value`` is a real number above 0; ``name`` as in ``"Ipopt(tolerance)"``."""
-    if not isinstance(value, float | int | np.floating | np.integer) or isinstance(value, bool) or not value > 0:
-        raise InputError(f"{name} must be a number above 0{unit and ' '}{unit}, got {value!r}.")
+def above_zero(name: str, value: object, unit: str = "", most: float = np.inf) -> None:
+    """Raise an InputError unless ``value`` is a real number above 0 and at most ``most``.
+
+    The name is as in ``"Ipopt(tolerance)"``.
+    """
+    if not is_number(value) or not 0 < value <= most:
+        below = f" and at most {most:g}" if most < np.inf else ""
+        raise InputError(f"{name} must be a number above 0{below}{unit and ' '}{unit}, got {value!r}.")
 
 
 def counted(name: str, value: object) -> None:

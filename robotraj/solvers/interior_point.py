@@ -40,7 +40,7 @@ from robotraj.solvers.base import (
     Progress,
     Solver,
 )
-from robotraj.solvers.checks import above_zero, counted, no_mapping
+from robotraj.solvers.checks import LOOSEST, above_zero, counted, no_mapping
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
 from robotraj.solvers.fallback import fall_back
 from robotraj.solvers.formulation import BARRIER, Formulation, assembled, first_barrier, formulate, options
@@ -123,7 +123,7 @@ class InteriorPoint(Solver):
 
     def __post_init__(self) -> None:
         no_mapping("InteriorPoint", self.tolerance)
-        above_zero("InteriorPoint(tolerance)", self.tolerance)
+        above_zero("InteriorPoint(tolerance)", self.tolerance, most=LOOSEST)
         counted("InteriorPoint(max_iterations)", self.max_iterations)
         if self.time_limit is not None:
             above_zero("InteriorPoint(time_limit)", self.time_limit, "s")

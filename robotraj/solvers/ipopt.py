@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field, replace
+from re import sub
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -26,7 +27,7 @@ from robotraj.solvers.base import (
     Progress,
     Solver,
 )
-from robotraj.solvers.checks import above_zero, counted, named_options, no_mapping
+from robotraj.solvers.checks import LOOSEST, above_zero, counted, named_options, no_mapping
 from robotraj.solvers.ipopt_callback import IterationCallback
 from robotraj.solvers.status import Status
 
@@ -103,7 +104,7 @@ class Ipopt(Solver):
 
     def __post_init__(self) -> None:
         no_mapping("Ipopt", self.tolerance)
-        above_zero("Ipopt(tolerance)", self.tolerance)
+        above_zero("Ipopt(tolerance)", self.tolerance, most=LOOSEST)
         counted("Ipopt(max_iterations)", self.max_iterations)
         if self.time_limit is not None:
             above_zero("Ipopt(time_limit)", self.time_limit, "s")
@@ -214,8 +215,11 @@ class Ipopt(Solver):
                 },
             )
         except RuntimeError as error:
-            reason = " ".join(str(error).split())[-200:].rstrip(".")
-            raise InputError(f"IPOPT refuses the options {dict(self.options)!r}: {reason}.") from error
+            told = sub(r"\S+\.[ch]pp:\d+: (Error calling \S+ for \S+ )?", "", " ".join(str(error).split()))
+            raise InputError(
+                f"IPOPT refuses the options {dict(self.options)!r}: {told[-200:].rstrip('.')}. Its manual lists them; "
+                "iterations and seconds are max_iterations= and time_limit= of rt.Ipopt."
+            ) from error
         arguments = {
             "x0": nlp.guess / nlp.scale,
             "lbx": nlp.variables.lower / nlp.scale,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pickle
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import casadi as ca
 import pytest
@@ -103,6 +104,16 @@ def test_a_warning_skips_the_frames_of_context_managers() -> None:
             warn("first")
         context()(warn)("second")
     assert [each.filename for each in caught] == [__file__, __file__]
+
+
+@pytest.mark.parametrize(
+    ("call", "advice"),
+    [(rt.validate, r"rt\.load_solution\('a\.npz'\)"), (rt.plan, r"rt\.load_problem\('a\.npz'\)\.plan\(\)")],
+)
+def test_a_path_in_place_of_a_value_names_the_call_that_reads_it(call: Callable[..., object], advice: str) -> None:
+    for path in ("a.npz", Path("a.npz")):
+        with pytest.raises(rt.InputError, match=advice):
+            call(path)
 
 
 def test_names_that_differ_in_capitals_or_by_one_word_are_near() -> None:

@@ -179,6 +179,8 @@ def test_show_prints_joints_limits_and_frames() -> None:
         (["plan", "block", "--to", "1", "--duration", "soon"], "--duration has 'soon'"),
         (["plan", "block", "--to", "1", "--duration", "3:1"], "lower bound lies above"),
         (["plan", "block", "--to", "50"], "outside its position limit"),
+        (["plan", "ur5", "--to", "1 -1 1 0 0 0"], "a comma separates two, as in 0,1.57"),
+        (["plan", "block", "--to", "1", "--duration", "0.5-3"], "least and greatest as in 0.5:3"),
         (["plan", "block", "--to", "1", "--no-limits", "--effort", "2"], "give it without --velocity and --effort"),
         (["plan", "block", "--to", "1", "--intervals", "0"], "a whole number from 1"),
         (["plan", "double_pendulum", "--to", "1,1"], "Joints 'joint1', 'joint2' cannot be planned"),

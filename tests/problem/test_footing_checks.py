@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,13 @@ def test_a_foot_that_is_not_on_the_ground_names_the_root_where_it_is_fixed(root:
         stand = rt.State(q=dog.neutral, v=0)
         rt.plan(rt.Phase(dog, 1.0, stand, stand, rt.Effort(), contacts=[rt.PointContact("FL_FOOT")]), rt.Mesh(4))
     assert ("root='floating'" in str(caught.value)) == (root == "fixed")
+
+
+@pytest.mark.parametrize("size", [0.1, 100.0])
+def test_a_sole_in_millimetres_is_doubted(size: float) -> None:
+    robot = rt.load("talos_legs", root="floating")
+    foot = rt.FlatFoot("left_sole_link", length=2 * size, width=size)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rt.Phase(robot, 1.0, objective=rt.Effort(), contacts=[foot])
+    assert any("100 mm are 0.1 m" in str(each.message) for each in caught) == (size == 100.0)

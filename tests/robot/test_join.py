@@ -29,8 +29,15 @@ def test_names_limits_and_losses_are_those_of_the_parts(pair):
 
 def test_friction_of_the_whole_is_as_narrow_as_that_of_a_part_with_some():
     ur5, z1, go1 = (rt.load(name) for name in ("ur5", "z1", "go1"))
-    assert rt.robot.join({"dog": go1, "arm": ur5}).friction_speed == go1.friction_speed
-    assert rt.robot.join({"dog": go1, "arm": z1}).friction_speed == z1.friction_speed
+    beside = {"arm": (1.0, 0.0, 0.0)}
+    assert rt.robot.join({"dog": go1, "arm": ur5}, at=beside).friction_speed == go1.friction_speed
+    assert rt.robot.join({"dog": go1, "arm": z1}, at=beside).friction_speed == z1.friction_speed
+
+
+def test_robots_in_the_same_place_are_warned_of():
+    ur5 = rt.load("ur5")
+    with pytest.warns(UserWarning, match="'left' and 'right' stand in the same place; at="):
+        rt.robot.join({"left": ur5, "right": ur5})
 
 
 def test_dynamics_of_a_part_do_not_depend_on_the_other(pair):

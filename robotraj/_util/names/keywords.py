@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from inspect import Parameter, isfunction, signature
 from traceback import walk_tb
 from typing import Any
+
+import numpy as np
 
 from robotraj._util.checks import unusable
 from robotraj._util.errors import InputError, unknown_name
@@ -22,7 +24,8 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
     """Return a function that refuses arguments which do not fit, and otherwise calls the given one.
 
     Signature, documentation and annotations are those of the given function. A call that fits costs one more frame.
-    A constructor also refuses lists and arrays where its annotations state text: a value must have a hash.
+    A constructor also refuses what is certainly not of a kind that its annotations state, so that a wrong value is
+    found where it is given, and every value has a hash.
 
     Parameters
     ----------
@@ -31,7 +34,6 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
         Public package of the function, by which pickles refer to it; "" keeps the function's own module.
     """
     fields = _plain_fields(function) if function.__name__ == "__init__" else []
-    texts = [(place, name) for place, name, kind in fields if kind == "str"]
 
     @wraps(function)
     def call(*arguments: object, **keywords: object) -> object:
@@ -51,10 +53,11 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
             if not isinstance(error, InputError):
                 _refuse_values(function, arguments, keywords, package)
             raise error
-        for place, name in texts:
-            value = arguments[place] if place < len(arguments) else keywords.get(name)
-            if getattr(type(value), "__hash__", None) is None:
-                raise _another_kind(name, "str", value, function, package)
+        for place, name, kind, misfits in fields:
+            if place < len(arguments) or name in keywords:
+                value = arguments[place] if place < len(arguments) else keywords[name]
+                if misfits(value):
+                    raise _another_kind(name, kind, value, function, package)
         if type(found) not in _returned:
             _guard_value(found)
         return found
@@ -133,23 +136,53 @@ def _refusal(
     return WrongArguments(f"{name} is called as {name}({call}); this call is wrong: {error}.")
 
 
-_KINDS = {"str": "text", "float": "a number", "int": "a whole number", "bool": "True or False"}
-"""Annotations that are compared with the values given."""
+_KINDS = {"str": "text", "float": "a number", "int": "a whole number", "bool": "True or False", "numbers": "numbers"}
+"""What a message calls the kinds of annotations that are compared with the values given."""
+_ONE = frozenset({"float", "int", "bool"})
+_SEVERAL = frozenset(
+    {"Array", "ArrayLike", "BoundsLike", "Pose", "PoseLike", "Quaternion", "SideLike", "Triple", "WeightsLike"}
+    | {"Sequence[float]", "tuple[float,float]", "tuple[float,float,float]", "tuple[float,...]"}
+)
+"""Annotations of numbers, symbols, and lists or mappings of these."""
+
+Field = tuple[int, str, str, Callable[[object], bool]]
+"""Place, name and kind of a parameter, and what tells whether a value is certainly not of that kind."""
 
 
-def _plain_fields(function: Callable[..., Any]) -> list[tuple[int, str, str]]:
-    """Return place, name and annotation of the parameters that take text, one number or a truth value."""
+def _plain_fields(function: Callable[..., Any]) -> list[Field]:
+    """Return the parameters that take text, numbers or a truth value; their annotations are texts."""
     code = function.__code__
-    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
-    kinds = [(i, name, function.__annotations__.get(name)) for i, name in enumerate(names)]
-    return [(i, name, kind) for i, name, kind in kinds if isinstance(kind, str) and kind in _KINDS]
+    fields: list[Field] = []
+    for i, name in enumerate(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]):
+        stated = function.__annotations__.get(name)
+        kinds = set(stated.replace(", ", ",").split(" | ")) if isinstance(stated, str) else set()
+        optional = "None" in kinds
+        kinds.discard("None")
+        if kinds == {"str"}:
+            fields.append((i, name, "str", partial(_no_text, optional)))
+        elif len(kinds) == 1 and kinds <= _ONE:
+            fields.append((i, name, kinds.pop(), partial(_no_number, optional)))
+        elif kinds and kinds <= _SEVERAL | {"float"}:
+            fields.append((i, name, "numbers", _holds_text))
+    return fields
 
 
-def _misfits(kind: str, value: object) -> bool:
-    """Whether a value is certainly not of a kind; symbols and arrays of one entry may stand for numbers."""
-    if kind == "str":
-        return not isinstance(value, str)
-    return isinstance(value, str | bytes | dict | list | tuple | set | None)
+def _no_text(optional: bool, value: object) -> bool:
+    return not (isinstance(value, str) or (optional and value is None))
+
+
+def _no_number(optional: bool, value: object) -> bool:
+    """Whether a value is certainly no number; symbols and arrays of one entry may stand for numbers."""
+    return isinstance(value, str | bytes | dict | list | tuple | set) or (value is None and not optional)
+
+
+def _holds_text(value: object) -> bool:
+    """Whether text stands where numbers are due: alone, in a list or array, or as a value of a mapping."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    elif isinstance(value, np.ndarray):
+        value = value.ravel().tolist() if value.dtype.kind in "OSU" else ()
+    return isinstance(value, str | bytes) or (isinstance(value, list | tuple) and any(map(_holds_text, value)))
 
 
 def _another_kind(
@@ -167,8 +200,8 @@ def _refuse_values(
     This names the cause of an error that Python or NumPy raised in a call that fits.
     """
     given = signature(function).bind(*arguments, **keywords).arguments
-    for _, argument, kind in _plain_fields(function) if isfunction(function) else ():
-        if argument in given and _misfits(kind, given[argument]):
+    for _, argument, kind, misfits in _plain_fields(function) if isfunction(function) else ():
+        if argument in given and misfits(given[argument]):
             raise _another_kind(argument, kind, given[argument], function, package)
     for argument, value in given.items():
         wrong = unusable(value)

@@ -17,6 +17,7 @@ _MEANINGS = tuple(
     a acceleration accelerations acc ddq qdd qddot
     tau effort torque torques joint_torques
     forces force wrench contact_forces
+    contacts forces external_forces thrusters
     position center centre origin xyz pos translation location
     quaternion orientation rotation quat rot rpy euler
     sides size sizes extents half_extents dimensions dims

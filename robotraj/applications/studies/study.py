@@ -282,8 +282,12 @@ class Study(OneLine):
         spent = f"{np.sum(seconds):.4g} s of processor time, {np.max(seconds, initial=0.0):.3g} s the slowest"
         proved = sum(bool(each) for each in table.column("proved").to_pylist())
         rest = f"{len(self.missing)} missing"
+        first: dict[str, str] = {}
+        for row in table.filter(_not(table.column("success"))).select(["status", "message"]).to_pylist():
+            first.setdefault(row["status"], f", the first one: {row['message']}" if row["message"] else "")
         return f"study of {table.num_rows} plans, {proved} proved, {rest}; {spent}\n" + "\n".join(
-            f"  {status}: {count}" for status, count in sorted(counts.items(), key=lambda each: -each[1])
+            f"  {status}: {count}{first.get(status, '')}"
+            for status, count in sorted(counts.items(), key=lambda each: -each[1])
         )
 
 

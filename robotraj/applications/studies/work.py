@@ -16,11 +16,11 @@ from robotraj._util.values import dataclass
 from robotraj.applications.many.case_limits import CaseLimits
 from robotraj.applications.many.failure import Failure, failure_of
 from robotraj.applications.many.libraries.neighbours import Neighbours
+from robotraj.applications.many.posed import posed
 from robotraj.applications.many.processes import WorkerDied, kept
 from robotraj.applications.studies.rows import Row, drift_of, row_of
 from robotraj.applications.studies.store import Store
 from robotraj.planning.plan import plan
-from robotraj.problem.problem import Problem
 from robotraj.solution.released import released
 
 if TYPE_CHECKING:
@@ -89,13 +89,12 @@ def planned(recipe: Recipe, key: str, case: Case) -> Row:
 
 def _found(recipe: Recipe, case: Case) -> Solution:
     """Plan a case, from the nearest one that this process has solved where the study is a chain."""
-    posed = recipe.make(case)
+    problem = posed(recipe.make, case)
     if recipe.ranges is None:
-        return plan(posed, check=False, progress=False, **recipe.options)
+        return plan(problem, check=False, progress=False, **recipe.options)
     words = tuple(value for name, value in case.items() if name not in recipe.ranges)
     near = recipe.solved.setdefault(words, Neighbours(recipe.ranges))
     numbers = {name: float(case[name]) for name in recipe.ranges}
-    problem = posed if isinstance(posed, Problem) else Problem([posed])
     found = near.plan(cast("GuessedChoices", recipe.options), problem, numbers)
     if found.success:
         near.add(numbers, found)

@@ -19,6 +19,7 @@ from robotraj.gait.stepping.stances import FeetOverlap
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import standing
 from robotraj.problem.problem import Problem
+from robotraj.robot.loading.other_units import doubt_of_unit
 from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -119,6 +120,7 @@ def turn(robot: Robot, *, angle: float, count: int | None = None, **options: Unp
     if not abs(whole) < np.pi:
         raise InputError(
             f"rt.gait.turn(angle) is {whole:g} rad; give less than half a turn, and plan longer ones in parts."
+            f"{doubt_of_unit(whole, -np.pi, np.pi, 'rad')}"
         )
     _check_space(robot, 2 if count is None else count, "turn")
     groups, home = alternating(robot, options)

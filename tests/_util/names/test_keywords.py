@@ -107,7 +107,13 @@ OTHER_KINDS = {
     "name= of PathConstraint must be text": lambda: rt.PathConstraint(lambda p: p.q[0], 0.0, 1.0, name=["lift"]),
     "unit= of IntegralConstraint must be text": lambda: rt.constraints.IntegralConstraint(abs, 0.0, 1.0, "a", unit=[]),
     "friction of PointContact 'foot' is .*; give a positive number": lambda: rt.PointContact("foot", [0.7]),
-    "'lift' has a bound that is 'low'": lambda: move_with(rt.PathConstraint(lambda p: p.q[0], "low", name="lift")),
+    "lower= of PathConstraint must be numbers; got 'low'": lambda: rt.PathConstraint(lambda p: p.q[0], "low"),
+    "axis= of FrameAxis must be numbers": lambda: rt.constraints.FrameAxis("tip", axis="z"),
+    "first= of LinearPath must be numbers": lambda: rt.constraints.LinearPath("tip", ["0", 0, 0], (1, 0, 0)),
+    "weights= of Effort must be numbers": lambda: rt.Effort(weights={"pole": "high"}),
+    "axis= of Turning must be numbers": lambda: rt.gait.Turning(axis="y"),
+    "duration= of StraightLine must be a number": lambda: rt.guess.StraightLine("2 s"),
+    "angular= of CentroidalMomentum must be numbers": lambda: rt.objectives.CentroidalMomentum(angular="x"),
     "terminal pose of frame 'tip' must be": lambda: rt.objectives.TerminalPose("tip", None).check(MOVE.body, ()),
     "dynamics= of phase 'phase' is .*Forces on the robot go into contacts=": lambda: MOVE.with_(
         dynamics=rt.ExternalForce("pole", lambda place: [0.0, 0.0, 0.0])

@@ -146,6 +146,7 @@ def test_a_case_that_raises_or_ends_its_process_is_a_row(tmp_path: Path) -> None
     study = rt.sweep(faulty, cases(5), store=tmp_path, **OPTIONS)
     rows = {round(row["case_T"], 1): row for row in study.table.to_pylist()}
     assert [rows[t]["success"] for t in (1.0, 1.1, 1.2, 1.3, 1.4)] == [True, False, False, True, True]
+    assert "error: 1, the first one: FailedExpression: make(case) failed: LookupError: no such thing" in str(study)
     assert "LookupError" in rows[1.1]["message"] and rows[1.2]["status"] == Status.DIED.value
     with pytest.raises(rt.InputError, match="has no motion"):
         study.motion(rows[1.1]["key"])

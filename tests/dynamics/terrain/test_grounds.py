@@ -151,6 +151,11 @@ def test_a_height_map_takes_the_places_of_its_samples() -> None:
     assert cubic.height(1.3, 2.2) == pytest.approx(1.3**3, abs=1e-12)
 
 
+def test_a_slope_in_degrees_or_percent_is_doubted():
+    with pytest.warns(UserWarning, match=r"10 degrees are 0\.1763, 10 percent 0\.1\."):
+        rt.terrain.Slope(10.0)
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [

@@ -13,6 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.applications.many.one_of_many import check_options, continued, planned
+from robotraj.applications.many.posed import as_problem, made
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.errors import NoSolutionFound
@@ -164,9 +165,9 @@ class _Design:
 
 def _planned(make: Make, case: Mapping[str, float], last: _Design | None, options: GuessedChoices) -> _Design:
     """Plan the motions of a design, from those of the last one."""
-    posed = _posed(make(case))
+    problems = _posed(make, case)
     solutions = []
-    for i, problem in enumerate(posed):
+    for i, problem in enumerate(problems):
         near = None if last is None else last.solutions[i]
         found = planned(options, problem, keep_program=True) if near is None else continued(options, problem, near)
         if not found.success:
@@ -174,15 +175,15 @@ def _planned(make: Make, case: Mapping[str, float], last: _Design | None, option
         solutions.append(found)
 
     def slope(name: str, i: int) -> float:
-        return solutions[i].sensitivity(lambda h: _posed(make({**case, name: case[name] + h}))[i])
+        return solutions[i].sensitivity(lambda h: _posed(make, {**case, name: case[name] + h})[i])
 
-    gradient = np.array([sum(slope(name, i) for i in range(len(posed))) for name in case])
+    gradient = np.array([sum(slope(name, i) for i in range(len(problems))) for name in case])
     return _Design(case, tuple(solutions), sum(each.objective for each in solutions), gradient)
 
 
-def _posed(given: Posed | Sequence[Posed]) -> list[Problem]:
-    every = [given] if isinstance(given, Problem | Phase) else list(given)
-    return [each if isinstance(each, Problem) else Problem([each]) for each in every]
+def _posed(make: Make, case: Mapping[str, float]) -> list[Problem]:
+    given = made(make, case)
+    return [as_problem(each) for each in (given if isinstance(given, list | tuple) else [given])]
 
 
 def _ranges(numbers: Mapping[str, tuple[float, float]]) -> tuple[list[str], Array, Array]:

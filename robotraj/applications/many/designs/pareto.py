@@ -11,6 +11,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, table
 from robotraj._util.values import dataclass
 from robotraj.applications.many.one_of_many import check_options, continued, planned
+from robotraj.applications.many.posed import posed
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.errors import NoSolutionFound
@@ -147,8 +148,7 @@ def pareto(
 def _point(
     make: Callable[[float], Problem | Phase], weight: float, near: Solution | None, options: GuessedChoices
 ) -> FrontPoint:
-    posed = make(weight)
-    problem = posed if isinstance(posed, Problem) else Problem([posed])
+    problem = posed(make, weight)
     found = planned(options, problem, keep_program=True) if near is None else continued(options, problem, near)
     if not found.success:
         raise NoSolutionFound(f"the point of the weight {weight:.6g} was not solved: {found.cause}", found)

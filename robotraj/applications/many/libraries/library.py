@@ -18,6 +18,7 @@ from robotraj._util.values import dataclass
 from robotraj.applications.many.failure import Failure, failure_of
 from robotraj.applications.many.libraries.neighbours import Neighbours, row_of, without_program
 from robotraj.applications.many.one_of_many import check_options
+from robotraj.applications.many.posed import posed
 from robotraj.applications.replanning.replanner import Replanner
 from robotraj.guess.earlier.blend import Blend
 from robotraj.problem.phase import Phase
@@ -129,7 +130,7 @@ class Library(OneLine):
         check_options("library.plan", options)
         self.nearest(case)
         chosen = cast("GuessedChoices", options)
-        found = self._neighbours.plan(chosen, _posed(self.make(case)), case)
+        found = self._neighbours.plan(chosen, posed(self.make, case), case)
         if not found.success:
             raise NoSolutionFound(f"the case {dict(case)!r} was not solved: {found.cause}\n{found}", found)
         return released(found)
@@ -144,7 +145,7 @@ class Library(OneLine):
         InputError
             The problems are of several phases, or their starts are not fixed, as of every ``rt.Replanner``.
         """
-        near, problem = self.nearest(case), _posed(self.make(case))
+        near, problem = self.nearest(case), posed(self.make, case)
         phase, steps = problem.phases[0], self.__dict__.get("_steps")
         if steps is None or len(problem.phases) != 1 or not same_but_numbers(phase, steps.phase):
             steps = self.__dict__["_steps"] = Replanner(problem, Mesh(ANSWERED), guess=near)
@@ -227,7 +228,7 @@ def library(
         at = int(np.nanargmin(away))
         away[at] = np.nan
         try:
-            found = neighbours.plan(options, _posed(make(cases[at])), cases[at])
+            found = neighbours.plan(options, posed(make, cases[at]), cases[at])
         except Exception as error:
             failed[at] = failure_of(at, error)
             continue
@@ -247,10 +248,6 @@ def library(
     # Later plans use the program of the first one as well.
     made.__dict__["_neighbours"] = neighbours
     return made
-
-
-def _posed(given: Problem | Phase) -> Problem:
-    return given if isinstance(given, Problem) else Problem([given])
 
 
 def _ranges(rows: Array) -> Array:
