@@ -283,8 +283,9 @@ class Study(OneLine):
         proved = sum(bool(each) for each in table.column("proved").to_pylist())
         rest = f"{len(self.missing)} missing"
         first: dict[str, str] = {}
-        for row in table.filter(_not(table.column("success"))).select(["status", "message"]).to_pylist():
-            first.setdefault(row["status"], f", the first one: {row['message']}" if row["message"] else "")
+        failed = self.failures.select(["status", "message"]).to_pylist() if proved < table.num_rows else []
+        for row in failed:
+            first.setdefault(row["status"], f", the first one: {row['message']}")
         return f"study of {table.num_rows} plans, {proved} proved, {rest}; {spent}\n" + "\n".join(
             f"  {status}: {count}{first.get(status, '')}"
             for status, count in sorted(counts.items(), key=lambda each: -each[1])
