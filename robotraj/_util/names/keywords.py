@@ -24,8 +24,8 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
     """Return a function that refuses arguments which do not fit, and otherwise calls the given one.
 
     Signature, documentation and annotations are those of the given function. A call that fits costs one more frame.
-    A constructor also refuses what is certainly not of a kind that its annotations state, so that a wrong value is
-    found where it is given, and every value has a hash.
+    A constructor also refuses text where its annotations state numbers, and lists where they state text: every value
+    has a hash. Other kinds are compared where a call fails, since what binds a value often knows a better remedy.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
     package : str
         Public package of the function, by which pickles refer to it; "" keeps the function's own module.
     """
-    fields = _plain_fields(function) if function.__name__ == "__init__" else []
+    fields = [each for each in _plain_fields(function) if each[2] in _EAGER] if function.__name__ == "__init__" else []
 
     @wraps(function)
     def call(*arguments: object, **keywords: object) -> object:
@@ -56,7 +56,7 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
         for place, name, kind, misfits in fields:
             if place < len(arguments) or name in keywords:
                 value = arguments[place] if place < len(arguments) else keywords[name]
-                if misfits(value):
+                if misfits(value) and not (kind == "str" and getattr(type(value), "__hash__", None)):
                     raise _another_kind(name, kind, value, function, package)
         if type(found) not in _returned:
             _guard_value(found)
@@ -138,12 +138,13 @@ def _refusal(
 
 _KINDS = {"str": "text", "float": "a number", "int": "a whole number", "bool": "True or False", "numbers": "numbers"}
 """What a message calls the kinds of annotations that are compared with the values given."""
+_EAGER = frozenset({"str", "float", "numbers"})
+"""Kinds that constructors compare at once."""
 _ONE = frozenset({"float", "int", "bool"})
 _SEVERAL = frozenset(
-    {"Array", "ArrayLike", "BoundsLike", "Pose", "PoseLike", "Quaternion", "SideLike", "Triple", "WeightsLike"}
-    | {"Sequence[float]", "tuple[float,float]", "tuple[float,float,float]", "tuple[float,...]"}
+    {"Quaternion", "Sequence[float]", "Triple", "tuple[float,...]", "tuple[float,float]", "tuple[float,float,float]"}
 )
-"""Annotations of numbers, symbols, and lists or mappings of these."""
+"""Annotations of directions, places and other lists of numbers; what binds bounds and weights reads these itself."""
 
 Field = tuple[int, str, str, Callable[[object], bool]]
 """Place, name and kind of a parameter, and what tells whether a value is certainly not of that kind."""
