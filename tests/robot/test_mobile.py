@@ -153,3 +153,23 @@ def test_a_carriage_and_a_base_in_grams_are_doubted() -> None:
         rt.robot.on_rail(ur5, mass=20_000, travel=(0, 2), velocity=1.5, effort=500)
     with pytest.warns(UserWarning, match=r"base of 'ur5.*' weighs 60000 kg.* 60000 g are 60 kg"):
         rt.robot.on_wheels(ur5, mass=60_000, inertia=5.0)
+
+
+@pytest.mark.parametrize("goal", [(1.9, 0.7, 0.5), (1.5, -0.6, 0.4)])
+def test_least_times_of_an_arm_on_wheels_need_no_other_solver(goal):
+    home = np.array([0.0, -1.3, 1.6, -1.9, -1.57, 0.0])
+    wheels = rt.constraints.DifferentialDrive(radius=0.1, track=0.4, speed=15.0, torque=20.0)
+    fetch = rt.Phase(
+        rt.robot.on_wheels(rt.load("ur3"), mass=40.0, inertia=2.0),
+        duration=(0.1, 20.0),
+        start=rt.State(q=[0, 0, 0, *home], v=0),
+        end=rt.State(v=0),
+        objective=rt.Duration() + 1e-3 * rt.objectives.SpeedVariation(),
+        constraints=[wheels, rt.AtEnd(rt.FramePosition("tool0", goal))],
+    )
+    solution = rt.plan(fetch, solver=rt.InteriorPoint(fallback=None))
+    assert solution.proved
+    last = solution.at(solution.duration)
+    data = (model := fetch.robot.model).createData()
+    pin.framesForwardKinematics(model, data, last.q)
+    np.testing.assert_allclose(data.oMf[fetch.robot.frame("tool0")].translation, goal, atol=1e-4)

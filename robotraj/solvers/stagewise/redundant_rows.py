@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,22 +29,26 @@ def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:
     """Remove the bounds of rows that fixed columns satisfy, and leave those that they contradict.
 
     Columns of the NLP are fixed where the problem fixes a variable. After ``stretch`` a fixed velocity is no number
-    any more, but a multiple of the duration, so rows are removed before.
+    any more, but a multiple of the duration, so rows are removed before. An equation may hold whatever its free columns
+    are: a base at rest has no lateral speed, whatever its heading.
     """
     if not _has_redundant_rows(nlp):
         return form
     fixed = (form.lower == form.upper) & ~form.gone
-    settled = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper)) & (form.targets < 0)
+    bounded = (np.isfinite(form.row_lower) | np.isfinite(form.row_upper)) & (form.targets < 0)
     row, column, _ = entries(form.linear)
-    settled[row[~fixed[column]]] = False
+    bounded[row[~fixed[column]]] = False
+    settled = bounded.copy()
     for block in form.blocks:
         row, output, _ = entries(block.scatter)
         settled[row[_free_outputs(block, fixed)[output]]] = False
-    if not settled.any():
+    held = bounded & ~settled & (form.row_lower == form.row_upper)
+    if not settled.any() and not held.any():
         return form
-    values = _values(form, settled, np.where(fixed, form.lower, 0.0))
-    held = settled & (values >= form.row_lower - MET) & (values <= form.row_upper + MET)
-    return _without_bounds(form, held)
+    w = np.where(fixed, form.lower, 0.0)
+    values = _values(form, settled, w)
+    settled &= (values >= form.row_lower - MET) & (values <= form.row_upper + MET)
+    return _without_bounds(form, settled | _holding_whatever_is_free(form, held, fixed, w))
 
 
 def remove_repeated_rows(form: Form, nlp: Nlp) -> Form:
@@ -72,6 +77,45 @@ def remove_repeated_rows(form: Form, nlp: Nlp) -> Form:
     return _without_bounds(form, again) if again.any() else form
 
 
+def _holding_whatever_is_free(form: Form, equations: Mask, fixed: Mask, w: Array) -> Mask:
+    """Return the equations that hold for every value of the free columns.
+
+    A few random values find those that may. That proves nothing, such as beside a path of several pieces: with the
+    numbers of the fixed columns, their graphs must be constants.
+    """
+    held = equations.copy()
+    rng = np.random.default_rng(0)
+    for _ in range(2):
+        if not held.any():
+            return held
+        drawn = np.where(fixed, w, rng.standard_normal(len(w)))
+        held &= np.abs(_values(form, held, drawn) - form.row_lower) <= MET
+    for block in form.blocks:
+        row, column, _ = entries(block.scatter)
+        mine = held[row]
+        if mine.any():
+            place, output = np.divmod(column[mine], block.stage.outputs)
+            held[row[mine][~_constant_outputs(block, place, output, fixed, w)]] = False
+    return held
+
+
+def _constant_outputs(block: Block, places: Array, outputs: Array, fixed: Mask, w: Array) -> Mask:
+    """Which outputs, each at its place, have graphs without free columns once the fixed ones are numbers."""
+    stage, free, values = block.stage, _free_inputs(block, fixed), block.places(w)
+    constant = np.zeros(len(places), dtype=bool)
+    if not isinstance(stage.v, ca.SX):
+        return constant
+    known = {symbol.element_hash() for symbol in ca.symvar(stage.c)}
+    for place in np.unique(places).tolist():
+        mine = np.flatnonzero(places == place)
+        inputs = np.flatnonzero(~free[place]).tolist()
+        graphs = ca.substitute(stage.y[outputs[mine].tolist()], stage.v[inputs], ca.DM(values[inputs, place]))
+        constant[mine] = [
+            all(symbol.element_hash() in known for symbol in ca.symvar(each)) for each in ca.vertsplit(graphs)
+        ]
+    return constant
+
+
 def _has_redundant_rows(nlp: Nlp) -> bool:
     """Whether a problem may have redundant equations: constraints, contacts and links alone have them."""
     return bool(nlp.problem.bound_links) or any(phase.constraints or phase.contacts for phase in nlp.problem.phases)
@@ -86,12 +130,17 @@ def _without_bounds(form: Form, rows: Mask) -> Form:
 def _free_outputs(block: Block, fixed: Mask) -> Mask:
     """Which outputs of which places read a free column, (n_y E,)."""
     stage = block.stage
+    reads = np.zeros((stage.outputs, stage.inputs))
+    reads[stage.jacobian_pattern] = 1.0
+    return np.asarray(_free_inputs(block, fixed) @ reads.T > 0.0).ravel()
+
+
+def _free_inputs(block: Block, fixed: Mask) -> Mask:
+    """Which inputs of every place read a free column, (E, n_v)."""
     row, column, _ = entries(block.gather)
     free = np.zeros(block.gather.shape[0], dtype=bool)
     free[row[~fixed[column]]] = True
-    reads = np.zeros((stage.outputs, stage.inputs))
-    reads[stage.jacobian_pattern] = 1.0
-    return np.asarray(free.reshape(block.count, stage.inputs) @ reads.T > 0.0).ravel()
+    return free.reshape(block.count, block.stage.inputs)
 
 
 def _values(form: Form, chosen: Mask, w: Array) -> Array:

@@ -116,3 +116,22 @@ def test_another_goal_that_holds_the_row_refreshes_the_program(robot: rt.Robot) 
     refreshed = reduce(first).refreshed(other)
     assert refreshed is not None
     assert refreshed.program.equalities[-1] == 12
+
+
+def test_a_base_at_rest_needs_no_equation_of_rolling() -> None:
+    """s(yaw) . v = 0 holds at v = 0 for every yaw; its gradient is zero there, and the Newton system was singular."""
+    mobile = rt.robot.on_wheels(rt.load("two_link_arm"), mass=20.0, inertia=0.8)
+    rolling = rt.constraints.DifferentialDrive(radius=0.1, track=0.4, torque=5.0)
+    goal = rt.AtEnd(rt.FramePosition("tip", {"x": 2.0, "y": 0.7}))
+    move = rt.Phase(mobile, (0.1, 9.0), rt.State(q=0, v=0), rt.State(v=0), rt.Duration(), [rolling, goal], limits=None)
+    solution = solve(rt.Problem([move]), rt.InteriorPoint(fallback=None))
+    assert solution.success and solution.iterations < 300
+    assert not solution.violations()
+
+
+def test_a_linear_program_without_blocks_is_reduced() -> None:
+    system = rt.System(["x", "v"], ["u"], lambda p: [p.x["v"], p.u["u"]])
+    row = rt.PathConstraint(lambda p: p.x["v"] + p.u["u"], upper=10.0, name="slow", unit="m/s")
+    ends = rt.State([0, 0]), rt.State([1, 0])
+    program = reduce(nlp_of(rt.Problem([rt.Phase(system, 1.0, *ends, constraints=[row])]), MESH)).program
+    assert not program.blocks
