@@ -16,6 +16,7 @@ from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import table
 from robotraj._util.values import dataclass
+from robotraj.problem.constraints.base import Where
 from robotraj.robot.limits import Limits
 from robotraj.solution.export.set_points import SetPoints, set_points
 from robotraj.solution.proof import Goals
@@ -151,7 +152,8 @@ def controller_report(
     ==============================  =============================================================================
     rate                            the controller accepts that many set points per second
     joints                          it has that many motors
-    rest at the start, at the end   speeds of the plan are at most 1e-6 rad/s or m/s
+    rest at the start, at the end   speeds of the plan are at most 1e-6 rad/s or m/s. A start that the plan is given in
+                                    motion, as a stop on a path is, is not judged: it replaces a running motion
     position, speed                 are within the limits
     acceleration, jerk              are within the limits; without limits they are not judged, and fail for libfranka
     ==============================  =============================================================================
@@ -192,11 +194,21 @@ def controller_report(
     assert robot is not None
     given = robot.limits if limits is None else limits
     moving = [robot.velocity_names.index(joint) for joint in points.joints]
-    rows = [*_stream(points, known, float(chosen)), *_differences(points, known, float(chosen), given, moving)]
-    return ControllerReport(controller, known.source, float(chosen), tuple(rows))
+    stream = _stream(points, known, float(chosen), _starts_in_motion(solution))
+    differences = _differences(points, known, float(chosen), given, moving)
+    return ControllerReport(controller, known.source, float(chosen), (*stream, *differences))
 
 
-def _stream(points: SetPoints, known: Controller, rate: float) -> Iterator[Requirement]:
+def _starts_in_motion(solution: Planned) -> bool:
+    """Whether the plan is given its speeds at the start, and they are not 0."""
+    phase = solution.phases[0].phase
+    assert phase.robot is not None
+    low, high = phase.joint_ends[Where.START]
+    speeds = slice(phase.robot.nq, phase.robot.nq + phase.robot.nv)
+    return bool(np.array_equal(low[speeds], high[speeds]) and np.abs(low[speeds]).max(initial=0.0) > REST)
+
+
+def _stream(points: SetPoints, known: Controller, rate: float, in_motion: bool) -> Iterator[Requirement]:
     low, high = known.rates
     nearest = float(np.clip(rate, low, high))
     yield Requirement("rate", rate == nearest, rate, nearest, "Hz", remedy=f"export with rate={nearest:g}")
@@ -208,6 +220,10 @@ def _stream(points: SetPoints, known: Controller, rate: float) -> Iterator[Requi
         speeds = np.abs(points.v[k])
         joint = int(np.argmax(speeds))
         figure, unit, where = float(speeds[joint]), f"{points.units[joint]}/s", points.joints[joint]
+        if in_motion and k == 0 and figure > REST:
+            replaces = "send it in place of the motion that the robot is in"
+            yield Requirement("start in motion", None, figure, np.nan, unit, where, replaces)
+            continue
         yield Requirement(name, figure <= REST, figure, REST, unit, where, "plan that end with rt.State(v=0)")
 
 

@@ -107,6 +107,23 @@ def test_a_motion_that_does_not_end_at_rest_is_not_accepted():
     assert report["acceleration"].figure < 1.1 * fastest < 0.5 / 0.01
 
 
+def test_a_stop_on_a_path_replaces_a_running_motion():
+    ends = rt.State(q=0.0, v=0), rt.State(q=4.0, v=0)
+    plan = rt.plan(rt.Phase(rt.load("block"), (0.1, 10.0), *ends, rt.Duration()))
+    report = rt.solution.controller_report(rt.stop_on_path(plan, 1.0), "joint_trajectory_controller")
+    start = by_name(report)["start in motion"]
+    assert report.passed and start.holds is None and start.figure == pytest.approx(1.0, rel=1e-3)
+    assert "rest at the start" not in by_name(report) and by_name(report)["rest at the end"].holds
+
+
+def test_a_start_whose_speed_is_left_open_must_be_at_rest():
+    ends = rt.State(q=0.0), rt.State(q=4.0, v=0)
+    limits = {"velocity": 2.0, "effort": 1.0}
+    plan = rt.plan(rt.Phase(rt.load("block", limits=limits), (0.1, 10.0), *ends, rt.Duration()))
+    report = rt.solution.controller_report(plan, "joint_trajectory_controller")
+    assert not report.passed and not by_name(report)["rest at the start"].holds
+
+
 def test_the_goal_for_ros_has_the_fields_of_its_messages(franka, tmp_path):
     node = runpy.run_path(str(NODE))
     message = json.loads(franka.to_controller(tmp_path / "plan.json", rate=100.0).read_text())
