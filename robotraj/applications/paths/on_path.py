@@ -146,8 +146,13 @@ def stop_on_path(
     part = solution.phases[number]
     path = _remaining(solution, number).after(float(time))
     speeds = np.abs([path.derivative()(at) for at in path.breaks]).max(axis=-1)
-    if speeds[0] <= RESTING * speeds.max():
+    resting = np.flatnonzero(speeds <= RESTING * speeds.max()).tolist()
+    if resting[:1] == [0]:
         raise InputError(f"At {time:g} s the plan is at rest, and there is nothing to stop; choose another time.")
+    if resting:
+        # Beyond an instant of rest, such as a dwell, lies no stop: joints that do not move say nothing about s.
+        last = resting[0]
+        path = PiecewisePolynomial(path.breaks[: last + 1], path.sites[:last], path.values[:last])
     given = part.phase if limits is None else part.phase.with_(limits=limits)
     more = () if jerk is None else (JointJerk(jerk),)
     follow = FollowPath(path, 1.0, 0.0, whole=False, start_acceleration=0.0)
@@ -159,7 +164,6 @@ def stop_on_path(
     if found.success:
         return found
     # The rest of the plan itself is a motion to the end, where the path over time rests at any ds/dt.
-    resting = speeds[-1] < RESTING
     to_the_end = replace(follow, whole=True, end_speed=None if resting else 0.0)
     return plan(_followed(anywhere, to_the_end), **options)
 

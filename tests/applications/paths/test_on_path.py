@@ -118,6 +118,15 @@ def test_a_dwell_and_phases_are_kept():
     assert slow.phases[1].duration == pytest.approx(1.0, rel=1e-3)
 
 
+def test_a_stop_before_a_dwell_ends_at_the_dwell_at_the_latest():
+    """Joints that do not move leave the place on the path open; what follows the dwell is no part of the stop."""
+    waiting = rt.plan(rt.Waypoints(rt.load("block"), [[0.0], [1.0], [0.0]], dwell={1: 0.5}))
+    first = waiting.phases[0].duration
+    late = rt.stop_on_path(waiting, 0.75 * first)
+    assert late.phases[0].phase.path.curve.breaks[-1] == pytest.approx(first, abs=1e-12)
+    assert late.duration == pytest.approx(0.25 * first, rel=2e-3)  # the plan itself stops with its whole force
+
+
 def test_other_speeds_and_times_are_refused(quick):
     for speed in (0.0, 1.5, "fast"):
         with pytest.raises(rt.InputError, match="speed of an override is a number between"):
