@@ -13,6 +13,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.path_body import ACCELERATION, SPEED
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.plan import plan
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint, symbols_of
 from robotraj.problem.constraints.bounds import BoundsLike, between
@@ -157,15 +158,17 @@ def stop_on_path(
     more = () if jerk is None else (JointJerk(jerk),)
     follow = FollowPath(path, 1.0, 0.0, whole=False, start_acceleration=0.0)
     anywhere = _widened(_on_path(given, follow, LONGEST, more))
-    alone: PlanOptions = {"solver": InteriorPoint(tolerance=1e-6, fallback=None), "restarts": Restarts(0)}
+    # Beside jumps of the path's jerk Newton's method may circle for a thousand iterations.
+    alone: PlanOptions = {"solver": InteriorPoint(tolerance=1e-6).at_most(PATIENCE), "restarts": Restarts(0)}
     alone.update(options)
     alone["check"] = False
     found = plan(anywhere, **alone)
-    if found.success:
+    if found.proved or (found.success and found.proof is None):
         return found
     # The rest of the plan itself is a motion to the end, where the path over time rests at any ds/dt.
     to_the_end = replace(follow, whole=True, end_speed=None if resting else 0.0)
-    return plan(_followed(anywhere, to_the_end), **options)
+    whole = plan(_followed(anywhere, to_the_end), **(alone if found.success else options))
+    return found if found.success and not whole.proved else whole
 
 
 def _widened(phase: Phase) -> Phase:
