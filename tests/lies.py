@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -66,6 +66,17 @@ def stored(solution: rt.Solution, which: str, change: Callable[[Array], Array]) 
         return PhaseSolution(part.phase, part.mesh, replace(part.trajectory, **{which: values}))
 
     return replace(solution, phases=tuple(map(other, solution.phases)))
+
+
+def fed_back(solution: rt.Solution, factors: Sequence[float]) -> rt.Solution:
+    """Multiply the gains of every motor by its factor, as a file may hold them."""
+    known = solution.gains
+    scale = np.asarray(factors, dtype=float)[:, None]
+    told = replace(solution)
+    told.__dict__["gains"] = replace(
+        known, phases=tuple(replace(phase, matrices=scale * phase.matrices) for phase in known.phases)
+    )
+    return told
 
 
 def elsewhere(solution: rt.Solution, change: Callable[[rt.Phase], rt.Phase]) -> rt.Solution:

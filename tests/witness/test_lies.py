@@ -18,7 +18,7 @@ import robotraj as rt
 from robotraj.solution.claims.claim import Judgement
 from robotraj.witness.cost.objective import objective_check
 from tests.cli.shell import run
-from tests.lies import GRIPPER, axis, elsewhere, linked, lying, spliced, stored, with_model
+from tests.lies import GRIPPER, axis, elsewhere, fed_back, linked, lying, spliced, stored, with_model
 
 Lie = Callable[[rt.Solution], rt.Solution]
 
@@ -79,6 +79,10 @@ PLANS: dict[str, Callable[[], rt.Solution]] = {
 @cache
 def plan(name: str) -> rt.Solution:
     return PLANS[name]()
+
+
+def failing(report: Any) -> list[str]:
+    return [claim.name for claim in report.claims if claim.judgement is Judgement.FAILS]
 
 
 def times(share: float, solution: rt.Solution) -> float:
@@ -261,6 +265,16 @@ def test_another_contact_is_noticed(contact: rt.PointContact) -> None:
     assert not rt.validate(elsewhere(plan("hopper"), lambda p: replace(p, contacts=[contact]))).passed
 
 
+@pytest.mark.parametrize("name", ["stage", "cartpole", "hopper", pytest.param("ur5", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("which", ["all", "first", "last"])
+def test_reversed_feedback_is_noticed(name: str, which: str) -> None:
+    """The simulation starts on the plan, so that wrong feedback has nothing to feed back but rounding."""
+    motors = plan(name).phases[0].phase.robot.nu
+    factors = {"all": [-1] * motors, "first": [-1] + [1] * (motors - 1), "last": [1] * (motors - 1) + [-1]}
+    assert "tracking" in failing(rt.validate(fed_back(plan(name), factors[which])))
+    assert "tracking" not in failing(rt.validate(fed_back(plan(name), [0.5] * motors)))
+
+
 @pytest.mark.parametrize("intervals", [4, 12])
 def test_the_proof_of_another_plan_is_noticed(intervals: int) -> None:
     """On a coarse mesh the same problem has another motion, with errors that the copied proof denies."""
@@ -331,9 +345,7 @@ WORSE: dict[str, Callable[[], rt.Solution]] = {
 @pytest.mark.parametrize("name", WORSE)
 def test_a_worse_motion_with_the_proof_of_an_optimum_is_noticed(name: str) -> None:
     """Everything else about the motion is true, so that no other claim fails."""
-    told = WORSE[name]()
-    report = rt.validate(told)
-    assert [claim.name for claim in report.claims if claim.judgement is Judgement.FAILS] == ["optimum"]
+    assert failing(rt.validate(WORSE[name]())) == ["optimum"]
 
 
 @pytest.mark.parametrize("optimal", [fastest, quick_and_calm])

@@ -1,4 +1,9 @@
-"""Simulation of a plan with its own feedback, ``solution.gains``."""
+"""Simulation of a plan with its own feedback, ``solution.gains``.
+
+The simulation starts on the plan, where any feedback is nearly silent, even one of the wrong sign. What it does to a
+deviation is therefore read from the linearised plant: feedback of the wrong sign drives a joint away about as fast as
+the right one draws it back.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +15,18 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
+from robotraj.solution.feedback.gains import PhaseGains
 from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.plants.sizes import sizes_of
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.open_loop import handed_on
 from robotraj.witness.simulation.spans import spans_of
 from robotraj.witness.simulation.steps import march
+
+PLACES = (np.arange(9) + 0.5) / 9
+"""Fractions of a phase at which the plant is linearised."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +41,14 @@ class ClosedLoop(OneLine):
         Largest factor by which a small deviation grows along the plan without feedback.
     reason : str or None
         Reason why there is no simulation, or why it stopped early.
+    divergence : float
+        Largest rate at which feedback makes a small deviation grow, above that without feedback [1/s].
     """
 
     error: Drift | None
     growth: float | None
     reason: str | None = None
+    divergence: float = 0.0
 
 
 def closed_loop_of(
@@ -60,6 +72,7 @@ def closed_loop_of(
     rows: list[tuple[DriftRow, ...]] = []
     before: tuple[RobotPlant, Array, Array] | None = None
     sizes = sizes_of(solution)
+    divergence = max(map(_divergence, solution.phases, gains.phases))
     for i, (planned, feedback) in enumerate(zip(solution.phases, gains.phases, strict=True)):
         plant = RobotPlant(planned, feedback.at)
         knots = np.asarray(planned.knots, dtype=float)
@@ -70,6 +83,23 @@ def closed_loop_of(
         rows.append(drift_of(plant, motion, planned.phase.name, sizes[i]))
         if motion.failure is not None:
             reason = f"phase {planned.phase.name!r}, t = {motion.stopped:.4g} s: {motion.failure}"
-            return ClosedLoop(drifts.merge(rows), gains.growth, reason)
+            return ClosedLoop(drifts.merge(rows), gains.growth, reason, divergence)
         before = plant, motion.states[-1], plant.states(knots[-1:], len(knots) - 2)[0]
-    return ClosedLoop(drifts.merge(rows), gains.growth)
+    return ClosedLoop(drifts.merge(rows), gains.growth, divergence=divergence)
+
+
+def _divergence(planned: PhaseSolutionLike, feedback: PhaseGains) -> float:
+    """Return how much faster deviations grow with feedback than without, by the plant's eigenvalues [1/s]."""
+    knots = np.asarray(planned.knots, dtype=float)
+    times = knots[0] + (knots[-1] - knots[0]) * PLACES
+    alone, fed = (
+        np.array([_fastest(plant.jacobian(t, x, given)) for t, x, given in zip(times, states, inputs, strict=True)])
+        for plant in (RobotPlant(planned), RobotPlant(planned, feedback.at))
+        for states, inputs in [(plant.states(times), plant.given(times))]
+    )
+    return float(np.max(fed - np.maximum(alone, 0.0)))
+
+
+def _fastest(rates: Array) -> float:
+    """Return the largest real part of the eigenvalues; infinite where an entry is no number."""
+    return float(np.linalg.eigvals(rates).real.max()) if np.isfinite(rates).all() else np.inf
