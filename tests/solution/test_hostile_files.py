@@ -319,6 +319,18 @@ def test_a_header_that_claims_more_than_follows_is_refused(shape: tuple[int, ...
         rt.load_solution(path)
 
 
+def repeat_the_phase(entries: dict[str, Any]) -> None:
+    entries["solution"]["problem"]["phases"] *= 2_000
+
+
+def test_phases_without_a_motion_are_refused_before_they_are_made(saved: Path, tmp_path: Path) -> None:
+    path = changed(saved, tmp_path / "many.npz", repeat_the_phase)
+    began = time.process_time()
+    with pytest.raises(rt.InputError, match="holds 1 motions for 2000 phases"):
+        rt.load_solution(path)
+    assert time.process_time() - began < SECONDS
+
+
 @pytest.mark.parametrize("text", ["[" * 100_000, "{" * 5000, '{"problem": NaN}', "9" * 10_000, "[]", "null", '"a"', ""])
 def test_json_that_is_none_of_ours_is_refused(text: str, saved: Path, tmp_path: Path) -> None:
     path = changed(saved, tmp_path / "json.npz", lambda entries: entries.update(solution=np.array(text)))

@@ -129,6 +129,8 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
     unpacker = Unpacker(arrays)
     try:
         data = _json(arrays, "solution")
+        # Before a phase is made: a file may state thousands.
+        _check_motions(data)
         if problem is None:
             problem, left_out = unpack_problem(data.get("problem"), unpacker)
             if left_out:
@@ -141,8 +143,6 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
         phases = [
             _phase(problem, i, unpacker.unpack(phase, f"phases.{i}")) for i, phase in enumerate(data.get("phases", ()))
         ]
-        if len(phases) != len(problem.phases):
-            raise Damaged(f"it holds {len(phases)} motions for {len(problem.phases)} phases")
         facts = unpacker.unpack(data.get("facts"), "facts")
         if not isinstance(facts, dict):
             raise Damaged("it holds no facts of the solution")
@@ -152,6 +152,16 @@ def read(path: str | os.PathLike[str], problem: Problem | None = None) -> Conten
     except REFUSALS as error:
         kind = "" if isinstance(error, InputError) else f"{type(error).__name__} "
         raise unreadable(source, about, f"{kind}{error}") from error
+
+
+def _check_motions(data: Mapping[str, Json]) -> None:
+    """Compare the number of motions with that of phases, where the file states both."""
+    stated, motions = data.get("problem"), data.get("phases")
+    phases = stated.get("phases") if isinstance(stated, dict) else []
+    if not isinstance(motions, list):
+        raise Damaged("phases is no list of motions")
+    if isinstance(phases, list) and phases and len(phases) != len(motions):
+        raise Damaged(f"it holds {len(motions)} motions for {len(phases)} phases")
 
 
 def unreadable(source: str | os.PathLike[str], about: Mapping[str, Json], fault: str) -> InputError:
