@@ -2,7 +2,8 @@
 
 usage: python benchmarks/friction.py [number of motions] [seed]
 
-Every drawn motion is planned by the default call with one constant of ``planning.proving.soft_friction`` changed. The
+Every drawn motion is planned by the default call with one constant of ``planning.proving.soft_friction`` or of
+``transcription.smoothness.sticking`` changed. The
 objective is relative to the best one of all continuations. Writes benchmarks/friction.md.
 """
 
@@ -17,6 +18,7 @@ import numpy as np
 
 import robotraj as rt
 from robotraj.planning.proving import soft_friction
+from robotraj.transcription.smoothness import sticking
 
 VARIANTS = (
     {},
@@ -26,6 +28,8 @@ VARIANTS = (
     {"LAST": 0.25},
     {"FALL": 2.0},
     {"FALL": 10.0},
+    {"PRICE": 0.0},
+    {"PRICE": 0.1},
 )
 
 
@@ -46,15 +50,17 @@ def motions(count: int, seed: int) -> list[rt.Phase]:
 
 def planned(phase: rt.Phase, changes: dict[str, float]) -> tuple[bool, float, float]:
     """Return whether a plan is proved, its processor time and its objective."""
-    kept = {name: getattr(soft_friction, name) for name in changes}
+    rooms = {name: soft_friction if hasattr(soft_friction, name) else sticking for name in changes}
+    kept = {name: getattr(room, name) for name, room in rooms.items()}
     began = time.process_time()
     try:
         for name, value in changes.items():
-            setattr(soft_friction, name, value)
-        solution = rt.plan(phase, check=False, time_limit=60)
+            setattr(rooms[name], name, value)
+        # What is known of a phase is kept with it.
+        solution = rt.plan(phase.with_(name=str(changes)), check=False, time_limit=60)
     finally:
         for name, value in kept.items():
-            setattr(soft_friction, name, value)
+            setattr(rooms[name], name, value)
     holds = solution.proof is not None and solution.proof.holds
     return holds, time.process_time() - began, solution.objective
 

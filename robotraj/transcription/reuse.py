@@ -26,6 +26,7 @@ from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Scalars
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
+from robotraj.transcription.smoothness.sticking import acceleration_weights
 from robotraj.transcription.transcribe import bounds_of, start_of
 
 if TYPE_CHECKING:
@@ -150,6 +151,7 @@ def _alike(before: Phase, now: Phase, layout: PhaseLayout) -> bool:
     if before is now:
         return True
     same = before.dae is now.dae and before.rows is now.rows and before.duration_bounds == now.duration_bounds
+    same = same and np.array_equal(acceleration_weights(before), acceleration_weights(now))
     if not same or not before.parameter_bounds.alike(now.parameter_bounds):
         return False
     # The ends determine which rows impose an invariant, or an equality with its rates.

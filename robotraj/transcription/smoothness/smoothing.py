@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from robotraj.problem.objectives.duration import Duration
 from robotraj.transcription.smoothness.shared_limits import acceleration_sizes
+from robotraj.transcription.smoothness.sticking import acceleration_weights
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
@@ -34,15 +35,23 @@ SMOOTHING = 5e-3
 def smoothing_weights(phase: Phase, smoothing: float) -> tuple[Array, Array]:
     """Return the weights of the squares of algebraic variables, (nz,), and of controls, (nu,).
 
-    They are 0 where no duration is minimised, on a path, whose timing alone is free, and for variables without a size.
+    They are 0 on a path, whose timing alone is free.
     """
+    if smoothing <= 0.0 or phase.path is not None:
+        return np.zeros(len(phase.dae.algebraic)), np.zeros(len(phase.dae.controls))
+    of_algebraic, of_controls = _of_duration(phase, smoothing)
+    return of_algebraic + smoothing * acceleration_weights(phase), of_controls
+
+
+def _of_duration(phase: Phase, smoothing: float) -> tuple[Array, Array]:
+    """Return the weights beside a duration; 0 where none is minimised, and for variables without a size."""
     weight, dae, sizes = weight_of_duration(phase), phase.dae, []
     for variables in (dae.algebraic, dae.controls):
         lower, upper = phase.rows.limits_of(variables)
         size = np.maximum(np.abs(lower), np.abs(upper))
         sizes.append(np.where(size > 0.0, size, np.inf))
     bounded = sum(int(np.isfinite(size).sum()) for size in sizes)
-    if weight <= 0.0 or smoothing <= 0.0 or phase.path is not None or not bounded:
+    if weight <= 0.0 or not bounded:
         return np.zeros(len(dae.algebraic)), np.zeros(len(dae.controls))
     of_algebraic, of_controls = (weight * smoothing / bounded / size**2 for size in sizes)
     of_limits = acceleration_sizes(phase)

@@ -1,0 +1,90 @@
+"""Accelerations that cost a little where dry friction lets joints move in bursts.
+
+A joint that moves by bursts against dry friction takes the same effort as one that moves once: with hardly any inertia
+it is free to choose how many, and when. Torques then jump from mesh to mesh. In the program of the solver a phase with
+dry friction has the additional cost
+
+    integral of epsilon PRICE P sum_j (a_j / A)^2 dt,
+
+where P is the cost a second of torques as large as the dry friction, and A^2 the mean of sum_j a_j^2 along the quintic
+polynomial of least jerk between the ends,
+
+    A^2 = 120 / 7 |q_e - q_s|^2 / T^4.
+
+A burst of a tenth of the duration costs a hundred times as much as this motion. T is the duration, or for a free one
+twice the least that speed limits allow. The objective of a solution is that of the problem, without this cost.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from robotraj.robot.limits import Limits
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
+
+PRICE = 0.01
+"""Cost of the accelerations of the plain motion, relative to ``epsilon`` of that of dry friction.
+
+See ``benchmarks/friction.md``: without it, bursts follow each other faster on every mesh, and half as many plans are
+proved; with more, efforts rise."""
+QUINTIC = 120.0 / 7.0
+"""Mean square of the acceleration of the quintic polynomial over 1 rad in 1 s."""
+
+
+def acceleration_weights(phase: Phase) -> Array:
+    """Return the weights of the squares of algebraic variables with epsilon = 1, (nz,).
+
+    They are 0 without dry friction, on a free root, where the ends are not given, and for objectives that torques do
+    not affect at rest.
+    """
+    if phase not in _KNOWN:
+        joints = np.array([variable.name.startswith("a.") for variable in phase.dae.algebraic], dtype=bool)
+        weight = _weight(phase) if joints.any() else 0.0
+        _KNOWN[phase] = np.where(joints, weight, 0.0)
+    return _KNOWN[phase]
+
+
+_KNOWN: WeakKeyDictionary[Phase, Array] = WeakKeyDictionary()
+
+
+def _weight(phase: Phase) -> float:
+    robot = phase.state_robot
+    if robot is None or robot.root != "fixed" or not robot.friction.any() or not phase.integrals:
+        return 0.0
+    (low, high), (lowest, highest) = ([side[: robot.nq] for side in ends] for ends in phase.joint_ends.values())
+    way = np.where((low == high) & (lowest == highest), lowest - low, 0.0)
+    if not way.any():
+        return 0.0
+    accelerations = QUINTIC * float(way @ way) / _duration(phase, robot, way) ** 4
+    return PRICE * _cost_of_friction(phase, robot, low) / accelerations
+
+
+def _duration(phase: Phase, robot: Robot, way: Array) -> float:
+    """Return the duration, or a plausible one within its bounds [s]."""
+    shortest, longest = phase.duration_bounds
+    limits = phase.limits if isinstance(phase.limits, Limits) else robot.limits
+    speeds = limits.largest("velocity")
+    return float(np.clip(2.0 * np.max(np.abs(way) / speeds), shortest, longest))
+
+
+def _cost_of_friction(phase: Phase, robot: Robot, q: Array) -> float:
+    """Return the integrands' increase by torques of the size of the dry friction, at rest [1/s]."""
+    dae = phase.dae
+    rates = [weight * term.rate_of_motion(phase.rows.point) for weight, term in phase.integrals]
+    rate = ca.Function("rate", [*phase.rows.symbols], [ca.densify(ca.sum1(ca.vertcat(*rates)))])
+    friction = {f"tau.{joint}": force for joint, force in zip(robot.velocity_names, robot.friction, strict=True)}
+    x, u = np.zeros(len(dae.states)), np.array([friction.get(control.name, 0.0) for control in dae.controls])
+    x[: robot.nq] = np.where(np.isfinite(q), q, 0.0)
+    z, p = np.zeros(len(dae.algebraic)), np.ones(len(phase.parameter_names))
+    found, without = (float(rate(0.0, x, z, torques, p)) for torques in (u, 0.0 * u))
+    return max(0.0, found - without) if np.isfinite(found - without) else 0.0
