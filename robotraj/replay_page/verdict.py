@@ -118,7 +118,7 @@ def _planned(solution: Solution) -> Verdict:
     if solution.proof.holds:
         return Verdict("good", "proved")
     known = solution.proof.motion_holds
-    return Verdict("unproved", "motion proved, objective not settled" if known else "solved, not proved")
+    return Verdict("unproved", solution.proof.verdict if known else "solved, not proved")
 
 
 COLOURS: dict[Judgement, Colour] = {

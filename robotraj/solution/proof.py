@@ -7,11 +7,10 @@ from dataclasses import fields
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
+from robotraj._util.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.solution.records import Lack
 
-SMOOTH = 0.02
-"""Largest height of teeth of a control, relative to its limit."""
 FRICTION = 3e-3
 """Share of Coulomb's friction that may be left out: the simulated joint then stays within a hundredth of its range."""
 
@@ -94,8 +93,21 @@ class Proof(OneLine):
     @property
     def holds(self) -> bool:
         """Whether all measures are within their goals."""
-        settled = max(self.quadrature, self.unsettled) <= self.goals.objective
-        return self.motion_holds and settled
+        return self.motion_holds and self.is_settled and self.is_smooth
+
+    @property
+    def verdict(self) -> str:
+        """In a few words, what is proved and what is not."""
+        if not self.motion_holds:
+            return "not proved"
+        missed = {"objective not settled": not self.is_settled, "controls with teeth": not self.is_smooth}
+        lacking = [what for what, is_missed in missed.items() if is_missed]
+        return ", ".join(["motion proved", *lacking]) if lacking else "proved"
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the objective is that of the motion, and finer meshes gain no more than its goal."""
+        return max(self.quadrature, self.unsettled) <= self.goals.objective
 
     @property
     def is_smooth(self) -> bool:
@@ -139,7 +151,4 @@ class Proof(OneLine):
 
     def __str__(self) -> str:
         shown = (str(each) if each in self.lacks else f"{each.kind} {each.amount:.1e}" for each in self.measures)
-        verdict = (
-            "proved" if self.holds else "motion proved, objective not settled" if self.motion_holds else "not proved"
-        )
-        return "\n".join(wrapped(f"{verdict} between the points: {', '.join(shown)}"))
+        return "\n".join(wrapped(f"{self.verdict} between the points: {', '.join(shown)}"))

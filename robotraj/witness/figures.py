@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from robotraj._util.checks import number
 from robotraj._util.printing import OneLine
+from robotraj._util.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.solution.proof import Proof
 from robotraj.solution.reserves.shares import Share
@@ -11,6 +12,7 @@ from robotraj.solution.violation import Violation
 from robotraj.witness.checks.clearance import Clearance
 from robotraj.witness.checks.energy import Energy
 from robotraj.witness.checks.residual import Residual
+from robotraj.witness.checks.smoothness import Teeth
 from robotraj.witness.checks.torques import RateError, TorqueError
 from robotraj.witness.contacts.foot_order import FootOrder
 from robotraj.witness.contacts.ground import SwingingFoot
@@ -69,6 +71,8 @@ class Tolerances(OneLine):
         least the goal of the proof.
     friction : float or None
         Largest deviation of a machine with Coulomb's friction, scaled as ``tracking``.
+    smoothness : float or None
+        Largest height of teeth of a control that alternate with the mesh, relative to its limit.
     followed : float or None
         Largest deviation of a joint [rad, m] in MuJoCo, which simulates the plan under ``LinearQuadratic()`` if this is
         given. It takes longer than all other checks.
@@ -93,6 +97,7 @@ class Tolerances(OneLine):
     objective: float | None = 2e-3
     optimum: float | None = 3e-3
     friction: float | None = 2e-2
+    smoothness: float | None = SMOOTH
     followed: float | None = None
 
     def __post_init__(self) -> None:
@@ -157,6 +162,8 @@ class Figures(OneLine):
         Torques and forces against Pinocchio's; None for Systems, and where the time limit was reached before.
     rates : RateError or None
         Velocities against the derivatives of positions.
+    teeth : Teeth or None
+        The largest teeth of a control; None without a control that has limits on both sides.
     friction : Drift, str or None
         Deviation of a machine with Coulomb's friction, or why it was not simulated; None without dry friction.
     followed : Followed or None
@@ -212,6 +219,7 @@ class Figures(OneLine):
     stiff: float | None = None
     torques: TorqueError | None = None
     rates: RateError | None = None
+    teeth: Teeth | None = None
     friction: Drift | str | None = None
     followed: Followed | None = None
     objective: ObjectiveCheck | None = None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.witness.claims.contract import claims_of
-from robotraj.witness.claims.text import claims_text
 from robotraj.witness.contacts.contact_table import contacts, link_lines, order_lines, swing_lines
 from robotraj.witness.figures import Figures
 from robotraj.witness.peak import Peak
@@ -32,7 +32,7 @@ def render(figures: Figures, failures: Sequence[str], verdict: str) -> str:
         lines += [*swing_lines(figures.swings), *link_lines(figures.link_depths), *order_lines(figures.foot_orders)]
         lines += [*wrapped("the plan uses " + ", ".join(map(str, figures.shares))), ""] if figures.shares else [""]
     lines += [*_residual(figures), *_energy(figures), *_unseen(figures)]
-    lines += claims_text(claims_of(figures, figures.tolerances))
+    lines += _claims_text(claims_of(figures, figures.tolerances))
     lines += [line for failure in failures for line in wrapped(failure, "  ! ", "    ")]
     return "\n".join([*lines, f"{verdict} in {figures.seconds:.2g} s of processor time"])
 
@@ -162,3 +162,21 @@ def _energy(figures: Figures) -> list[str]:
 
 def _unseen(figures: Figures) -> list[str]:
     return wrapped(f"no time for: {', '.join(figures.unseen)}") if figures.unseen else []
+
+
+def _claims_text(claims: Sequence[Claim]) -> list[str]:
+    """Return a table of the claims, and the reasons of those that were not judged."""
+    cells = [
+        [
+            claim.name,
+            claim.judgement.value,
+            "" if claim.figure is None else f"{claim.figure:.1e} {claim.unit}".rstrip(),
+            "" if claim.bound is None else f"{claim.bound:.0e}",
+        ]
+        for claim in claims
+    ]
+    lines = table(("claim", "judgement", "worst", "allowed"), cells, (0, 1))
+    for claim in claims:
+        if claim.judgement is Judgement.NOT_JUDGED:
+            lines += [line for note in claim.notes for line in wrapped(f"{claim.name}: {note}", "  ? ", "    ")]
+    return [*lines, ""]

@@ -12,6 +12,7 @@ import numpy as np
 from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.system.interrupts import heeded
+from robotraj._util.teeth import SMOOTH
 from robotraj.solution.reserves.shares import shares_of
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks import energy as energies
@@ -19,6 +20,7 @@ from robotraj.witness.checks.clearance import clearance_of
 from robotraj.witness.checks.links import link_violations
 from robotraj.witness.checks.residual import Residual, residual_of
 from robotraj.witness.checks.self_collision import own_body_of
+from robotraj.witness.checks.smoothness import teeth_of
 from robotraj.witness.checks.torques import rate_error, torque_error
 from robotraj.witness.checks.violations import FEW_SAMPLES, violations_of
 from robotraj.witness.clock import OutOfTime, ProcessorClock
@@ -74,6 +76,7 @@ class ValidationOptions(TypedDict, total=False):
     objective: float | None
     optimum: float | None
     friction: float | None
+    smoothness: float | None
     followed: float | None
     time_limit: float | None
 
@@ -99,6 +102,7 @@ def validate(
     objective: float | None = 2e-3,
     optimum: float | None = 3e-3,
     friction: float | None = 2e-2,
+    smoothness: float | None = SMOOTH,
     followed: float | None = None,
     time_limit: float | None = TIME_LIMIT,
 ) -> Report:
@@ -113,6 +117,7 @@ def validate(
 
     - the local error: short parts of the plan are simulated one by one, each from the plan's own state;
     - torques and contact forces are those of the planned motion, by inverse dynamics;
+    - no torque or other control alternates with the mesh by more than 2 percent of its limit;
     - the stated objective is the cost of the motion;
     - no motion nearby costs less: a second solve starts from a proved plan, on meshes twice as fine;
     - limits, constraints, links, boundary conditions and contacts, between the knots too; and impacts,
@@ -173,6 +178,7 @@ def validate(
         objective=objective,
         optimum=optimum,
         friction=friction,
+        smoothness=smoothness,
         followed=followed,
     )
     few = min(FEW_SAMPLES, samples)
@@ -214,6 +220,7 @@ def validate(
     loads = within("torques", lambda: torque_error(phases, clock, solution.proof is not None), torques is not None)
     rates = within("rates", lambda: rate_error(phases, sizes_of(solution)), torques is not None)
     rough = within("model", lambda: coulomb_drift(solution, clock), friction is not None)
+    toothed = within("smoothness", lambda: teeth_of(phases, clock), smoothness is not None)
     cost = within("objective", lambda: objective_check(solution, clock), objective is not None)
     again = within("a second solve", lambda: _solved_again(solution, tolerances, clock), optimum is not None)
     residuals = within(
@@ -257,6 +264,7 @@ def validate(
         stiff=None if drifted is None else drifted.stiff,
         torques=loads,
         rates=rates,
+        teeth=toothed,
         friction=rough,
         followed=followed_by,
         objective=cost,

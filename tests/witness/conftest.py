@@ -119,7 +119,7 @@ class FakePhase:
     body: Any = None
     objective: Any = None
     dae: Any = None
-    rows: Any = field(default_factory=lambda: SimpleNamespace(rates=()))
+    rows: Any = field(default_factory=lambda: SimpleNamespace(rates=(), limits=dict))
 
     @property
     def joint_ends(self) -> dict[Where, Any]:

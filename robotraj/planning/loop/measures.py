@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess
@@ -25,7 +26,7 @@ from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.smoothness.roughness import roughness
+from robotraj.transcription.smoothness.roughness import rough_intervals, roughness
 
 Array = NDArray[np.float64]
 
@@ -72,8 +73,8 @@ class Measured:
     before : Measured or None
         Measures on the mesh before.
     errors : tuple of ndarray (K,)
-        For each phase, the larger of the relative error of every interval and that of the objective's integral, scaled
-        to the same goal.
+        For each phase, the largest of the relative error of every interval, that of the objective's integral and the
+        teeth of its controls, scaled to the same goal.
     broken : tuple of ndarray (K,)
         For each phase, the relative violation of path rows on every interval.
     coarse : float
@@ -226,9 +227,11 @@ def measured(
     errors = tuple(errors_of(p.phase, p.trajectory, p.mesh, whole, _alike(p, parts)) for p in parts)
     # The error of the integral on an interval is scaled so that its goal is the same as that of the relative error.
     share = goals.error / (goals.objective * size) * sum(part.mesh.count for part in parts)
+    # So are teeth, where the mesh is too coarse for controls that change fast.
+    rough = [goals.error / SMOOTH * rough_intervals(p.phase, p.trajectory, p.inputs) for p in parts]
     needs = tuple(
-        np.maximum(own, share * np.maximum(np.abs(of_objective), of_bends))
-        for own, of_objective, of_bends in zip(errors, left, bends, strict=True)
+        np.maximum.reduce([own, share * np.abs(of_objective), share * of_bends, of_teeth])
+        for own, of_objective, of_bends, of_teeth in zip(errors, left, bends, rough, strict=True)
     )
     broken = tuple(
         np.maximum(

@@ -44,8 +44,6 @@ LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
 SOFTER = 1.25
 """Least growth of the number of intervals from one soft friction to the next, less soft one."""
-NEARLY = 1e-2
-"""Relative violation of a row that a guess may have."""
 SMOOTHER = 6.0
 """Factor on the weight of smooth torques where they alternate with the mesh nevertheless."""
 
@@ -69,13 +67,6 @@ def is_limited(state: PlanState) -> bool:
         return True
     powers = state.traits.sticking_powers and state.best is not None
     return powers or is_enough(state) or state.number == MOST_MESHES - 1
-
-
-def is_guess(softer: Solution) -> bool:
-    """Whether a solve ended at a solution, or at the limit of its iterations with its rows nearly met."""
-    if softer.status is not Status.ITERATION_LIMIT:
-        return softer.success
-    return all(violation.relative <= NEARLY for violation in softer.violations(1))
 
 
 def own_friction(state: PlanState) -> PlanState:
@@ -168,7 +159,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
         return replace(state, problem=state.sharp, meshes=best.meshes, why="kinks without rounding")
     if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET_ON_PATH:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
-    if proof.holds and not first:
+    if proof.motion_holds and proof.is_settled and not first:
         return PlanEnd(state, "")
     if first and proof.shortfall > ROUGH_SHORTFALL:
         # A motion that jumps over a shape between the points of a coarse mesh passes it on no finer one.
@@ -247,7 +238,20 @@ def _after_smoother(state: PlanState, found: Found) -> PlanState | PlanEnd:
     if motion is not None and motion.solution.objective <= before + goals.objective * abs(before):
         rougher = largest_roughness(motion.solution.phases) >= best.measures.proof.roughness
         state = state if rougher else _replaced(state, best, motion)
-    return _polished(state, Task.AGAIN)
+    # Where a finer mesh has not helped, another one does not either.
+    finer = _resolved(state) if state.best is not best or state.meshes == best.meshes else None
+    return finer or _polished(state, Task.AGAIN)
+
+
+def _resolved(state: PlanState) -> PlanState | None:
+    """Return the state with a mesh that is finer where a control has teeth; None without such a mesh."""
+    best, refinement = state.best, state.settings.refinement
+    assert best is not None and refinement is not None
+    if best.measures.proof.is_smooth or state.number == MOST_MESHES - 1:
+        return None
+    meshes = best.measures.next_meshes(best.solution.phases, refinement, 1.0)
+    finer = replace(state, meshes=meshes, number=state.number + 1, why=_counted(meshes))
+    return None if meshes == best.meshes else finer
 
 
 def _replaced(state: PlanState, best: MeasuredMotion, motion: MeasuredMotion) -> PlanState:

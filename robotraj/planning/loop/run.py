@@ -18,7 +18,7 @@ from robotraj.fixed_mesh.solve import solved_at_points
 from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.loop.local_optimum import gain_from, is_converged
 from robotraj.planning.loop.measures import Measured, measured
-from robotraj.planning.loop.respond import is_guess, is_limited, own_friction, respond
+from robotraj.planning.loop.respond import is_limited, own_friction, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.loop.to_tolerance import solved_to_tolerance
 from robotraj.planning.loop.tolerance_state import ToleranceState
@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 Surfaces = Sequence["NearSurfaces | None"]
 """For each phase, links of the robot that rows keep apart."""
+NEARLY = 1e-2
+"""Relative violation of a row that a guess may have."""
 
 
 def run(
@@ -179,6 +181,13 @@ def _softer(state: PlanState, progress: Progress | None, surfaces: Surfaces) -> 
     found = solved_softer(state.problem, state.softening[0], state.guess, settings, progress, surfaces)
     measures = measured(found, None, goals, bending=True) if is_guess(found) else None
     return Found(found, measures)
+
+
+def is_guess(softer: Solution) -> bool:
+    """Whether a solve ended at a solution, or at the limit of its iterations with its rows nearly met."""
+    if softer.status is not Status.ITERATION_LIMIT:
+        return softer.success
+    return all(violation.relative <= NEARLY for violation in softer.violations(1))
 
 
 def _again(state: PlanState, progress: Progress | None) -> Found:

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from robotraj._util.teeth import SMOOTH
 from robotraj.problem.phase import Phase
 from robotraj.robot.collision.unguarded import not_every_link, unguarded_links
+from robotraj.robot.limits import Limits
 from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Proof
@@ -20,7 +24,11 @@ def planned_claims(solution: Planned, proof: Proof | None) -> tuple[Claim, ...]:
     robots = [phase for phase in phases if phase.robot is not None]
     found = [_measured("motion", proof, "error")]
     if robots:
-        found += [_later("torques"), _later("tracking")]
+        found.append(_later("torques"))
+    if any(map(_has_limited_controls, phases)):
+        found.append(_measured("smoothness", proof, "roughness"))
+    if robots:
+        found.append(_later("tracking"))
     found.append(_measured("limits and constraints", proof, "excess"))
     if any(phase.contacts for phase in robots):
         found.append(_later("ground and contacts"))
@@ -33,6 +41,17 @@ def planned_claims(solution: Planned, proof: Proof | None) -> tuple[Claim, ...]:
     return tuple(found)
 
 
+def _has_limited_controls(phase: Phase) -> bool:
+    """Whether a control has limits on both sides."""
+    if phase.robot is None:
+        lower, upper = phase.rows.limits_of(phase.dae.controls)
+        return bool(np.isfinite(np.maximum(np.abs(lower), np.abs(upper))).any())
+    if not isinstance(phase.limits, Limits):
+        return False
+    efforts = dict(zip(phase.robot.velocity_names, phase.limits.largest("effort"), strict=True))
+    return any(np.isfinite(efforts[joint]) for joint in phase.robot.actuated)
+
+
 def _later(name: str) -> Claim:
     return Claim(name, Judgement.NOT_JUDGED, "", "", "", notes=(LATER,))
 
@@ -42,7 +61,8 @@ def _measured(name: str, proof: Proof | None, measure: str) -> Claim:
     if proof is None:
         return _later(name)
     value = float(getattr(proof, measure))
-    goal = float(getattr(proof.goals, {"error": "error", "excess": "excess"}.get(measure, "objective")))
+    goals = {"error": proof.goals.error, "excess": proof.goals.excess, "roughness": SMOOTH}
+    goal = float(goals.get(measure, proof.goals.objective))
     missed = Judgement.NOT_JUDGED if measure == "unsettled" else Judgement.FAILS
     judgement = Judgement.HOLDS if value <= goal else missed
     return Claim(name, judgement, PLANNER, "", "", value, goal)

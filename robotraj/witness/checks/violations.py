@@ -14,8 +14,8 @@ from robotraj.solution.violation import Violation
 from robotraj.witness.checks.points import Watched, all_watches, end_of, points_of, see, values_of
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.checks.row_sizes import RowSizes
-from robotraj.witness.checks.soles import sole_watches
 from robotraj.witness.checks.watch import Watch
+from robotraj.witness.contacts.soles import sole_watches
 from robotraj.witness.planned import RobotSample, limits_of, robot_sample, system_of
 from robotraj.witness.plants.plant import RATE_UNITS
 from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike

@@ -14,6 +14,7 @@ from robotraj.witness.claims.objective import objective
 from robotraj.witness.claims.obstacles import obstacles
 from robotraj.witness.claims.optimum import optimum
 from robotraj.witness.claims.own_body import own_body
+from robotraj.witness.claims.smoothness import smoothness
 from robotraj.witness.claims.torques import torques
 from robotraj.witness.claims.tracking import tracking
 from robotraj.witness.figures import Figures, Tolerances
@@ -21,6 +22,7 @@ from robotraj.witness.figures import Figures, Tolerances
 CONTRACT: tuple[Callable[[Figures, Tolerances], Claim | None], ...] = (
     motion,
     torques,
+    smoothness,
     tracking,
     followed,
     model,

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
+from robotraj._util.teeth import SMOOTH
 from robotraj.planning.loop.measures import Measured
 from robotraj.planning.loop.respond import ENOUGH, ENOUGH_OF_POWERS, MOST_MESHES, is_limited, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, Traits, begin
@@ -283,3 +284,26 @@ def test_limits_are_imposed_between_the_points_where_they_decide_or_the_plan_end
     assert not is_limited(state()) and not is_limited(state(ROUGH))
     assert is_limited(state(ROUGH, traits=Traits(True, True))) and not is_limited(state(traits=Traits(True, True)))
     assert is_limited(state(ROUGH, number=ENOUGH - 1)) and is_limited(state(ROUGH, task=Task.SMOOTHER))
+
+
+def with_teeth(height: float, count: int) -> Found:
+    """Return a proved motion whose controls have teeth on its second half."""
+    solve = found(unsettled=1e-5, before=ROUGH.measures, mesh=rt.Mesh(count))
+    assert solve.measures is not None
+    errors = np.where(np.arange(count) < count // 2, 0.0, GOALS.error * height / SMOOTH)
+    proof = replace(solve.measures.proof, roughness=height)
+    measures = replace(solve.measures, proof=proof, errors=(errors,))
+    return replace(solve, solution=replace(solve.solution, proof=proof), measures=measures)
+
+
+def test_teeth_get_smoother_controls_first_and_then_intervals_where_they_are() -> None:
+    """What a finer mesh has not made smoother, a third mesh does not either."""
+    rough = with_teeth(0.05, 90)
+    proved = state(ROUGH, rough)
+    again = respond(proved, with_teeth(0.05, 90))
+    assert isinstance(again, PlanState) and again.task is Task.SMOOTHER and again.meshes == (rt.Mesh(90),)
+    finer = respond(again, failed())
+    assert isinstance(finer, PlanState) and finer.task is Task.SMOOTHER and finer.number == again.number + 1
+    knots = np.array(finer.meshes[0].knots)
+    assert (knots <= 0.5).sum() == pytest.approx(46, abs=2) and (knots > 0.5).sum() > 60
+    assert isinstance(respond(finer, failed()), PlanEnd)

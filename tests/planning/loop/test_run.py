@@ -15,7 +15,8 @@ from robotraj.fixed_mesh import solve as one_solve
 from robotraj.fixed_mesh.at_points import AtPoints
 from robotraj.fixed_mesh.between import limits_between
 from robotraj.planning.loop import run as loop
-from robotraj.planning.loop.respond import ENOUGH_OF_POWERS, NEARLY, is_guess
+from robotraj.planning.loop.respond import ENOUGH_OF_POWERS
+from robotraj.planning.loop.run import NEARLY, is_guess
 from robotraj.planning.loop.state import Task, begin
 from robotraj.planning.proving.soft_friction import softened
 from robotraj.planning.settings import resolve

@@ -30,9 +30,12 @@ def test_torques_have_no_teeth_and_the_time_is_the_same(around_a_post: rt.Phase)
     smooth = rt.plan(around_a_post)
     rough = rt.plan(around_a_post, smoothing=0.0)
     assert smooth.proof is not None and rough.proof is not None
-    assert smooth.proof.roughness < 0.01 and smooth.proof.is_smooth
-    assert rough.proof.roughness > 0.08 and "teeth of a control" in str(rough.proof)
-    assert smooth.objective == pytest.approx(rough.objective, rel=1e-5)
+    assert smooth.proof.roughness < 0.01 and smooth.proof.holds
+    assert rough.proof.roughness > 0.08 and not rough.proof.holds
+    assert rough.proof.verdict == "motion proved, controls with teeth"
+    count = smooth.refinement[-1].intervals
+    (on_same_mesh,) = {step.objective for step in rough.refinement if step.intervals == count}
+    assert smooth.objective == pytest.approx(on_same_mesh, rel=1e-5)
     assert smooth.settings is not None and "smoothest" in smooth.settings.reasons["smoothing"]
 
 

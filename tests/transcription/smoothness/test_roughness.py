@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from robotraj.transcription.smoothness.roughness import teeth
+from robotraj._util.teeth import teeth
+from robotraj.transcription.smoothness.roughness import rough_intervals, roughness
 
 KNOTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
 TIMES = np.sort(np.append(KNOTS, 0.5 * (KNOTS[1:] + KNOTS[:-1])))
@@ -40,3 +43,20 @@ def test_switches_spikes_and_smooth_curves_have_no_teeth(curve: object) -> None:
 
 def test_few_points_have_no_teeth() -> None:
     assert np.all(teeth(TIMES[:9], ALTERNATING[:9, None]) == 0.0)
+
+
+def test_teeth_are_found_on_the_intervals_that_have_them() -> None:
+    """Intervals 10 to 19 of 40 have teeth of a tenth of the limit; those a window away from them have none."""
+    knots = np.linspace(0.0, 1.0, 41)
+    inside = np.zeros((40, 3, 1))
+    inside[10:20, 1] = 0.2
+    phase = SimpleNamespace(
+        dae=SimpleNamespace(controls=("u",)),
+        rows=SimpleNamespace(limits_of=lambda controls: (np.array([-2.0]), np.array([2.0]))),
+    )
+    motion = SimpleNamespace(x=SimpleNamespace(breaks=knots))
+    inputs = SimpleNamespace(inside=lambda places: (None, inside))
+    found = rough_intervals(phase, motion, inputs)  # type: ignore[arg-type]
+    assert found[11:19] == pytest.approx(0.1, rel=0.02)
+    assert found.max() == pytest.approx(roughness(phase, motion, inputs).max())  # type: ignore[arg-type]
+    assert np.all(found[:8] == 0.0) and np.all(found[23:] == 0.0)
