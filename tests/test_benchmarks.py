@@ -81,3 +81,12 @@ def test_the_independent_reader_of_robots_agrees_with_the_loader_and_notices_ano
     heavier.write_text(path.read_text().replace('<mass value="', '<mass value="1'))
     assert heavier.read_text() != path.read_text()
     assert one_file.agreement(robot, heavier, np.random.default_rng(0)) > 1e-2
+
+
+def test_the_table_of_constants_has_those_of_the_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import constants
+
+    lines = constants.TABLE.read_text().splitlines()
+    rows = [tuple(cell.strip() for cell in line.split("|")[1:3]) for line in lines if line.startswith("| planning/")]
+    assert rows == [(f"{each.file} {each.name}", each.value) for each in constants.numbers(constants.FILES)]

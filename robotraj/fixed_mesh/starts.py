@@ -14,7 +14,7 @@ from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import started_at
 from robotraj.transcription.schemes.mesh import Mesh
-from robotraj.transcription.transcribe import transcribe
+from robotraj.transcription.transcribe import meshes_of, transcribe
 
 if TYPE_CHECKING:
     from robotraj.problem.links.base import BoundLink
@@ -50,14 +50,14 @@ class Shared:
         smoothing: float,
     ) -> Nlp | None:
         """Return the NLP with a guess; None if more than the guess differs from the first."""
-        meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+        meshes = meshes_of(problem, mesh)
         if self._nlp is None:
             self._problem = problem
             self._nlp = transcribe(problem, meshes, self._reference, engine, interval_limits, smoothing)
         nlp = self._nlp
         same = (
             problem is self._problem
-            and [layout.mesh for layout in nlp.layouts] == meshes
+            and tuple(layout.mesh for layout in nlp.layouts) == meshes
             and (engine is None or engine == nlp.engine)
             and interval_limits == nlp.interval_limits
             and smoothing == nlp.smoothing

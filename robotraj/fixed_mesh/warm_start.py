@@ -30,6 +30,7 @@ from robotraj.transcription.reuse import transcribed_again
 from robotraj.transcription.schemes.compressed import CompressedHermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.shooting.explicit_dynamics import explicit
+from robotraj.transcription.transcribe import meshes_of
 
 NEAR = 0.1
 """Largest violation of a scaled row at a point that is near a motion, so that its multipliers are used."""
@@ -74,7 +75,7 @@ def earlier_rows(
     """
     if not isinstance(guess, Solution) or not guess.added_rows or len(guess.phases) != len(problem.phases):
         return [], False
-    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    meshes = meshes_of(problem, mesh)
 
     def rows(phase: Phase) -> list[tuple[str, str | None]]:
         return [(row.name, row.joint) for row in phase.rows]
@@ -170,7 +171,7 @@ def separated_form(
     InputError
         The problem is none for the compressed form.
     """
-    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
+    meshes = meshes_of(problem, mesh)
     if not any(isinstance(scheme, CompressedHermiteSimpson) for own in meshes for scheme in own.given):
         return None
     if isinstance(guess, Solution) and tuple(part.mesh for part in guess.phases) == meshes:

@@ -202,7 +202,7 @@ def bounds_of(
     return bounds
 
 
-def meshes_of(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
+def meshes_of(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> tuple[Mesh, ...]:
     """Return one mesh a phase.
 
     Raises
@@ -210,7 +210,7 @@ def meshes_of(problem: Problem, mesh: Mesh | Sequence[Mesh]) -> list[Mesh]:
     InputError
         There are fewer or more meshes than phases.
     """
-    meshes = [mesh] * len(problem.phases) if isinstance(mesh, Mesh) else list(mesh)
+    meshes = (mesh,) * len(problem.phases) if isinstance(mesh, Mesh) else tuple(mesh)
     if len(meshes) != len(problem.phases):
         raise InputError(f"The problem has {len(problem.phases)} phases but {len(meshes)} meshes were given.")
     return meshes

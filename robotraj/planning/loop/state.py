@@ -229,7 +229,7 @@ class PlanState:
     @property
     def coarsest(self) -> Meshes:
         """Meshes of the settings."""
-        return tuple(meshes_of(self.problem, self.settings.mesh))
+        return meshes_of(self.problem, self.settings.mesh)
 
     @property
     def approximates(self) -> bool:
@@ -281,7 +281,7 @@ def begin(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, is_brief: bool = False
 ) -> PlanState | ToleranceState:
     """Return the first state of a plan."""
-    meshes, refinement = tuple(meshes_of(problem, settings.mesh)), settings.refinement
+    meshes, refinement = meshes_of(problem, settings.mesh), settings.refinement
     if settings.goals is None:
         return ToleranceState.begun(problem, guess, settings, meshes)
     traits = Traits.of(problem)

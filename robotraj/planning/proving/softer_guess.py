@@ -20,7 +20,7 @@ from robotraj.solution.records import started_from, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
-from robotraj.transcription.schemes.mesh import Mesh
+from robotraj.transcription.transcribe import meshes_of
 
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
@@ -35,7 +35,7 @@ def solved_softer(
     surfaces: Sequence[NearSurfaces | None] = (),
 ) -> Solution:
     """Solve a problem briefly with the soft friction of c = ``factor``, on the mesh of the settings."""
-    meshes = (settings.mesh,) * len(problem.phases) if isinstance(settings.mesh, Mesh) else tuple(settings.mesh)
+    meshes = meshes_of(problem, settings.mesh)
     near = replace(
         settings,
         restarts=Restarts(0),
