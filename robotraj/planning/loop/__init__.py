@@ -1,1 +1,1 @@
-"""The loop of a proved plan: solve, measure, respond."""
+"""The loop of a plan on several meshes: solve, measure, respond."""

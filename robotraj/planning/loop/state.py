@@ -75,6 +75,12 @@ class Traits:
         return self.sticking and self.kinked
 
 
+def step_of(found: Solution, error: float) -> MeshStep:
+    """Return the record of the mesh of a solution with this error."""
+    points, intervals = sum(len(part.points) for part in found.phases), sum(part.mesh.count for part in found.phases)
+    return MeshStep(intervals, points, error, found.objective, found.iterations, found.seconds)
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredMotion:
     """A solution with its proof and its measures.
@@ -117,9 +123,7 @@ class MeasuredMotion:
     @property
     def step(self) -> MeshStep:
         """The record of its mesh."""
-        found, parts = self.solution, self.solution.phases
-        points, intervals = sum(len(part.points) for part in parts), sum(part.mesh.count for part in parts)
-        return MeshStep(intervals, points, self.proof.error, found.objective, found.iterations, found.seconds)
+        return step_of(self.solution, self.proof.error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,7 +287,7 @@ def begin(
     """Return the first state of a plan."""
     meshes, refinement = meshes_of(problem, settings.mesh), settings.refinement
     if settings.goals is None:
-        return ToleranceState.begun(problem, guess, settings, meshes)
+        return ToleranceState(problem, settings, guess, meshes)
     traits = Traits.of(problem)
     second = refinement.second if isinstance(refinement, Equidistribute) else LEAST_GROWTH
     soft = with_soft_kinks(problem, settings.goals, settings.smoothing)

@@ -12,11 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj._util.precision import MET
 from robotraj.fixed_mesh.between.limits_between import limited_between
 from robotraj.fixed_mesh.solve import solved_at_points
 from robotraj.planning.loop.duality_gap import duality_gap
 from robotraj.planning.loop.finer_meshes import finer_meshes, split_where_broken
-from robotraj.planning.loop.state import Found, PlanEnd, Task
+from robotraj.planning.loop.state import Found, PlanEnd, Task, step_of
 from robotraj.planning.loop.tolerance_state import Errors, ToleranceState
 from robotraj.solution.claims.objective_size import objective_size
 from robotraj.solution.records import MeshStep
@@ -43,7 +44,9 @@ SPENT = (Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 
 def solved_to_tolerance(state: ToleranceState, progress: Progress | None = None) -> Found:
     """Solve on the meshes of a state, with limits between the points where the solution needs them."""
-    settings = replace(state.settings, mesh=state.meshes, solver=state.solver)
+    limits = state.settings.interval_limits
+    limits = replace(limits, tolerance=min(limits.tolerance, SAFETY * max(MET, state.tolerance)))
+    settings = replace(state.settings, mesh=state.meshes, solver=state.solver, interval_limits=limits)
     attempt = solved_at_points(state.problem, state.best or state.guess, settings, progress)
     try:
         errors, limited = errors_of(state, attempt.solution), state.limited
@@ -105,11 +108,11 @@ def after_errors(state: ToleranceState, found: Found) -> ToleranceState | PlanEn
 
 def _recorded(state: ToleranceState, solution: Solution, error: float) -> ToleranceState:
     """Return the state with a solve and the record of its mesh, once for a mesh that is solved again with limits."""
-    points, intervals = sum(len(part.points) for part in solution.phases), sum(mesh.count for mesh in state.meshes)
-    step = MeshStep(intervals, points, error, solution.objective, solution.iterations, solution.seconds)
-    if not solution.success:
-        return state if state.is_last else replace(state, failed=solution, steps=(*state.steps, step))
-    return replace(state, best=solution, steps=(*(state.steps[:-1] if state.is_last else state.steps), step))
+    if not solution.success and state.is_last:
+        return state
+    before = state.steps[:-1] if state.is_last else state.steps
+    state = replace(state, steps=(*before, step_of(solution, error)))
+    return replace(state, best=solution) if solution.success else replace(state, failed=solution)
 
 
 def _missed(state: ToleranceState, why: str) -> ToleranceState | PlanEnd:
@@ -159,12 +162,7 @@ def _on_lines(state: ToleranceState, solution: Solution, errors: Errors) -> Tole
 def _quadrature_error(solution: Solution) -> float:
     """Return the quadrature error of the objective along exact motions, whose states have no error."""
     parts = [part for part in solution.phases if part.exact]
-    return abs(
-        sum(
-            float(quadrature_errors(part.phase, part.trajectory, part.mesh.schemes, part.inputs).sum())
-            for part in parts
-        )
-    )
+    return abs(sum(float(quadrature_errors(p.phase, p.trajectory, p.mesh.schemes, p.inputs).sum()) for p in parts))
 
 
 def _barely_grow(steps: Sequence[MeshStep]) -> bool:

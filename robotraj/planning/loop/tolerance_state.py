@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -15,7 +14,6 @@ from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Solver
 from robotraj.transcription.refinement.base import Assessment
-from robotraj.transcription.refinement.equidistribution import SAFETY
 from robotraj.transcription.schemes.mesh import Mesh
 
 
@@ -101,16 +99,6 @@ class ToleranceState:
     gap: float = 1.0
     is_last: bool = False
     why: str = ""
-
-    @classmethod
-    def begun(
-        cls, problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, meshes: tuple[Mesh, ...]
-    ) -> ToleranceState:
-        """Return the first state of a plan."""
-        limits = settings.interval_limits
-        assert settings.tolerance is not None
-        least = min(limits.tolerance, SAFETY * max(MET, settings.tolerance))
-        return cls(problem, replace(settings, interval_limits=replace(limits, tolerance=least)), guess, meshes)
 
     @property
     def tolerance(self) -> float:
