@@ -1,9 +1,10 @@
-"""What each constant does: `python benchmarks/constants.py [FOLDER or FILE ...] [--write]`.
+"""What each constant does: `python benchmarks/constants.py [FOLDER or FILE ...] [--only NAME ...] [--write]`.
 
 Each constant of the modules is multiplied and divided by ``FACTOR``, in a process of its own whose modules are compiled
 with the other value. That process plans problems of ``benchmarks/frozen``, each of another kind, whose plans enter a
-function that reads the constant. ``constants.md`` keeps the table. A constant without any effect decides nothing: it
-can be derived or removed.
+function that reads the constant. ``constants.md`` keeps the table, and a test compares its names and values with those
+of the files. With ``--only`` rows of other constants are kept where their values are the same. A constant without any
+effect decides nothing: it can be derived or removed.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ PACKAGE = HERE.parent / "robotraj"
 TABLE, PLACES = HERE / "constants.md", HERE / "frozen" / "RESULTS.csv"
 FILES = ("planning/loop/local_optimum.py", "planning/loop/measures.py")
 FACTOR = 3.0
-QUICK, EVERY, MOST = 1.5, 4, 8
+QUICK, EVERY, MOST = 1.5, 12, 8
 """Processor seconds of the problems that are used, every how many of them, and how many a constant has at most."""
 HEAD = """# What each constant does
 
@@ -192,6 +193,7 @@ def main() -> None:
     """Print or write the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("rooms", nargs="*", default=list(FILES))
+    parser.add_argument("--only", nargs="+", metavar="NAME")
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--child", nargs=3, metavar=("MODULE", "NAME", "FACTOR"))
     given = parser.parse_args()
@@ -206,9 +208,14 @@ def main() -> None:
         quick = [row for row in csv.DictReader(file) if float(row["seconds"]) < QUICK]
     places = [(row["kind"], int(row["number"])) for row in quick[::EVERY]]
     before = in_process("-", "-", "1", places=places)
+    table = TABLE.read_text().splitlines()
     lines = []
     for number in numbers(given.rooms):
-        readers = number.readers
+        readers, cells = number.readers, [f"{number.file} {number.name}", number.value]
+        kept = [row for row in table if row.startswith(f"| {' | '.join(cells)} |")]
+        if given.only and number.name not in given.only and kept:
+            lines += kept
+            continue
         own = [
             (place, row)
             for place, row in zip(places, before, strict=True)
@@ -216,11 +223,11 @@ def main() -> None:
         ]
         kinds = {own[i][0][0]: own[i] for i in np.random.default_rng(0).permutation(len(own))}
         own = list(kinds.values())[:MOST]
-        cells = []
+        cells.append(str(len(own)))
         for factor in (FACTOR, 1.0 / FACTOR) if own else ():
             after = in_process(number.module, number.name, str(factor), places=[place for place, _ in own])
             cells.append(effect([row for _, row in own], after))
-        lines.append(f"| {number.file} {number.name} | {number.value} | {len(own)} | {' | '.join(cells)} |")
+        lines.append(f"| {' | '.join(cells)} |")
         print(lines[-1], flush=True)
     if given.write:
         TABLE.write_text(HEAD + "\n".join(lines) + "\n")
