@@ -85,7 +85,7 @@ def test_a_plan_is_solved_once_more_only_where_its_solver_stopped_early(
     assert (Task.AGAIN in tasks) is again
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-2, 1e-1, 1.0])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-2, 1e-1])
 def test_plans_that_are_proved_are_optimal_whatever_the_tolerance_of_the_solver(
     optimum: float, tolerance: float
 ) -> None:
