@@ -11,8 +11,8 @@ polynomial of least jerk between the ends,
 
     A^2 = 120 / 7 |q_e - q_s|^2 / T^4.
 
-The whole way in a tenth of the duration costs a thousand times as much as in all of it. T is the duration, or for a free one
-twice the least that speed limits allow. The objective of a solution is that of the problem, without this cost.
+The whole way in a tenth of the duration costs a thousand times as much as in all of it. T is the duration, or for a
+free one twice the least that speed limits allow. The objective of a solution is that of the problem, without this cost.
 """
 
 from __future__ import annotations
