@@ -10,6 +10,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
+from robotraj.planning.loop.measures import FAR
+from robotraj.planning.loop.state import MeasuredMotion, PlanState
 from robotraj.problem.problem import Problem
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.refinement.equidistribution import evenly_finer
@@ -31,3 +34,17 @@ def by_gauss(problem: Problem, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
         else mesh
         for phase, mesh in zip(problem.phases, meshes, strict=True)
     )
+
+
+def summed(state: PlanState, motion: MeasuredMotion) -> PlanState | None:
+    """Return the state with other first meshes, whose sum is the integral that a motion has missed; it is the guess.
+
+    None where the sum is near, on later meshes, and where the motion jumps over a shape and is left for the guess.
+    """
+    meshes, proof = by_gauss(state.problem, motion.meshes), motion.proof
+    if not state.approximates or proof.quadrature <= FAR or proof.shortfall > ROUGH_SHORTFALL:
+        return None
+    if meshes == motion.meshes:
+        return None
+    settings = replace(state.settings, mesh=meshes)
+    return replace(state, settings=settings, guess=motion.solution, meshes=meshes, why="Gauss's rule for the objective")

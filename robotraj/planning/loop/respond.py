@@ -14,9 +14,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
-from robotraj.planning.loop.gauss_sums import by_gauss
+from robotraj.planning.loop.gauss_sums import summed
 from robotraj.planning.loop.local_optimum import can_be_solved_again
-from robotraj.planning.loop.measures import DOUBLED, FAR, LEAST_GROWTH, largest_roughness
+from robotraj.planning.loop.measures import DOUBLED, LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.planning.loop.to_tolerance import SPENT, after_errors
 from robotraj.planning.loop.tolerance_state import ToleranceState
@@ -27,7 +27,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 from robotraj.transcription.refinement.equidistribution import evenly_finer
-from robotraj.transcription.refinement.linear_controls import on_lines
+from robotraj.transcription.refinement.linear_controls import HARDLY, on_lines
 from robotraj.transcription.refinement.switches import switches, with_knots_at
 
 MOST_MESHES = 8
@@ -96,9 +96,9 @@ def _after_mesh(state: PlanState, found: Found) -> PlanState | PlanEnd:
         following = _after_failure(state, found.solution)
     else:
         steps = (*state.steps, motion.step)
-        summed = _summed(replace(state, steps=steps), motion)
-        if summed is not None:
-            return summed
+        on_gauss = summed(replace(state, steps=steps), motion)
+        if on_gauss is not None:
+            return on_gauss
         following = _finer(replace(state, best=motion, first=state.first or motion, steps=steps))
     if isinstance(following, PlanEnd):
         return _concluded(following)
@@ -128,20 +128,6 @@ def _after_failure(state: PlanState, failed: Solution) -> PlanState | PlanEnd:
         return PlanEnd(state, failed.status.value)
     meshes = tuple(evenly_finer(mesh, max(state.second, LEAST_GROWTH)) for mesh in state.meshes)
     return replace(state, meshes=meshes, why=_counted(meshes))
-
-
-def _summed(state: PlanState, motion: MeasuredMotion) -> PlanState | None:
-    """Return the state with other first meshes, whose sum is the integral that a motion has missed; it is the guess.
-
-    None where the sum is near, on later meshes, and where the motion jumps over a shape and is left for the guess.
-    """
-    meshes, proof = by_gauss(state.problem, motion.meshes), motion.proof
-    if not state.approximates or proof.quadrature <= FAR or proof.shortfall > ROUGH_SHORTFALL:
-        return None
-    if meshes == motion.meshes:
-        return None
-    settings = replace(state.settings, mesh=meshes)
-    return replace(state, settings=settings, guess=motion.solution, meshes=meshes, why="Gauss's rule for the objective")
 
 
 def _afresh(state: PlanState, meshes: Meshes) -> PlanState:
@@ -239,17 +225,24 @@ def _after_smoother(state: PlanState, found: Found) -> PlanState | PlanEnd:
         rougher = largest_roughness(motion.solution.phases) >= best.measures.proof.roughness
         state = state if rougher else _replaced(state, best, motion)
     # Where a finer mesh has not helped, another one does not either.
-    finer = _resolved(state) if state.best is not best or state.meshes == best.meshes else None
+    known = best.measures.proof.roughness
+    finer = _resolved(state, known) if state.best is not best or state.meshes == best.meshes else None
     return finer or _polished(state, Task.AGAIN)
 
 
-def _resolved(state: PlanState) -> PlanState | None:
-    """Return the state with a mesh that is finer where a control has teeth; None without such a mesh."""
+def _resolved(state: PlanState, before: float) -> PlanState | None:
+    """Return the state with a mesh that is finer where a control has teeth; None without such a mesh.
+
+    Where a finer mesh has hardly changed their height, free controls become lines.
+    """
     best, refinement = state.best, state.settings.refinement
     assert best is not None and refinement is not None
-    if best.measures.proof.is_smooth or state.number == MOST_MESHES - 1:
+    proof = best.measures.proof
+    if proof.is_smooth or state.number == MOST_MESHES - 1:
         return None
     meshes = best.measures.next_meshes(best.solution.phases, refinement, 1.0)
+    if state.meshes == best.meshes and before > proof.roughness > HARDLY * before:
+        meshes = on_lines(state.problem, meshes)
     finer = replace(state, meshes=meshes, number=state.number + 1, why=_counted(meshes))
     return None if meshes == best.meshes else finer
 

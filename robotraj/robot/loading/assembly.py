@@ -229,7 +229,9 @@ def _named(
     """Return the joints that the caller names."""
     given = limits.values() if isinstance(limits, Mapping) else ()
     joints = {joint for each in given if isinstance(each, Mapping) for joint in each}
-    return joints | (set(limits.joints) if isinstance(limits, Limits) else set()) | set(actuated or ())
+    # What is no list of names is refused where it is read.
+    driven = {each for each in actuated if isinstance(each, str)} if isinstance(actuated, Iterable) else set()
+    return joints | (set(limits.joints) if isinstance(limits, Limits) else set()) | driven
 
 
 def _leads(mimic: Mimic, leader: str, asked: Mapping[str, float]) -> bool:
