@@ -139,10 +139,10 @@ def test_bryson_denhams_costates_without_knowing_the_junctions(bryson_denham: An
 
 
 def test_refinement_alone_finds_bryson_denhams_costates_but_for_the_intervals_of_the_jumps(bryson_denham: Any) -> None:
-    """The junctions fall inside intervals, which are halved until the objective has settled: 0.005 s are left."""
+    """The junctions fall inside intervals, which are halved until the objective has settled: 0.01 s are left."""
     solution = rt.plan(bryson_denham.phase(), tolerance=1e-6, solver=TIGHT)
     t = np.linspace(0, 1, 2001)
-    t = t[np.minimum(np.abs(t - 1 / 3), np.abs(t - 2 / 3)) > 5e-3]
+    t = t[np.minimum(np.abs(t - 1 / 3), np.abs(t - 2 / 3)) > 1e-2]
     size = np.array([18.0, 6.0])
     assert costates_at(solution, t) / size == pytest.approx(bryson_denham.costates(t) / size, abs=1e-4)
 
