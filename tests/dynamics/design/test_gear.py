@@ -61,5 +61,5 @@ def test_a_plan_with_its_gear_is_validated(arm: rt.Robot, dynamics: object) -> N
 
 @pytest.mark.parametrize("rotor", [0.0, -1e-5, np.inf, "1e-5"])
 def test_the_inertia_of_a_rotor_is_a_number_above_zero(ur5: rt.Robot, rotor: object) -> None:
-    with pytest.raises(rt.InputError, match="number above 0"):
+    with pytest.raises(rt.InputError, match="must be a number|number above 0"):
         Design(ur5, {"n": rt.design.GearRatio("elbow_joint", rotor)})  # type: ignore[arg-type]
