@@ -42,7 +42,7 @@ class ClosedLoop(OneLine):
     reason : str or None
         Reason why there is no simulation, or why it stopped early.
     divergence : float
-        Largest rate at which feedback makes a small deviation grow, above that without feedback [1/s].
+        Rate at which feedback makes a small deviation grow, above that without feedback, in the phase with most [1/s].
     """
 
     error: Drift | None
@@ -89,7 +89,11 @@ def closed_loop_of(
 
 
 def _divergence(planned: PhaseSolutionLike, feedback: PhaseGains) -> float:
-    """Return how much faster deviations grow with feedback than without, by the plant's eigenvalues [1/s]."""
+    """Return how much faster deviations grow with feedback than without, by the plant's eigenvalues [1/s].
+
+    It is the mean along the phase: where few motors move many joints, right feedback may push some of them away for an
+    instant, and one of the wrong sign does so all the time.
+    """
     knots = np.asarray(planned.knots, dtype=float)
     times = knots[0] + (knots[-1] - knots[0]) * PLACES
     alone, fed = (
@@ -97,7 +101,7 @@ def _divergence(planned: PhaseSolutionLike, feedback: PhaseGains) -> float:
         for plant in (RobotPlant(planned), RobotPlant(planned, feedback.at))
         for states, inputs in [(plant.states(times), plant.given(times))]
     )
-    return float(np.max(fed - np.maximum(alone, 0.0)))
+    return float(np.mean(fed - np.maximum(alone, 0.0)))
 
 
 def _fastest(rates: Array) -> float:
