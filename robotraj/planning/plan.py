@@ -116,7 +116,7 @@ def plan(
         the m of that motion at most, mostly far less, and is the objective.
         Limits on expressions, as of a tool's speed or a motor's power, add accelerations relative to those they allow.
         Where torques against dry friction count, accelerations cost a little too: slow joints would move in bursts, of
-        which no drive and no mesh is fast enough. Against much friction that raises an effort by 0.1 to 3 percent.
+        which no drive and no mesh is fast enough. Against much friction that raises an effort by up to 3 percent.
     goals : Goals, optional
         Bounds on the errors between the points: ``rt.solution.Goals()``. The mesh is refined, starting from ``mesh``,
         until all hold. ``solution.proof`` holds the measured errors. With a mesh alone nothing is proved. If the guess

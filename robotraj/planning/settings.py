@@ -167,12 +167,7 @@ RULES: tuple[Rule, ...] = (
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),
     _rule("restarts", when.PASSIVE, Restarts(12, seeds=range(9)), "their motions have many local optima"),
     _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or cross an obstacle"),
-    _rule(
-        "smoothing",
-        when.PROVED,
-        SMOOTHING,
-        "of motions as short or hardly more costly the smoothest is chosen",
-    ),
+    _rule("smoothing", when.PROVED, SMOOTHING, "of motions as short or hardly more costly the smoothest is chosen"),
     _rule("smoothing", when.ALWAYS, 0.0, "a mesh or a tolerance is given"),
 )
 

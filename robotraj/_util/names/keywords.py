@@ -147,7 +147,7 @@ _SEVERAL = frozenset(
 """Annotations of directions, places and other lists of numbers; what binds bounds and weights reads these itself."""
 
 Field = tuple[int, str, str, Callable[[object], bool]]
-"""Place, name and kind of a parameter, and what tells whether a value is certainly not of that kind."""
+"""Place, name and kind of a parameter, and a function that is true of values that are certainly not of that kind."""
 
 
 def _plain_fields(function: Callable[..., Any]) -> list[Field]:

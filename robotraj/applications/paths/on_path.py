@@ -151,7 +151,7 @@ def stop_on_path(
     if resting[:1] == [0]:
         raise InputError(f"At {time:g} s the plan is at rest, and there is nothing to stop; choose another time.")
     if resting:
-        # Beyond an instant of rest, such as a dwell, lies no stop: joints that do not move say nothing about s.
+        # No stop lies beyond an instant of rest, such as a dwell: where no joint moves, s is not determined.
         last = resting[0]
         path = PiecewisePolynomial(path.breaks[: last + 1], path.sites[:last], path.values[:last])
     given = part.phase if limits is None else part.phase.with_(limits=limits)

@@ -226,14 +226,14 @@ def _after_smoother(state: PlanState, found: Found) -> PlanState | PlanEnd:
         state = state if rougher else _replaced(state, best, motion)
     # Where a finer mesh has not helped, another one does not either.
     known = best.measures.proof.roughness
-    finer = _resolved(state, known) if state.best is not best or state.meshes == best.meshes else None
+    finer = _refined_at_teeth(state, known) if state.best is not best or state.meshes == best.meshes else None
     return finer or _polished(state, Task.AGAIN)
 
 
-def _resolved(state: PlanState, before: float) -> PlanState | None:
+def _refined_at_teeth(state: PlanState, before: float) -> PlanState | None:
     """Return the state with a mesh that is finer where a control has teeth; None without such a mesh.
 
-    Where a finer mesh has hardly changed their height, free controls become lines.
+    Where the last solve has hardly changed their height, free controls become lines.
     """
     best, refinement = state.best, state.settings.refinement
     assert best is not None and refinement is not None

@@ -1,13 +1,14 @@
 """Accelerations that cost a little where dry friction lets joints move in bursts.
 
-A joint that moves by bursts against dry friction takes the same effort as one that moves once: with hardly any inertia
-it is free to choose how many, and when. Torques then jump from mesh to mesh. In the program of the solver a phase with
-dry friction has the additional cost
+Let a light joint with friction F and damping d move at the mean speed v. Steady motion costs (F + d v)^2 a second, and
+motion at F / d for the share d v / F of the time 4 F d v, which is less for v < F / d. The joint is free to choose how
+many such bursts there are, and when. Torques then jump from mesh to mesh. In the program of the solver a phase with dry
+friction has the additional cost
 
     integral of epsilon PRICE P sum_j (a_j / A)^2 dt,
 
-where P is the cost a second of torques as large as the dry friction, and A^2 the mean of sum_j a_j^2 along the quintic
-polynomial of least jerk between the ends,
+where P is the cost a second of torques as large as the dry friction [unit of the objective / s], and A^2 the mean of
+sum_j a_j^2 along the quintic polynomial of least jerk between the ends,
 
     A^2 = 120 / 7 |q_e - q_s|^2 / T^4.
 
@@ -42,7 +43,7 @@ QUINTIC = 120.0 / 7.0
 
 
 def acceleration_weights(phase: Phase) -> Array:
-    """Return the weights of the squares of algebraic variables with epsilon = 1, (nz,).
+    """Return the weights of the squares of algebraic variables with epsilon = 1, PRICE P / A^2, (nz,).
 
     They are 0 without dry friction, on a free root, where the ends are not given, and for objectives that torques do
     not affect at rest.
@@ -58,6 +59,7 @@ _KNOWN: WeakKeyDictionary[Phase, Array] = WeakKeyDictionary()
 
 
 def _weight(phase: Phase) -> float:
+    """Return PRICE P / A^2 of a phase."""
     robot = phase.state_robot
     if robot is None or robot.root != "fixed" or not robot.friction.any() or not phase.integrals:
         return 0.0
@@ -78,7 +80,7 @@ def _duration(phase: Phase, robot: Robot, way: Array) -> float:
 
 
 def _cost_of_friction(phase: Phase, robot: Robot, q: Array) -> float:
-    """Return the integrands' increase by torques of the size of the dry friction, at rest [1/s]."""
+    """Return P: what torques of the size of the dry friction add to the integrands at rest."""
     dae = phase.dae
     rates = [weight * term.rate_of_motion(phase.rows.point) for weight, term in phase.integrals]
     rate = ca.Function("rate", [*phase.rows.symbols], [ca.densify(ca.sum1(ca.vertcat(*rates)))])

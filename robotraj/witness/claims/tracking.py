@@ -9,9 +9,9 @@ from robotraj.witness.claims.motion import advice_on, off
 from robotraj.witness.figures import Figures, Tolerances
 
 DIVERGENCE = 0.5 * BANDWIDTH
-"""Rate at which feedback drives deviations away that refuses it [1/s]. Reversed gains do so at twice the bandwidth.
+"""Rate at which feedback drives deviations away that refuses it, in the mean along a phase [1/s].
 
-Right ones add up to a fifth of it where few motors move many joints.
+Reversed gains do so at twice the bandwidth.
 """
 SCOPE = Scope(
     "tracking",

@@ -2,8 +2,8 @@
 
 Nothing is taken over from the plan but its motion: meshes, limits between the points, tolerance and barrier are this
 module's own, and multipliers are estimated anew. No other module of the witness shares code with the planner, and this
-one shares the transcription and the interior-point method. Their mistakes can hide a better motion, but cannot invent
-one: whoever asks for motions here validates them.
+one shares the transcription and the interior-point method. With a mistake there a better motion may not be found. None
+is invented, since a validation judges each motion that counts.
 """
 
 from __future__ import annotations
