@@ -344,8 +344,9 @@ WORSE: dict[str, Callable[[], rt.Solution]] = {
 
 @pytest.mark.parametrize("name", WORSE)
 def test_a_worse_motion_with_the_proof_of_an_optimum_is_noticed(name: str) -> None:
-    """Everything else about the motion is true, so that no other claim fails."""
-    assert failing(rt.validate(WORSE[name]())) == ["optimum"]
+    """Everything else about the motion is true. Torques of a solver that stopped early alternate as well."""
+    others = ["smoothness"] if name == "a solver that stopped early" else []
+    assert failing(rt.validate(WORSE[name]())) == [*others, "optimum"]
 
 
 @pytest.mark.parametrize("optimal", [fastest, quick_and_calm])
