@@ -36,8 +36,8 @@ Array = NDArray[np.float64]
 PRICE = 0.01
 """Cost of the accelerations of the plain motion, relative to ``epsilon`` of that of dry friction.
 
-Without it fewer plans are proved (``benchmarks/friction.md``). With ten times as much the effort of ur3 against friction
-of a tenth of its torques rises by 7 percent instead of 2."""
+Without it fewer plans are proved (``benchmarks/friction.md``). With ten times as much the effort of ur3, against
+friction of a tenth of its torques, rises by 7 percent instead of 2."""
 QUINTIC = 120.0 / 7.0
 """Mean square of the acceleration of the quintic polynomial over 1 rad in 1 s."""
 
