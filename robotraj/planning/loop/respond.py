@@ -162,7 +162,7 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
         finer = tuple(lines[k] if k == phase or phase is None else each for k, each in enumerate(finer))
     if stagnant > 1 or finer == best.meshes:
         return PlanEnd(state, "errors stagnate")
-    return replace(state, meshes=finer, stagnant=stagnant, why=_counted(finer))
+    return replace(state, meshes=finer, stagnant=stagnant, why=_change(best.meshes, finer))
 
 
 def _concluded(end: PlanEnd) -> PlanState | PlanEnd:
@@ -243,7 +243,7 @@ def _refined_at_teeth(state: PlanState, before: float) -> PlanState | None:
     meshes = best.measures.next_meshes(best.solution.phases, refinement, 1.0)
     if state.meshes == best.meshes and before > proof.roughness > HARDLY * before:
         meshes = on_lines(state.problem, meshes)
-    finer = replace(state, meshes=meshes, number=state.number + 1, why=_counted(meshes))
+    finer = replace(state, meshes=meshes, number=state.number + 1, why=_change(best.meshes, meshes))
     return None if meshes == best.meshes else finer
 
 
@@ -276,6 +276,11 @@ def _after_better(state: PlanState, found: Found) -> PlanEnd:
         left = max(best.proof.unsettled, (motion.solution.objective - coarse.objective) / size)
         state = replace(state, best=motion.with_unsettled(left), steps=(*state.steps, motion.step))
     return PlanEnd(state, "")
+
+
+def _change(before: Meshes, meshes: Meshes) -> str:
+    schemes = [mesh.given for mesh in before] != [mesh.given for mesh in meshes]
+    return _counted(meshes) + (", controls as lines" if schemes else "")
 
 
 def _counted(meshes: Meshes) -> str:
