@@ -2,7 +2,6 @@
 
 Two meshes overlap where their surfaces cross, which ``coal.collide`` finds. Their distance by ``coal.distance`` is 0
 there, not negative. A shape inside a closed mesh crosses no surface; the mesh winds once around its points.
-Source: Jacobson, Kavan and Sorkine-Hornung, Robust inside-outside segmentation using generalized winding numbers, 2013.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.tessellation import subdivided, surface_of
 from robotraj.robot.meshes.convex_hull import convex_hull
+from robotraj.robot.meshes.winding import Winding
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
@@ -125,6 +125,10 @@ class Solid(OneLine):
         return np.asarray(self.corners[_first_of_equal(np.floor(self.corners / cell))])
 
     @cached_property
+    def _winding(self) -> Winding:
+        return Winding.of(self.triangles)
+
+    @cached_property
     def _pieces(self) -> Array:
         """Small triangles (f, 3, 3) of the surface, counter-clockwise from outside [m]."""
         triangles = self.triangles
@@ -168,7 +172,7 @@ class Solid(OneLine):
         found = self.in_box(points)
         for k in np.flatnonzero(found).tolist():
             if self.is_mesh:
-                found[k] = abs(winding_number(self.triangles, points[k])) > INSIDE
+                found[k] = abs(self._winding.number(points[k])) > INSIDE
             else:
                 found[k] = self.distance(points[k]) < 0.0
         return found
@@ -283,16 +287,3 @@ def depth(first: Placed, second: Placed) -> float:
             inside = next((k for k in order.tolist() if outer.solid.contains(points[k : k + 1])[0]), None)
             deepest = max(deepest, 0.0 if inside is None else abs(outer.solid.distance(points[inside])))
     return deepest
-
-
-def winding_number(triangles: Array, point: Array) -> float:
-    """Return how often a surface, triangles (f, 3, 3), winds around a point (3,).
-
-    This is the sum of the solid angles of the triangles, over 4 pi.
-    Source: Van Oosterom and Strackee, The solid angle of a plane triangle, 1983.
-    """
-    a, b, c = (triangles - point).transpose(1, 0, 2)
-    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-    ab, bc, ca = (np.einsum("ij,ij->i", *pair) for pair in ((a, b), (b, c), (c, a)))
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-    return float(np.sum(np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb))) / (2.0 * np.pi)

@@ -6,7 +6,7 @@ import coal
 import numpy as np
 import pytest
 
-from robotraj.robot.collision.solids import Placed, Solid, depth, distance, one_inside, touch, winding_number
+from robotraj.robot.collision.solids import Placed, Solid, depth, distance, one_inside, touch
 from robotraj.robot.collision.tessellation import box_triangles, sphere_points, surface_of
 
 
@@ -23,13 +23,6 @@ def mesh(half: tuple[float, float, float]) -> Solid:
 
 def at(solid: Solid, *position: float) -> Placed:
     return Placed(solid, np.eye(3), np.array(position))
-
-
-def test_a_closed_surface_winds_once_around_its_inner_points_and_not_around_others() -> None:
-    triangles, rng = box_triangles(np.array([0.1, 0.2, 0.3])), np.random.default_rng(0)
-    for point in rng.uniform(-0.4, 0.4, (50, 3)):
-        inside = bool(np.all(np.abs(point) < [0.1, 0.2, 0.3]))
-        assert abs(winding_number(triangles, point)) == pytest.approx(float(inside), abs=1e-9)
 
 
 def test_a_small_box_inside_the_mesh_of_a_large_one_overlaps_although_no_surfaces_cross() -> None:
