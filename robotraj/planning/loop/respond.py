@@ -74,8 +74,10 @@ def own_friction(state: PlanState) -> PlanState:
     return replace(state, task=Task.MESH, softening=(), why="the robot's own friction")
 
 
-def _after_softer(state: PlanState, found: Found) -> PlanState:
+def _after_softer(state: PlanState, found: Found) -> PlanState | PlanEnd:
     soft, refinement = found.solution, state.settings.refinement
+    if found.lacks:
+        return PlanEnd(replace(state, failed=soft), "")
     between = None if soft.success else nearer(state.softening[0], state.guess)
     if between is not None:
         return replace(state, softening=(between, *state.softening), why="a smaller step to less soft friction")

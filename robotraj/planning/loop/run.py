@@ -22,6 +22,9 @@ from robotraj.planning.loop.respond import is_limited, own_friction, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, begin
 from robotraj.planning.loop.to_tolerance import solved_to_tolerance
 from robotraj.planning.loop.tolerance_state import ToleranceState
+from robotraj.planning.proving.free_solution import SHALLOW
+from robotraj.planning.proving.own_overlaps import OVERLAPS, OwnOverlaps
+from robotraj.planning.proving.soft_friction import factor_of
 from robotraj.planning.proving.softer_guess import solved_softer
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -70,7 +73,7 @@ def run(
         status is ``Status.NOT_PROVED`` if it is no motion within its limits. Where the errors exceed a tolerance, the
         status is ``Status.TOLERANCE_NOT_REACHED``.
     """
-    state: PlanState | ToleranceState | PlanEnd = begin(problem, guess, settings, is_brief)
+    state: PlanState | ToleranceState | PlanEnd = _begun(begin(problem, guess, settings, is_brief))
     spent: Solution | None = None
     while not isinstance(state, PlanEnd):
         softer = isinstance(state, PlanState) and state.task is Task.SOFTER
@@ -95,6 +98,15 @@ def run(
         spent = replace(spent, rounds=answered(spent.rounds, lacked, response))
     assert spent is not None
     return _with_effort(state.solution, spent)
+
+
+def _begun(state: PlanState | ToleranceState) -> PlanState | ToleranceState | PlanEnd:
+    """Return the state after the solve with the softest friction where the guess is its solution."""
+    softest = isinstance(state, PlanState) and bool(state.softening) and factor_of(state.guess) == state.softening[0]
+    if not softest or not isinstance(state, PlanState) or not isinstance(state.guess, Solution):
+        return state
+    assert state.settings.goals is not None
+    return respond(state, Found(state.guess, measured(state.guess, None, state.settings.goals, bending=True)))
 
 
 def _at_last(state: PlanState | ToleranceState, progress: Progress | None) -> PlanState:
@@ -179,8 +191,15 @@ def _softer(state: PlanState, progress: Progress | None, surfaces: Surfaces) -> 
     goals, settings = state.settings.goals, replace(state.settings, mesh=state.meshes)
     assert goals is not None
     found = solved_softer(state.problem, state.softening[0], state.guess, settings, progress, surfaces)
-    measures = measured(found, None, goals, bending=True) if is_guess(found) else None
-    return Found(found, measures)
+    if not is_guess(found):
+        return Found(found)
+    measures = measured(found, None, goals, bending=True)
+    if state.is_brief or any(surfaces) or factor_of(state.guess) > 0.0:
+        return Found(found, measures)
+    # A motion around itself is other than one that overlaps, so it is looked for before friction becomes less soft.
+    deep = OwnOverlaps(state.problem).deepest_sampled(found) if found.success else 0.0
+    lacks = (Lack(OVERLAPS, deep, SHALLOW),) if deep > SHALLOW else ()
+    return Found(found, measures, lacks=lacks)
 
 
 def is_guess(softer: Solution) -> bool:

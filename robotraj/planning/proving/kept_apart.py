@@ -21,7 +21,7 @@ from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, rout
 from robotraj.planning.proving.among_spheres import among_spheres
 from robotraj.planning.proving.correction import STOPPED, PlanAttempt, short_of
 from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
-from robotraj.planning.proving.own_overlaps import Overlap, OwnOverlaps, in_time, motion_of
+from robotraj.planning.proving.own_overlaps import OVERLAPS, Overlap, OwnOverlaps, in_time, motion_of
 from robotraj.planning.proving.soft_friction import softest
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -45,7 +45,6 @@ PUSHES = 2
 """The same along a motion that overlaps, which share the iterations of the plan without rows."""
 LEAST_ITERATIONS = 100
 """Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
-OVERLAPS = "links that overlap"
 NONE_YET = (np.inf, np.inf)
 """Depths of overlaps, in sum, of the last two plans with rows.
 

@@ -20,6 +20,7 @@ from robotraj.solution.violation import Violation
 
 Array = NDArray[np.float64]
 
+OVERLAPS = "links that overlap"
 RESERVE = 1.2
 """Factor on the joint speeds at the points of an interval, for those between them."""
 
@@ -60,6 +61,11 @@ class OwnOverlaps:
         near = pairs_within(robot, body, q)
         middles = {pair: np.flatnonzero(near[:, pair]) for pair in np.flatnonzero(near.any(axis=0)).tolist()}
         return {pair: body.depth(robot, q[at[len(at) // 2]], pair) for pair, at in middles.items()}
+
+    def deepest_sampled(self, found: Solution) -> float:
+        """Return the depth of the deepest overlap at equal steps of the phases of a solution [m]."""
+        depths = [self.sampled(number, motion_of(part)) for number, part in enumerate(found.phases)]
+        return max((depth for each in depths for depth in each.values()), default=0.0)
 
     def touching(self, number: int, motion: Motion) -> dict[int, float]:
         """Return the pairs that nearly touch at equal steps of a motion, as under rows that keep them apart, with 0."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from robotraj._util.time_left import LimitReached
 from robotraj.fixed_mesh.diagnosis.exclusions.crossed_zones import crossed_zones
 from robotraj.fixed_mesh.diagnosis.self_collision import overlapping_ends
 from robotraj.fixed_mesh.solve import solve
@@ -13,6 +14,7 @@ from robotraj.planning.proving.correction import STOPPED, Correction, PlanAttemp
 from robotraj.planning.proving.kept_apart import KeptApart
 from robotraj.planning.proving.over_ground import AboveGround
 from robotraj.planning.proving.sharp_friction import SharpFriction
+from robotraj.planning.proving.soft_friction import factor_of
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import Round, answered, with_effort_of
@@ -60,7 +62,26 @@ def _begun(
             return spent, apart
         apart = KeptApart(problem, settings)
     found = run(problem, guess, settings, progress)
-    return (found if spent is None else with_effort_of(spent, found)), apart
+    found = found if spent is None else with_effort_of(spent, found)
+    return (found, apart) if factor_of(found) == 0.0 else _from_softest(problem, found, settings, apart, progress)
+
+
+def _from_softest(
+    problem: Problem, soft: Solution, settings: Settings, apart: KeptApart, progress: Progress | None
+) -> tuple[Solution, KeptApart]:
+    """Return the plan from the motion with the softest friction, whose links overlap, and what is known of overlaps.
+
+    Friction becomes less soft along a motion without overlaps; where none is found, along this one.
+    """
+    try:
+        found = _corrected(soft, apart, (apart,), progress)
+    except LimitReached:
+        found = soft
+    except KeyboardInterrupt:
+        found = replace(soft, status=Status.INTERRUPTED)
+    if factor_of(found) == 0.0 or found.status is Status.INTERRUPTED:
+        return found, apart
+    return with_effort_of(found, run(problem, soft, settings, progress)), KeptApart(problem, settings)
 
 
 def _corrected(
