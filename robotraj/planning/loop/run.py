@@ -226,11 +226,12 @@ def _cold(state: PlanState) -> Solver:
 
     Times at which joints reverse and powers change their sign move from point to point. That gains little in hundreds
     of iterations, and the next mesh moves them again. With both, most of the gain is power between the points, which
-    the sum that is minimised does not see. Powers alone gain a tenth of the goal in a hundred iterations.
+    the sum that is minimised does not see. Powers alone gain a tenth of the goal in a hundred iterations. In least time
+    against dry friction, slow joints that do not decide the time reverse now and then, and nothing is gained at all.
     """
     traits, goals = state.traits, state.settings.goals
     assert goals is not None
-    if not (traits.sticking or traits.kinked or state.only_unsettled):
+    if not (traits.sticking or traits.kinked or traits.full_friction or state.only_unsettled):
         return state.settings.solver
     share = 3.0 if traits.sticking_powers else 1.0 if traits.sticking else 0.1
     return state.settings.solver.until_settled(share * goals.objective)

@@ -112,6 +112,18 @@ ROBOTRAJ_TEST(an_objective_has_settled_after_eight_iterations_with_nearly_the_sa
   CHECK(!convergence.settled(at));
 }
 
+ROBOTRAJ_TEST(an_objective_is_near_another_one_within_a_hundredth) {
+  Started its({3.0, 3.0, 3.0, std::sqrt(13.0)});
+  interior_point::Iterate& at = *its.run.current;
+  const interior_point::Options options;
+  const interior_point::Convergence convergence(options);
+  const double objective = at.objective();
+  CHECK(convergence.is_near(at, objective));
+  CHECK(convergence.is_near(at, objective * (1.0 + 9e-3)));
+  CHECK(!convergence.is_near(at, objective * (1.0 + 2e-2)));
+  CHECK(!convergence.is_near(at, objective * (1.0 - 2e-2)));
+}
+
 ROBOTRAJ_TEST(products_above_the_change_of_the_objective_are_a_gap) {
   Started its;
   interior_point::Iterate& at = *its.run.current;

@@ -61,9 +61,11 @@ End Algorithm::iterate(double mu) {
 }
 
 bool Algorithm::settled() {
-  if (settled_ || !convergence_.settled(*run.current)) return settled_;
+  Iterate& at = *run.current;
+  if (settled_ || !convergence_.settled(at)) return settled_;
   convergence_.reset();
-  settled_ = !convergence_.has_gap(*run.current);
+  settled_ = !convergence_.has_gap(at);
+  settled_objective_ = at.objective();
   if (!settled_ && barrier.fall()) search.reset();
   return settled_;
 }
@@ -81,7 +83,13 @@ End Algorithm::restore(bool stepped) {
     return stepped ? End::line_search_failed : End::step_failed;
   }
   search.give_up();
-  return restoration().restore(run, search);
+  const End end = restoration().restore(run, search);
+  // A restoration phase may end far from where the objective had settled.
+  if (settled_ && end == End::restored && !convergence_.is_near(*run.trial, settled_objective_)) {
+    settled_ = false;
+    run.direction.reset();
+  }
+  return end;
 }
 
 void Algorithm::accept() {

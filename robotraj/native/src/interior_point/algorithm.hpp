@@ -44,8 +44,9 @@ class Restoration;
 ///
 /// each by damped Newton steps. `InertiaCorrection` computes a step, `LineSearch` its length, `Barrier` lowers mu, and
 /// `Convergence` ends the iteration. Once the objective has settled, steps only restore the rows, and the iteration ends
-/// where these hold within the tolerance. With d the distance of an accepted slack from a bound, the bound's multiplier
-/// z is kept near mu / d, so that the Hessian of the system stays close to the one of the barrier problem:
+/// where these hold within the tolerance, unless a restoration phase has changed the objective. With d the distance of an
+/// accepted slack from a bound, the bound's multiplier z is kept near mu / d, so that the Hessian of the system stays
+/// close to the one of the barrier problem:
 ///
 ///     z <- max(min(z, kappa_Sigma mu / d), mu / (kappa_Sigma d)).
 ///
@@ -81,6 +82,7 @@ class Algorithm {
   Convergence convergence_;
   double began_ = 0.0;
   bool settled_ = false;  // steps only restore the rows
+  double settled_objective_ = 0.0;
 };
 
 }  // namespace robotraj::interior_point

@@ -10,6 +10,7 @@ namespace {
 constexpr double kLargestMean = 100.0;  // s_max
 constexpr double kAdaptiveGap = 0.1;    // largest product of the adaptive rule, relative to the tolerance
 constexpr std::size_t kUnchanged = 8;   // iterations
+constexpr double kNear = 1e-2;          // share of an objective; the next mesh finds what less has cost
 constexpr double kNearRows = 1e-2;      // violation from which few steps restore the rows
 
 double mean(double sum, int count) { return count > 0 ? sum / count : 0.0; }
@@ -61,6 +62,10 @@ bool Convergence::close(Iterate& iterate) const {
   const double largest = native::vector_kernels_of().largest_complementarity(
       iterate.problem().bounds(), iterate.at->lower, iterate.below(), iterate.at->upper, iterate.above(), 0.0);
   return largest <= kAdaptiveGap * options_.tolerance;
+}
+
+bool Convergence::is_near(Iterate& iterate, double objective) const {
+  return std::abs(iterate.objective() - objective) <= kNear * std::abs(objective);
 }
 
 bool Convergence::has_gap(Iterate& iterate) const {

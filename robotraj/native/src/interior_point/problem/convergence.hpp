@@ -42,6 +42,8 @@ class Convergence {
   /// Whether the objective was within `objective_change` of itself for eight iterations, near the rows; to be asked once
   /// an iteration. Never where `objective_change` is 0.
   bool settled(Iterate& iterate);
+  /// Whether the objective is within a hundredth of another one.
+  bool is_near(Iterate& iterate, double objective) const;
   /// Whether products of distances and multipliers sum to more than `objective_change` of the objective, so that the
   /// problem of the present barrier parameter alone has settled.
   bool has_gap(Iterate& iterate) const;
