@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -31,6 +30,9 @@ Array = NDArray[np.float64]
 MODES = 4
 """Sines in a perturbation; the k-th has k half waves and an amplitude that falls with k."""
 
+WIDEST = 10.0
+"""Greatest spread; it is a multiple of the ranges, and no percentage."""
+
 
 @dataclass(frozen=True)
 class Perturbed(InitialGuess):
@@ -54,7 +56,7 @@ class Perturbed(InitialGuess):
     Raises
     ------
     InputError
-        There is no guess to perturb, a seed is no integer of 0 or more, or the spread is negative or not finite.
+        There is no guess to perturb, a seed is no integer of 0 or more, or the spread is negative or above 10.
     """
 
     guess: InitialGuess
@@ -66,7 +68,7 @@ class Perturbed(InitialGuess):
             raise InputError(f"Perturbed takes a guess such as rt.guess.StraightLine(), got {brief(self.guess)}.")
         for each in self.seed if isinstance(self.seed, tuple | list) else [self.seed]:
             whole("A seed of Perturbed", each, 0, 2**63 - 1)
-        number("The spread of Perturbed", self.spread, 0.0, sys.float_info.max)
+        number("The spread of Perturbed", self.spread, 0.0, WIDEST, "times half the ranges")
 
     def prepared(self, problem: Problem) -> InitialGuess:
         """Prepare the guess that is perturbed."""

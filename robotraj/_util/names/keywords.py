@@ -13,6 +13,8 @@ import numpy as np
 
 from robotraj._util.checks import unusable
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.names.elsewhere import elsewhere
+from robotraj._util.names.near_words import near_names
 from robotraj._util.printing import brief
 
 
@@ -131,7 +133,8 @@ def _refusal(
     names = list(dict.fromkeys(each.name for each in (*known, *more) if each.kind in named))
     wrong = [each for each in given if each not in names]
     if wrong:
-        return WrongArguments(str(unknown_name(f"argument of {name}", wrong[0], names)))
+        other = "" if near_names(wrong[0], names) else elsewhere(wrong[0])
+        return WrongArguments(str(unknown_name(f"argument of {name}", wrong[0], names, other)))
     call = ", ".join(map(_written, known))
     return WrongArguments(f"{name} is called as {name}({call}); this call is wrong: {error}.")
 
@@ -217,6 +220,7 @@ def _public(function: Callable[..., Any], package: str) -> str:
 
 
 def _written(parameter: Parameter) -> str:
-    """Write a parameter without its type: ``name``, ``name=...`` where it has a default."""
+    """Write a parameter without its type: ``name``, ``name=...`` where it has a default or is given by name alone."""
     star: dict[object, str] = {Parameter.VAR_POSITIONAL: "*", Parameter.VAR_KEYWORD: "**"}
-    return f"{star.get(parameter.kind, '')}{parameter.name}{'' if parameter.default is Parameter.empty else '=...'}"
+    by_name = parameter.kind is Parameter.KEYWORD_ONLY or parameter.default is not Parameter.empty
+    return f"{star.get(parameter.kind, '')}{parameter.name}{'=...' if by_name else ''}"

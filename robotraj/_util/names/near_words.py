@@ -39,6 +39,9 @@ _MEANINGS = tuple(
     ground terrain floor
     friction mu friction_coefficient
     contact friction mu friction_coefficient
+    bodies payload payloads load gripper attached carried
+    executor workers worker processes jobs n_jobs num_workers pool parallel cores
+    progress verbose quiet silent verbosity print_level disp
     root base base_type floating_base
     floating free free_flyer freeflyer mobile
     locked frozen locked_joints
@@ -94,12 +97,18 @@ def near_names(name: str, valid: Iterable[str], likeness: float = 0.5) -> list[s
     for each in valid:
         plain.setdefault(each.lower(), []).append(each)
     word = name.lower()
-    alike = {known for meaning in _MEANINGS if word in meaning for known in meaning}
+    alike = same_meaning(word)
     near = get_close_matches(word, plain, n=3, cutoff=likeness)
-    # A name that means the same is meant rather than one of faintly similar letters.
-    meant = [each for each in plain if each in alike and each != word]
-    close = get_close_matches(word, near, n=3, cutoff=0.8) if meant else near
+    meant = [each for each in plain if each in alike]
+    # The meaning of a known word is known: faintly similar letters do not matter.
+    close = get_close_matches(word, near, n=3, cutoff=0.8) if alike else near
     return [each for key in dict.fromkeys((*close, *meant)) for each in plain[key]]
+
+
+def same_meaning(name: str) -> set[str]:
+    """Return the other words of the meanings that a word has; empty for a word that is not known."""
+    word = name.lower()
+    return {known for meaning in _MEANINGS if word in meaning for known in meaning} - {word}
 
 
 def _of_same_words(name: str, names: Iterable[str]) -> list[str]:

@@ -193,7 +193,7 @@ def multistart(
     for name, value in (("objective_tolerance", objective_tolerance), ("trajectory_tolerance", trajectory_tolerance)):
         if not _is_size(value):
             raise InputError(f"rt.multistart needs {name}= of 0 or more; got {value!r}.")
-    check_options("rt.multistart", options)
+    check_options("rt.multistart", options, multistart)
     given = as_guess(guess)
     first = given or default_guess(problem)
     varied = (other_guess(problem, i, (seed, i), spread, given) for i in range(1, starts))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from inspect import signature
+from inspect import Parameter, signature
 from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
@@ -48,21 +48,31 @@ def continued(options: GuessedChoices, problem: Problem, last: Solution) -> Solu
     return with_effort_of(found, planned(from_last, problem, keep_program=True))
 
 
-def check_options(caller: str, options: Mapping[str, object]) -> None:
+def check_options(caller: str, options: Mapping[str, object], own: Callable[..., object]) -> None:
     """Refuse options that plans of many problems do not have, before a worker starts.
+
+    Parameters
+    ----------
+    caller : str
+        Its public name, for messages.
+    options : mapping
+        What it passes on to ``rt.plan``.
+    own : callable
+        The caller, whose own arguments a message names too.
 
     Raises
     ------
     InputError
         An option of ``rt.plan`` is for a single plan.
     UnknownName
-        Naming the options of ``rt.plan``.
+        Naming the arguments of the caller and the options of ``rt.plan``.
     """
     known = [name for name in signature(plan).parameters if name not in ("problem", *OF_ONE)]
+    named = [each.name for each in signature(own).parameters.values() if each.kind is not Parameter.VAR_KEYWORD]
     for name in options:
         if name in OF_ONE:
             raise InputError(
                 f"{caller} keeps failed plans, shows no iterations and releases programs: leave {name}= out."
             )
         if name not in known:
-            raise unknown_name("option of rt.plan", name, known)
+            raise unknown_name(f"argument of {caller}", name, dict.fromkeys((*named, *known)))

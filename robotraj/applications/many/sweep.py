@@ -129,7 +129,7 @@ def sweep(
     ...     [round(solution.objective, 3) for solution in rt.sweep(moves, executor=here, mesh=rt.Mesh(10))]
     [12.0, 1.5]
     """
-    check_options("rt.sweep", options)
+    check_options("rt.sweep", options, sweep)
     if callable(problems) or store is not None or cases is not None:
         if not callable(problems) or store is None or cases is None:
             raise InputError(

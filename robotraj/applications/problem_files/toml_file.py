@@ -77,6 +77,16 @@ def read_toml(path: str | os.PathLike[str], what: str) -> TomlFile:
         at, line = (f", line {found[1]}", text.splitlines()[int(found[1]) - 1 :][:1]) if found else ("", [])
         shown = f" in {line[0].strip()[:_WIDEST]!r}" if line else ""
         reason = _REPEATED if "overwrite" in str(error) else _PLACE.sub("", str(error))
-        raise InputError(f"{source.name}{at}: this is no TOML: {reason}{shown}.") from error
+        raise InputError(f"{source.name}{at}: this is no TOML: {reason}{shown}.{_advice(line)}") from error
     check_bounds(data, source.name)
     return TomlFile(source, text, data)
+
+
+def _advice(line: list[str]) -> str:
+    """Return what TOML does not allow and other languages do, for the line of an error."""
+    text = line[0] if line else ""
+    if re.search(r"\b(True|False|None)\b", text):
+        return ' TOML writes true and false in small letters; None is "none" in a problem file.'
+    if text.count("{") > text.count("}"):
+        return " A table in braces stands in one line."
+    return ""

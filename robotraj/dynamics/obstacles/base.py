@@ -25,6 +25,8 @@ Place: TypeAlias = "Sequence[float] | Callable[[ca.SX], Column | Sequence[Scalar
 
 ORIGIN = (0.0, 0.0, 0.0)
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+_ORDER = {4: ", (x, y, z, w)"}
+"""What a message adds to the count of a quaternion's numbers."""
 UNIT_LENGTH = 1e-3
 """Largest deviation of a quaternion's length from 1; within it the quaternion is normalised."""
 
@@ -189,7 +191,7 @@ class Obstacle(OneLine, ABC):
         except (TypeError, ValueError):
             numbers = ()
         if len(numbers) != size or not np.isfinite(numbers).all():
-            raise InputError(f"{self.label}: {name} is {value!r}; give {size} finite numbers.")
+            raise InputError(f"{self.label}: {name} is {value!r}; give {size} finite numbers{_ORDER.get(size, '')}.")
         return numbers
 
     def _positive(self, name: str) -> None:

@@ -24,7 +24,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, warn
 from robotraj.gait.capability.leg_samples import LegSamples, sample_legs
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach
@@ -37,6 +37,8 @@ HALVINGS = 20
 """Number of bisections for the speed above a height."""
 MODEST = 0.2
 """Multiple of the estimate that a message names as one that would do."""
+FAR = 10.0
+"""Height or length of a jump relative to the robot's reach above which its unit is doubtful."""
 EASY = 0.25
 """Height relative to the robot's reach up to which nothing is estimated."""
 
@@ -50,12 +52,23 @@ def check_take_off(
     ------
     InputError
         The message has the speed at take-off, the estimate, and a height that would do; for a long jump also a length.
+
+    Warns
+    -----
+    UserWarning
+        The jump is out of proportion to the robot, as heights in centimetres are.
     """
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     air = np.sqrt(8.0 * height / gravity)
     as_height = height + (length / air) ** 2 / (2.0 * gravity)
     if as_height <= EASY * reach(robot.model):
         return
+    size = max(height, abs(length))
+    if size > FAR * reach(robot.model) > 0.0:
+        warn(
+            f"The jump goes over {size:.3g} m, and {robot.name!r} reaches {reach(robot.model):.2g} m. Lengths are in "
+            "metres: 20 cm are 0.2."
+        )
     samples = sample_legs(robot, feet, standing, friction, margin)
     if samples is None:
         return

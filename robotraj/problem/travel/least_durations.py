@@ -19,6 +19,7 @@ from robotraj.problem.feasibility import Ends
 from robotraj.problem.rows import RowTable
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
 
 ROUNDING = 1e-9
 """Relative excess over a bound that counts as round-off."""
@@ -122,11 +123,20 @@ def check_durations(
             first, last = float(start.lower[at]), float(end.lower[at])
             speeds = float(start.lower[rate]), float(end.lower[rate])
             _check_travel(phase, _Travel(joint, unit, first, last, *speeds, speed, acceleration), longest)
-    if 0.0 < least <= MILLI * longest < np.inf and LONG * least <= shortest:
+    # Ends that fix no travel are those of steps, pushes and rests.
+    needed = least or _own_time(robot)
+    if 0.0 < needed <= MILLI * longest < np.inf and LONG * needed <= shortest:
+        times = f", {shortest / least:.3g} times as long as its speed limits need" if least else ""
         warn(
-            f"Phase {phase!r}: it takes at least {shortest:g} s, {shortest / least:.3g} times as long as its speed "
-            f"limits need. The unit is s: {shortest:g} ms are {MILLI * shortest:g} s."
+            f"Phase {phase!r}: it takes at least {shortest:g} s{times}. The unit is s: {shortest:g} ms are "
+            f"{MILLI * shortest:g} s."
         )
+
+
+def _own_time(robot: Robot) -> float:
+    """Return the time sqrt(l / g) [s] in which a pendulum of the robot's reach l swings by one radian; 0 without g."""
+    gravity = float(np.linalg.norm(robot.model.gravity.linear))
+    return float(np.sqrt(reach(robot.model) / gravity)) if gravity else 0.0
 
 
 def _bounds(

@@ -44,6 +44,22 @@ def test_missing_and_superfluous_arguments_print_the_call() -> None:
         rt.Phase(CART)
 
 
+def test_an_argument_of_another_call_is_named_with_that_call() -> None:
+    with pytest.raises(WrongArguments, match=r"'obstacles'\. Valid .*\. rt\.CollisionFree takes obstacles=\.$"):
+        rt.plan(MOVE, obstacles=[])
+    with pytest.raises(WrongArguments, match=r"rt\.Phase and rt\.Waypoints take duration=\."):
+        rt.plan(MOVE, duration=3.0)
+    with pytest.raises(WrongArguments, match=r"rt\.robot\.carrying takes bodies=\."):
+        rt.load("ur5", payload=2.0)
+    with pytest.raises(WrongArguments, match=r"watch, keep_program\.$"):
+        rt.plan(MOVE, zzz=2.0)
+
+
+def test_arguments_given_by_name_alone_are_printed_so() -> None:
+    with pytest.raises(WrongArguments, match=r"rt\.gait\.turn\(robot, angle=\.\.\., "):
+        rt.gait.turn(CART)
+
+
 def test_an_error_inside_a_call_that_fits_is_unchanged() -> None:
     def careless(count: int) -> int:
         return len(count)

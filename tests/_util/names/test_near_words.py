@@ -17,6 +17,7 @@ MISTAKES = {
     "State named 'velocity'. Did you mean 'v'": lambda: rt.State(velocity=0),
     "Box named 'center'. Did you mean 'position'": lambda: rt.obstacles.Box((1, 1, 1), center=(0, 0, 0)),
     "rt.retime named 'velocity'. Did you mean 'limits'": lambda: rt.retime(TWO, UR5, velocity=1.0),
+    "rt.retime named 'duration'. Valid names": lambda: rt.retime(TWO, UR5, duration=3.0),
     "rt.retime named 'tolerence'. Did you mean 'tolerance'": lambda: rt.retime(TWO, UR5, tolerence=1e-6),
     "robot named 'franka'. Did you mean 'panda'": lambda: rt.load("franka"),
     "name in robotraj named 'plann'. Did you mean 'plan'": lambda: rt.plann,

@@ -305,7 +305,7 @@ def test_options_that_a_plan_does_not_have_are_refused_before_any_worker(search:
         def submit(self, *_: Any) -> Any:
             raise AssertionError("a worker was asked")
 
-    with pytest.raises(rt.UnknownName, match="option of rt.plan named 'msh'. Did you mean 'mesh'"):
+    with pytest.raises(rt.UnknownName, match="argument of rt.(sweep|multistart) named 'msh'. Did you mean 'mesh'"):
         search(executor=Never(), msh=rt.Mesh(3))
 
 

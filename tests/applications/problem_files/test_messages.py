@@ -111,6 +111,13 @@ def test_a_file_that_is_no_toml_is_reported_with_its_line(tmp_path: Path) -> Non
     )
 
 
+def test_values_of_other_languages_are_named(tmp_path: Path) -> None:
+    true = message_of(UR5.replace("drift = 1e-3", "drift = None"), tmp_path)
+    assert true.endswith(' TOML writes true and false in small letters; None is "none" in a problem file.')
+    lines = message_of(UR5.replace("drift = 1e-3", "drift = { a = 1,\n b = 2 }"), tmp_path)
+    assert lines.endswith(" A table in braces stands in one line.")
+
+
 def test_a_file_without_a_robot_or_a_motion_says_what_is_missing(tmp_path: Path) -> None:
     assert "names no robot: add [robot]" in message_of("[plan]\n", tmp_path)
     assert "states no motion: add [[phases]]" in message_of('[robot]\nsource = "block"\n', tmp_path)

@@ -59,6 +59,12 @@ def test_a_jump_of_three_metres_is_refused_within_two_seconds() -> None:
     assert time.process_time() - began < 2.0
 
 
+def test_a_jump_out_of_proportion_is_doubted_even_of_motors_without_limits() -> None:
+    strong = rt.load("hopper", root="planar", limits={"effort": np.inf, "velocity": np.inf})
+    with pytest.warns(UserWarning, match="goes over 30 m, .* Lengths are in metres: 20 cm are 0.2"):
+        rt.gait.jump(strong, height=30.0, feet=["foot"])
+
+
 def test_motors_without_limits_are_not_judged() -> None:
     robot = rt.load("hopper", root="planar", limits={"effort": np.inf})
     assert rise(robot) == np.inf

@@ -65,6 +65,18 @@ def test_a_fixed_duration_that_seems_to_be_in_milliseconds_is_doubted() -> None:
             rt.Phase(rt.load("cartpole"), duration, *ends, limits=slow)
 
 
+def test_a_rest_that_seems_to_be_in_milliseconds_is_doubted() -> None:
+    """Without a travel, the measure is the time sqrt(l / g) of the robot's reach l."""
+    arm = rt.load("two_link_arm")
+    here = rt.State(q=0.3, v=0)
+    with pytest.warns(UserWarning, match="at least 2000 s. The unit is s: 2000 ms are 2 s"):
+        rt.Phase(arm, 2000.0, here, here)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for duration in (20.0, (0.1, 2000.0)):
+            rt.Phase(arm, duration, here, here)
+
+
 def test_limits_of_constraints_count_as_those_of_the_robot_do() -> None:
     robot = rt.load("two_link_arm")
     ends = rt.State(q=0, v=0), rt.State(q=[1, 0], v=0)

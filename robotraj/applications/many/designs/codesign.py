@@ -119,7 +119,7 @@ def codesign(
     Source: Byrd, Lu, Nocedal, Zhu, A limited memory algorithm for bound constrained optimization, SIAM J. Sci. Comput.
     16 (1995).
     """
-    check_options("rt.applications.codesign", options)
+    check_options("rt.applications.codesign", options, codesign)
     names, low, high = _ranges(numbers)
     first = {name: (low[i] + high[i]) / 2 for i, name in enumerate(names)} | dict(start or {})
     x0 = (np.array([first[name] for name in names]) - low) / (high - low)

@@ -114,7 +114,7 @@ def pareto(
     -----
     Source: Aneja and Nair, Bicriteria transportation problem, Management Science 25 (1979).
     """
-    check_options("rt.applications.pareto", options)
+    check_options("rt.applications.pareto", options, pareto)
     counted("rt.applications.pareto(points)", points)
     if np.shape(weights) != (2,) or not np.isfinite(weights).all() or not 0.0 < weights[0] < weights[1] or points < 2:
         raise InputError(f"weights= is {weights!r}, points= {points!r}; give 0 < low < high, and 2 points or more.")

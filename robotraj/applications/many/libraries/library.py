@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.printing import OneLine
+from robotraj._util.printing import OneLine, brief
 from robotraj._util.values import dataclass
 from robotraj.applications.many.failure import Failure, failure_of
 from robotraj.applications.many.libraries.neighbours import Neighbours, row_of, without_program
@@ -127,7 +127,7 @@ class Library(OneLine):
         NoSolutionFound
             No motion was found.
         """
-        check_options("library.plan", options)
+        check_options("library.plan", options, self.plan)
         self.nearest(case)
         chosen = cast("GuessedChoices", options)
         found = self._neighbours.plan(chosen, posed(self.make, case), case)
@@ -212,7 +212,11 @@ def library(
     InputError
         There are no cases, or they have different names or numbers that are not finite.
     """
-    check_options("rt.applications.library", options)
+    check_options("rt.applications.library", options, library)
+    if not callable(make):
+        raise InputError(
+            f"rt.applications.library takes a function, make(case) -> problem, and cases; got {brief(make)}."
+        )
     if not len(cases) or not all(isinstance(case, Mapping) and case for case in cases):
         raise InputError(f"cases= must be mappings such as {{'speed': 0.3}}, one or more; got {cases!r}.")
     names = sorted(cases[0])

@@ -127,6 +127,11 @@ def test_motions_are_exported_as_arrays(slides: Library) -> None:
     assert read["tau"].shape == (6, 11, 1)
 
 
+def test_a_library_takes_a_function() -> None:
+    with pytest.raises(rt.InputError, match=r"takes a function, make\(case\) -> problem"):
+        rt.applications.library("slide", [{"far": 1.0}])  # type: ignore[arg-type]
+
+
 def test_cases_that_fail_are_listed_and_the_others_are_solved() -> None:
     def some(case: dict[str, float]) -> rt.Phase:
         if case["end"] == 2.0:
