@@ -87,9 +87,9 @@ def check_masses(phase: str, robot: Robot, body: Dynamics, ends: Ends) -> None:
         if together:
             where = "at a given end" if fixed else "in the neutral configuration"
             raise InputError(
-                f"Phase {phase!r}: {' and '.join(map(repr, together))} can turn together without moving any mass "
-                f"{where}, so the mass matrix is singular. Correct the <inertia> of the links that they move, or lock "
-                f"one of them with rt.load(..., locked={{{together[-1]!r}: 0.0}})."
+                f"Phase {phase!r}: {' and '.join(map(repr, together))} can turn without moving any mass {where}, so "
+                "the mass matrix is singular. Correct the <inertia> of the moved links, or lock the last joint with "
+                f"rt.load(..., locked={{{together[-1]!r}: 0.0}})."
             )
 
 

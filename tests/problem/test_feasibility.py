@@ -60,10 +60,26 @@ def test_joints_that_move_no_mass_together_are_refused_by_name() -> None:
         model.addJointFrame(parent)
     model.appendBodyToJoint(parent, pin.Inertia(1.0, np.array([0.1, 0.0, 0.2]), np.zeros((3, 3))), pin.SE3.Identity())
     robot = rt.load(model)
-    with pytest.raises(InputError, match="'roll' and 'yaw' can turn together without moving any mass .*{'yaw': 0.0}"):
+    with pytest.raises(InputError, match="'roll' and 'yaw' can turn without moving any mass .*{'yaw': 0.0}"):
         rt.Phase(robot, 1.0, limits=None)
     assert rt.Phase(robot, 1.0, limits=None, dynamics=Kinematics())
     assert rt.Phase(rt.load(model, locked={"yaw": 0.0}), 1.0, limits=None)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+def test_a_joint_through_a_centre_of_mass_without_inertia_is_refused_by_name(off: float) -> None:
+    model = pin.Model()
+    arm = model.addJoint(0, pin.JointModelRY(), pin.SE3.Identity(), "arm")
+    drill = model.addJoint(arm, pin.JointModelRZ(), pin.SE3.Identity(), "drill")
+    for joint in (arm, drill):
+        model.addJointFrame(joint)
+    model.appendBodyToJoint(drill, pin.Inertia(1.0, np.array([off, 0.0, 0.2]), np.zeros((3, 3))), pin.SE3.Identity())
+    robot = rt.load(model)
+    if off:  # a millimetre is enough
+        assert rt.Phase(robot, 1.0, limits=None)
+    else:
+        with pytest.raises(InputError, match="'drill' can turn without moving any mass .*{'drill': 0.0}"):
+            rt.Phase(robot, 1.0, limits=None)
 
 
 def test_a_root_without_mass_may_be_held_by_contacts() -> None:

@@ -5,7 +5,7 @@ Source: Traversaro, Brossette, Escande and Nori, Identification of fully physica
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 import numpy as np
 import pinocchio as pin
@@ -92,28 +92,35 @@ def check_bodies(name: str, model: pin.Model) -> None:
 
 def weightless_joints(model: pin.Model) -> tuple[str, ...]:
     """Return the joints behind which there is neither mass nor inertia, and which have no armature."""
-    carried = [float(body.mass + np.abs(body.inertia).sum()) for body in model.inertias.tolist()]
-    parents = parents_of(model)
-    for i in range(model.njoints - 1, 0, -1):
-        carried[parents[i]] += carried[i]
-    # A leader moves what its followers carry.
-    moved = np.array(model.armature)
+    moved = _moved(model, lambda body: body.mass + np.abs(body.inertia).sum()) + np.array(model.armature)
     joints = model.joints.tolist()
-    for i, joint in enumerate(joints[1:], start=1):
-        moved[joint.idx_v] += carried[i]
     return tuple(model.names[i] for i, joint in enumerate(joints) if i and joint.nv and not moved[joint.idx_v])
 
 
+def _moved(model: pin.Model, amount: Callable[[pin.Inertia], float]) -> NDArray[np.float64]:
+    """Sum an amount of the bodies behind each joint, at its first velocity (nv,)."""
+    carried = [float(amount(body)) for body in model.inertias.tolist()]
+    parents, moved = parents_of(model), np.zeros(model.nv)
+    for i in range(model.njoints - 1, 0, -1):
+        carried[parents[i]] += carried[i]
+    # A leader moves what its followers carry.
+    for joint, what in list(zip(model.joints.tolist(), carried, strict=True))[1:]:
+        moved[joint.idx_v] += what
+    return moved
+
+
 def weightless_together(model: pin.Model, q: NDArray[np.float64], root: int) -> tuple[int, ...]:
-    """Return the indices in v of joints that move together without kinetic energy at q; empty where none do.
+    """Return the indices in v of joints that move without kinetic energy at q, each alone or all together.
 
     A link with mass and no inertia about its centre of mass does not resist a turn about an axis through that centre.
     The first ``root`` velocities are those of a root, at rest: contacts may hold a root without mass.
     """
     mass = mass_matrix(model, model.createData(), q)[root:, root:]
-    sizes = np.sqrt(np.diag(mass))
-    if not np.all(sizes > 0.0):
-        return ()
+    moments = np.diag(mass)
+    still = np.flatnonzero(moments <= ROUNDING * _moved(model, lambda body: body.mass)[root:])
+    if still.size:
+        return tuple(root + int(i) for i in still)
+    sizes = np.sqrt(moments)
     values, vectors = np.linalg.eigh(mass / np.outer(sizes, sizes))
     if not len(values) or values[0] > SINGULAR:
         return ()

@@ -18,8 +18,11 @@ HEAD = 1_000
 """Bytes at the beginning of a file in which its encoding is declared."""
 DEEPEST = 200
 """Largest depth of elements; functions that call themselves for each child have room for it."""
-DEFINITIONS = ("xacro:property", "xacro:arg", "xacro:macro")
+XACRO = "xacro:"
+DEFINITIONS = tuple(XACRO + each for each in ("property", "arg", "macro"))
 """Elements of xacro that have no effect where nothing uses them."""
+STATEMENTS = {XACRO + each for each in ("attribute", "call", "element", "if", "include", "insert_block", "unless")}
+"""Elements that xacro replaces; others call macros."""
 
 
 def parsed(data: bytes) -> Element:
@@ -73,15 +76,31 @@ def decoded(data: bytes) -> str:
     return data.decode("latin-1")
 
 
-def without_definitions(root: Element) -> bool:
-    """Remove definitions of xacro that nothing uses; return whether the file still needs xacro."""
+def without_definitions(root: Element, source: bool = False) -> bool:
+    """Remove definitions of xacro that nothing uses; return whether the file still needs xacro.
+
+    Calls of macros that a URDF neither defines nor includes stay in it: old versions of xacro left them in what they
+    made, and other readers ignore them. The ``source`` of a URDF, a file of xacro, is not read without its macros.
+    """
+    macros = set()
     for child in list(root):
         if child.tag in DEFINITIONS:
             root.remove(child)
-    return any(
-        element.tag.startswith("xacro:") or any("${" in text or "$(" in text for text in element.attrib.values())
-        for element in root.iter()
+            macros.add(XACRO + child.get("name", "").removeprefix(XACRO))
+    found = set(calls(root))
+    return (
+        bool(found & (macros | STATEMENTS)) or (source and bool(found)) or any(_computes(each) for each in root.iter())
     )
+
+
+def _computes(element: Element) -> bool:
+    """Whether the attributes of an element are expressions of xacro."""
+    return not element.tag.startswith(XACRO) and any("${" in each or "$(" in each for each in element.attrib.values())
+
+
+def calls(root: Element) -> tuple[str, ...]:
+    """Return the elements of xacro in a file, by name."""
+    return tuple(dict.fromkeys(each.tag for each in root.iter() if each.tag.startswith(XACRO)))
 
 
 def _without_comments(text: str) -> str:

@@ -12,12 +12,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element
 
 from robotraj._util.values import dataclass
+from robotraj.robot.urdf.lenient import calls
 from robotraj.robot.urdf.springs import SPRING
+from robotraj.robot.urdf.structure import SHOWN
 
 MADE_OF = ("acceleration", "jerk")
 """Quantities of ``<limit>`` that Pinocchio ignores."""
 BOUNDED = ("revolute", "prismatic")
 """Joint types whose positions need limits."""
+UNLIMITED_TYPES = ("planar", "floating")
+"""Joint types with several velocities of different units, which a single ``<limit>`` cannot bound."""
 READ: Mapping[str, Sequence[str]] = {
     "joint": ("name", "type"),
     "origin": ("xyz", "rpy"),
@@ -35,7 +39,9 @@ READ: Mapping[str, Sequence[str]] = {
 }
 """Attributes of the elements of joints and inertias that are read, or that have no effect on a plan."""
 TURNS, DEGREES = 4.0 * math.pi, 720.0
-"""A position limit between these magnitudes is more plausible in degrees than in rad."""
+"""A position limit or a turn of an origin between these magnitudes is more plausible in degrees than in rad."""
+LOOPS = ("loop_joint",)
+"""Elements below ``<robot>`` that close loops in dialects of URDF."""
 
 Pair = tuple[float, float]
 
@@ -77,7 +83,7 @@ def stated_limits(root: Element) -> StatedLimits:
 
 
 def limit_findings(root: Element) -> Iterator[str]:
-    """Yield a sentence on attributes that are not read, on useless soft limits, and on positions in degrees."""
+    """Yield a sentence on macros and attributes that are not read, useless soft limits, and positions in degrees."""
     unread: dict[str, None] = {}
     for owner in (*root.findall("joint"), *root.findall("link/inertial")):
         for element in (owner, *owner):
@@ -85,6 +91,21 @@ def limit_findings(root: Element) -> Iterator[str]:
             unread |= {
                 f"<{element.tag} {key}>": None for key in element.attrib if known is None or local(key) not in known
             }
+    if undefined := calls(root):
+        yield f"Macros that the file does not define are left out: {', '.join(f'<{each}>' for each in undefined)}."
+    loops = [each.get("name", "") for tag in LOOPS for each in root.findall(tag)]
+    if loops:
+        yield (
+            f"Joints that close loops are not read: {', '.join(map(repr, loops))}. Close them with "
+            "rt.contacts.LoopClosure."
+        )
+    several = [
+        repr(joint.get("name", ""))
+        for joint in root.findall("joint")
+        if joint.get("type") in UNLIMITED_TYPES and joint.find("limit") is not None
+    ]
+    if several:
+        yield f"A <limit> of planar and floating joints is not read: {', '.join(several)}. Give it with limits=."
     if unread:
         yield f"Attributes that robotraj does not read: {', '.join(unread)}."
     useless = [
@@ -106,6 +127,10 @@ def limit_findings(root: Element) -> Iterator[str]:
             f"Position limits in rad that are plausible in degrees: {names} (the first has "
             f"[{first.get('lower', '0')}, {first.get('upper', '0')}]). Correct them with limits={{'position': ...}}."
         )
+    turns = dict.fromkeys(origin.get("rpy", "") for origin in root.iter("origin"))
+    tilted = [repr(rpy) for rpy in turns if any(TURNS < abs(float(angle)) <= DEGREES for angle in rpy.split())]
+    if tilted:
+        yield f"Origins with rpy in rad that is plausible in degrees: {', '.join(tilted[:SHOWN])}. Correct the file."
 
 
 def _soft(joint: Element) -> Pair | None:

@@ -57,7 +57,7 @@ def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust
         raise InputError(f"There is no {kind} file {str(path)!r}.{near_files(path) or ' Give the path of a file.'}")
     data = contents(path, MAX_BYTES, f"The {kind} file")
     root = _parsed(data, path)
-    if without_definitions(root):
+    if without_definitions(root, source=path.suffix == ".xacro"):
         root = _parsed(expanded(path, folders, trust, MAX_BYTES), path)
     for element in root.iter():
         attributes = element.attrib
@@ -81,6 +81,7 @@ def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust
         raise InputError(
             f"{str(path)!r} is no {kind}: its root is <{root.tag}>, not <robot>. Convert it to {kind} first."
         )
+    root.attrib.setdefault("name", path.stem)  # Pinocchio alone needs one
     return root
 
 

@@ -35,6 +35,8 @@ READ = {
         f'<robot name="r" {XACRO}><xacro:property name="x" value="1"/>'
         '<xacro:macro name="m" params="y"><link name="${y}"/></xacro:macro>',
     ),
+    "calls of macros that xacro left": ROBOT.replace("</robot>", '<xacro:sensors pose="${x}"/></robot>'),
+    "no name": ROBOT.replace(' name="r"', "", 1),
     "version 1.1": f'<?xml version="1.1"?>{ROBOT}',
     "document type": f'<?xml version="1.0"?><!DOCTYPE robot>{ROBOT}',
     "carriage returns": ROBOT.replace("><", ">\r\n\t<"),
@@ -56,6 +58,13 @@ def test_forms_that_other_readers_accept_are_read(form, tmp_path):
         robot = rt.load(path)
     np.testing.assert_array_equal([robot.limits.position_upper[0], robot.limits.velocity[0], robot.mass], [1, 2, 1])
     assert robot.visual_model.ngeoms == 0
+
+
+def test_calls_of_macros_without_a_definition_are_named(tmp_path):
+    path = tmp_path / "robot.urdf"
+    path.write_text(READ["calls of macros that xacro left"], encoding="utf-8")
+    with pytest.warns(UserWarning, match="does not define are left out: <xacro:sensors>"):
+        rt.load(path)
 
 
 @pytest.mark.parametrize(

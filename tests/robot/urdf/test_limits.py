@@ -89,6 +89,27 @@ def test_degrees_are_doubted_and_missing_positions_are_named(urdf):
     assert robot.limits.with_(position=1.0).missing == ()
 
 
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        ('<loop_joint name="rod" type="revolute"/>', "Joints that close loops are not read: 'rod'.*LoopClosure"),
+        (
+            '<link name="tray"/><joint name="tray" type="planar"><parent link="cart"/><child link="tray"/>'
+            '<limit effort="9" velocity="1"/></joint>',
+            "A <limit> of planar and floating joints is not read: 'tray'",
+        ),
+        (
+            '<link name="camera"/><joint name="camera" type="fixed"><parent link="cart"/><child link="camera"/>'
+            '<origin rpy="0 90 0"/></joint>',
+            "rpy in rad that is plausible in degrees: '0 90 0'",
+        ),
+    ],
+)
+def test_what_changes_a_motion_and_is_not_read_as_meant_is_named(urdf, added, message):
+    with pytest.warns(UserWarning, match=message):
+        rt.load(urdf.text(SLIDE.format("", "").replace("</robot>", f"{added}</robot>")))
+
+
 def test_an_effort_without_limit_is_infinite(urdf):
     robot = load(urdf)
     assert np.isfinite(robot.limits.effort[0])
