@@ -33,7 +33,7 @@ from scipy.linalg.blas import dgemm
 import robotraj as rt
 from robotraj.native.build import load_native
 from robotraj.solvers.attempts import AHEAD, FACTOR
-from robotraj.solvers.formulation import BARRIER, SMALL_BARRIER
+from robotraj.solvers.base import BARRIER, SMALL_BARRIER
 from robotraj.solvers.objective_scale import of_program
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.program import StageProgram

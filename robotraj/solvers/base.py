@@ -20,6 +20,18 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+TOLERANCE, MOST_ITERATIONS = 1e-8, 1000
+"""Tolerance of the optimality conditions, relative to the unit of the objective, and the largest number of iterations.
+
+Both are defaults of every solver. A barrier parameter as small as the tolerance leaves a known solution where it is.
+"""
+BARRIER, SMALL_BARRIER = 1e-2, 1e-4
+"""First barrier parameters from a guess; the latter for contacts of a floating root, and from known solutions.
+
+From a barrier as small as the latter, such contacts start with zero multipliers of their equations. Those of least
+squares would make the Hessian indefinite: early iterations would take several factorisations. Planar walkers take more
+iterations so, and some end in a worse optimum.
+"""
 NEARBY_BARRIER, ALTERED_BARRIER = 1e-5, 1e-3
 """First barrier parameters of a solve from the solution on another mesh, and from that of another problem."""
 BOUND_RELAXATION = 1e-10

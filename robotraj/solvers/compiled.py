@@ -11,17 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
-from robotraj.solvers.base import Iteration, Multipliers, Origin, Progress
-from robotraj.solvers.formulation import BARRIER, SMALL_BARRIER, Formulation, carried
+from robotraj.solvers.base import BARRIER, SMALL_BARRIER, TOLERANCE, Iteration, Multipliers, Origin, Progress
+from robotraj.solvers.formulation import Formulation, carried
 from robotraj.solvers.nearby_multipliers import interpolated
 
 if TYPE_CHECKING:
     from robotraj.native import Program
     from robotraj.solvers.stagewise.program import StageProgram as Written
-
-LEAST_BARRIER = 1e-8
-"""Smallest first barrier parameter where only few rows or bounds differ: a larger one would leave the known solution.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +78,7 @@ def warm_barrier(native: Program, start: NDArray[np.float64], program: Written, 
     The largest violation of a scaled row at the start measures its distance from the central path. A start that
     violates a row by 1 gets the barrier of a guess, or the small one where the multipliers of all rows are known.
     """
-    least, most = (LEAST_BARRIER, SMALL_BARRIER) if known_rows else (SMALL_BARRIER, BARRIER)
+    least, most = (TOLERANCE, SMALL_BARRIER) if known_rows else (SMALL_BARRIER, BARRIER)
     return max(least, most * _largest_violation(native, start, program))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.time_left import require
+from robotraj.solvers.base import BARRIER, SMALL_BARRIER
 from robotraj.solvers.stagewise.multipliers import recover
 from robotraj.solvers.stagewise.reduction import Reduction, reduce
 from robotraj.solvers.stagewise.warm import carried_over
@@ -41,13 +42,6 @@ FINE_CORRECTIONS = {"first_correction": 1e-6, "correction_increase": 4.5, "corre
 
 Larger ones shorten steps along the negative curvature. Systems may start so far away that shorter steps are better, and
 the conflicts of an infeasible flight were not found with the finer ones.
-"""
-BARRIER, SMALL_BARRIER = 1e-2, 1e-4
-"""First barrier parameters from a guess; the latter for contacts of a floating root, and from known solutions.
-
-From a barrier as small as the latter, such contacts start with zero multipliers of their equations. Those of least
-squares would make the Hessian indefinite: early iterations would take several factorisations. Planar walkers take more
-iterations so, and some end in a worse optimum.
 """
 SECONDS_OF_BLOCK = 5e-3
 """Processor time of writing one point function of an NLP in stages [s]; hundreds of phases have a thousand."""

@@ -32,8 +32,11 @@ from robotraj.solvers.attempts import (
 )
 from robotraj.solvers.base import (
     ALTERED_BARRIER,
+    BARRIER,
     BOUND_RELAXATION,
+    MOST_ITERATIONS,
     NEARBY_BARRIER,
+    TOLERANCE,
     LazyMultipliers,
     Multipliers,
     Outcome,
@@ -43,7 +46,7 @@ from robotraj.solvers.base import (
 from robotraj.solvers.checks import LOOSEST, above_zero, counted, no_mapping
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram, report, warm_barrier, warm_start
 from robotraj.solvers.fallback import fall_back
-from robotraj.solvers.formulation import BARRIER, Formulation, assembled, first_barrier, formulate, options
+from robotraj.solvers.formulation import Formulation, assembled, first_barrier, formulate, options
 from robotraj.solvers.formulation import multipliers as original_multipliers
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.solvers.objective_scale import of_program
@@ -110,8 +113,8 @@ class InteriorPoint(Solver):
         An option is no number above 0, or ``fallback`` is no solver.
     """
 
-    tolerance: float = 1e-8
-    max_iterations: int = 1000
+    tolerance: float = TOLERANCE
+    max_iterations: int = MOST_ITERATIONS
     time_limit: float | None = None
     initial_barrier: float | None = None
     barrier_factor: float | None = None

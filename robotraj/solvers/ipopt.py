@@ -18,8 +18,11 @@ from robotraj._util.precision import ROUND_OFF
 from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.solvers.base import (
+    BARRIER,
     BOUND_RELAXATION,
+    MOST_ITERATIONS,
     NEARBY_BARRIER,
+    TOLERANCE,
     LazyMultipliers,
     Multipliers,
     Origin,
@@ -94,11 +97,11 @@ class Ipopt(Solver):
         ``options`` do not give the path of its library.
     """
 
-    tolerance: float = 1e-8
-    max_iterations: int = 1000
+    tolerance: float = TOLERANCE
+    max_iterations: int = MOST_ITERATIONS
     time_limit: float | None = None
     barrier: str = "monotone"
-    initial_barrier: float = 1e-2
+    initial_barrier: float = BARRIER
     linear_solver: str = "mumps"
     options: Mapping[str, object] = field(default_factory=dict)
 

@@ -31,8 +31,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.records import Lack, answered, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import Progress, Solver
-from robotraj.solvers.formulation import SMALL_BARRIER
+from robotraj.solvers.base import SMALL_BARRIER, Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
 
