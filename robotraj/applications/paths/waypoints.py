@@ -25,7 +25,7 @@ from robotraj.robot.robot import Robot
 if TYPE_CHECKING:
     from robotraj.problem.constraints.bounds import Between
 
-Place: TypeAlias = "ArrayLike | Constraint"
+Waypoint: TypeAlias = "ArrayLike | Constraint"
 """Joint positions (nq,) [rad, m], or a constraint such as ``rt.FramePose(frame, pose)``."""
 
 
@@ -72,7 +72,7 @@ class Waypoints(Problem):
     def __init__(
         self,
         robot: Robot,
-        places: Sequence[Place],
+        places: Sequence[Waypoint],
         *,
         cyclic: bool = False,
         objective: Objective | None = None,
@@ -150,7 +150,7 @@ def _arrival(number: int, arrivals: Sequence[int], what: str) -> int:
     return number
 
 
-def _place(robot: Robot, place: Place, number: int) -> np.ndarray | Constraint:
+def _place(robot: Robot, place: Waypoint, number: int) -> np.ndarray | Constraint:
     if isinstance(place, Constraint):
         return place
     try:

@@ -13,7 +13,7 @@ from dataclasses import is_dataclass
 import robotraj.gait as gait
 import robotraj.guess as guess
 from robotraj._util.errors import unknown_name
-from robotraj.applications.problem_files.lines import Misplaced, Place
+from robotraj.applications.problem_files.lines import KeyPath, Misplaced
 from robotraj.applications.problem_files.parameters import Accepted, Maker, parameters_of
 from robotraj.guess.guess import Guess
 from robotraj.solution.storage.classes import OF_PROBLEMS
@@ -55,7 +55,7 @@ KINDS: Mapping[str, Maker] = {
 EXPRESSIONS = ("Callable", "PointExpression", "EndExpression")
 
 
-def kind_named(name: object, accepted: Accepted, place: Place) -> Maker:
+def kind_named(name: object, accepted: Accepted, place: KeyPath) -> Maker:
     """Return the class or function of a name.
 
     Raises

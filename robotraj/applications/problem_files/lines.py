@@ -10,7 +10,7 @@ from robotraj._util.errors import InputError
 Data: TypeAlias = Any
 """A value as ``tomllib`` reads it; its readers check it."""
 
-Place = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """Keys and indices that lead to a value: ``("phases", 0, "end", "q")``."""
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
@@ -21,7 +21,7 @@ _KEY = re.compile(r"[ \t]*(?:\"((?:\\.|[^\"\\\n])*)\"|'([^'\n]*)'|([A-Za-z0-9_-]
 _PLAIN = re.compile(r"[^,\]}#\n]*")
 
 
-def lines_of(text: str) -> dict[Place, int]:
+def lines_of(text: str) -> dict[KeyPath, int]:
     """Return the line of every key and of every entry of a list.
 
     Parameters
@@ -32,7 +32,7 @@ def lines_of(text: str) -> dict[Place, int]:
     return _Scanner(text).lines
 
 
-def named(place: Place) -> str:
+def named(place: KeyPath) -> str:
     """Return a place as it is written in messages, ``phases[0].end.q``."""
     text = ""
     for part in place:
@@ -40,7 +40,7 @@ def named(place: Place) -> str:
     return text
 
 
-def line_of(place: Place, lines: dict[Place, int]) -> int | None:
+def line_of(place: KeyPath, lines: dict[KeyPath, int]) -> int | None:
     """Return the line of a place, or of the nearest value around it; None for the whole text."""
     for length in range(len(place), 0, -1):
         if place[:length] in lines:
@@ -53,10 +53,10 @@ class Misplaced(InputError):
 
     Attributes
     ----------
-    place : Place
+    place : KeyPath
     """
 
-    def __init__(self, place: Place, message: str) -> None:
+    def __init__(self, place: KeyPath, message: str) -> None:
         super().__init__(message)
         self.place = place
 
@@ -66,10 +66,10 @@ class _Scanner:
 
     def __init__(self, text: str) -> None:
         self.text, self.at = text, 0
-        self.lines: dict[Place, int] = {}
-        self._counts: dict[Place, int] = {}
+        self.lines: dict[KeyPath, int] = {}
+        self._counts: dict[KeyPath, int] = {}
         self._counted_to, self._line = 0, 1
-        table: Place = ()
+        table: KeyPath = ()
         while self._skip():
             if self._take("[["):
                 table = self._header(several=True)
@@ -90,7 +90,7 @@ class _Scanner:
         self.at += len(mark)
         return True
 
-    def _note(self, place: Place) -> None:
+    def _note(self, place: KeyPath) -> None:
         self._line += self.text.count("\n", self._counted_to, self.at)
         self._counted_to = self.at
         self.lines.setdefault(place, self._line)
@@ -105,8 +105,8 @@ class _Scanner:
                 break
         return keys
 
-    def _header(self, several: bool) -> Place:
-        place: Place = ()
+    def _header(self, several: bool) -> KeyPath:
+        place: KeyPath = ()
         keys = self._keys()
         for number, key in enumerate(keys):
             place = (*place, key)
@@ -119,7 +119,7 @@ class _Scanner:
         self._take("]]" if several else "]")
         return place
 
-    def _pair(self, table: Place) -> bool:
+    def _pair(self, table: KeyPath) -> bool:
         keys = self._keys()
         for length in range(1, len(keys) + 1):
             self._note((*table, *keys[:length]))
@@ -128,7 +128,7 @@ class _Scanner:
         self._value((*table, *keys))
         return True
 
-    def _value(self, place: Place) -> None:
+    def _value(self, place: KeyPath) -> None:
         self._skip()
         if found := _STRING.match(self.text, self.at):
             self.at = found.end()

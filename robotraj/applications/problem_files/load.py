@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, cast
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.applications.problem_files.bounds import MOST_INTERVALS, MOST_PHASES
 from robotraj.applications.problem_files.kinds import GAITS
-from robotraj.applications.problem_files.lines import Data, Misplaced, Place
+from robotraj.applications.problem_files.lines import Data, KeyPath, Misplaced
 from robotraj.applications.problem_files.narrowing import narrowed
 from robotraj.applications.problem_files.parameters import parameters_of
 from robotraj.applications.problem_files.problem_file import ProblemFile
@@ -129,7 +129,7 @@ def _table(data: Mapping[str, Data], name: str) -> dict[str, Data]:
     return table
 
 
-def _robot(data: dict[str, Data], place: Place, robots: Mapping[str, Robot]) -> tuple[Robot, dict[str, Data]]:
+def _robot(data: dict[str, Data], place: KeyPath, robots: Mapping[str, Robot]) -> tuple[Robot, dict[str, Data]]:
     """Return the robot of a phase or gait, and its data without the robot."""
     rest = {key: entry for key, entry in data.items() if key != "robot"}
     name = data.get("robot")
@@ -157,7 +157,7 @@ def _problem(data: Mapping[str, Data], reader: Reader, robots: Mapping[str, Robo
     return narrowed(make, data.get("links", []), ("links",) if "links" in data else ("phases",))
 
 
-def _phase(data: dict[str, Data], place: Place, reader: Reader, robots: Mapping[str, Robot]) -> Phase:
+def _phase(data: dict[str, Data], place: KeyPath, reader: Reader, robots: Mapping[str, Robot]) -> Phase:
     robot, rest = _robot(data, place, robots)
     own = reader.for_robot(robot)
 
@@ -168,7 +168,7 @@ def _phase(data: dict[str, Data], place: Place, reader: Reader, robots: Mapping[
 
 
 def _gait(data: dict[str, Data], reader: Reader, robots: Mapping[str, Robot]) -> Problem:
-    place: Place = ("gait",)
+    place: KeyPath = ("gait",)
     robot, rest = _robot(data, place, robots)
     own, name = reader.for_robot(robot), data.get("type")
     write = GAITS.get(name) if isinstance(name, str) else None

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 from robotraj._util.errors import InputError, UnknownName
-from robotraj.applications.problem_files.lines import Data, Misplaced, Place
+from robotraj.applications.problem_files.lines import Data, KeyPath, Misplaced
 
 SECONDS = 2.0
 """Processor time after which no smaller place is searched for."""
@@ -19,7 +19,7 @@ LABELS = ("name", "type", "robot")
 T = TypeVar("T")
 
 
-def narrowed(make: Callable[[Data], T], data: Data, place: Place) -> T:
+def narrowed(make: Callable[[Data], T], data: Data, place: KeyPath) -> T:
     """Make a value from data; an error names the smallest part of the data that causes it.
 
     A part causes an error if its text is an unknown name or the message mentions its key. It also does if the value can
@@ -42,7 +42,7 @@ def narrowed(make: Callable[[Data], T], data: Data, place: Place) -> T:
         raise Misplaced((*place, *cause), message) from error
 
 
-def _quoted(data: Data, message: str) -> Place:
+def _quoted(data: Data, message: str) -> KeyPath:
     """Return the first key or text that the message quotes."""
     quoted = set(re.findall(r"'([^']+)'", message))
     for place, value in _leaves(data):
@@ -51,9 +51,9 @@ def _quoted(data: Data, message: str) -> Place:
     return ()
 
 
-def _removable(make: Callable[[Data], object], data: Data) -> Place:
+def _removable(make: Callable[[Data], object], data: Data) -> KeyPath:
     """Return the innermost part without which the value can be made."""
-    place: Place = ()
+    place: KeyPath = ()
     began = time.process_time()
     part = data
     while isinstance(part, dict | list):
@@ -77,14 +77,14 @@ def _can_be_made(make: Callable[[Data], object], data: Data) -> bool:
     return True
 
 
-def _mentioned(data: Data, message: str) -> Place:
+def _mentioned(data: Data, message: str) -> KeyPath:
     """Return the first key that the message mentions as a word."""
     words = set(re.findall(r"\w+", message))
     keys = [key for key in data if key in words and key not in LABELS] if isinstance(data, dict) else []
     return (keys[0],) if keys else ()
 
 
-def _leaves(data: Data, place: Place = ()) -> Iterator[tuple[Place, Data]]:
+def _leaves(data: Data, place: KeyPath = ()) -> Iterator[tuple[KeyPath, Data]]:
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _leaves(value, (*place, key))
@@ -95,7 +95,7 @@ def _leaves(data: Data, place: Place = ()) -> Iterator[tuple[Place, Data]]:
         yield place, data
 
 
-def _without(data: Data, place: Place) -> Data:
+def _without(data: Data, place: KeyPath) -> Data:
     """Return a copy of data that lacks one part."""
     key, rest = place[0], place[1:]
     if isinstance(data, list):

@@ -15,7 +15,7 @@ from robotraj._util.errors import unknown_name
 from robotraj._util.values import dataclass
 from robotraj.applications.problem_files.bounds import MOST_USES
 from robotraj.applications.problem_files.kinds import EXPRESSIONS, KINDS, kind_named, names_for, only_kind
-from robotraj.applications.problem_files.lines import Data, Misplaced, Place
+from robotraj.applications.problem_files.lines import Data, KeyPath, Misplaced
 from robotraj.applications.problem_files.narrowing import narrowed
 from robotraj.applications.problem_files.parameters import (
     ANYTHING,
@@ -67,7 +67,7 @@ class Reader:
     uses: list[int] = field(default_factory=lambda: [0])
 
     def arguments(
-        self, maker: Maker, data: Data, place: Place, without: Sequence[str] = (), given: Sequence[str] = ()
+        self, maker: Maker, data: Data, place: KeyPath, without: Sequence[str] = (), given: Sequence[str] = ()
     ) -> dict[str, Any]:
         """Read the arguments of a class or function.
 
@@ -75,7 +75,7 @@ class Reader:
         ----------
         maker : class or function
         data : dict
-        place : Place
+        place : KeyPath
         without : sequence of str
             Parameters that a file cannot set.
         given : sequence of str
@@ -100,13 +100,13 @@ class Reader:
             raise Misplaced(place, f"{name} lacks {', '.join(map(repr, missing))}; its keys are {', '.join(known)}.")
         return {key: self._argument(known[key], entry, (*place, key)) for key, entry in data.items() if key != "type"}
 
-    def _argument(self, parameter: Parameter, data: Data, place: Place) -> object:
+    def _argument(self, parameter: Parameter, data: Data, place: KeyPath) -> object:
         value = self.value(data, parameter.accepted, place)
         if not fits(value, parameter.annotation):
             raise Misplaced(place, f"takes {described(parameter.accepted)}; got {data!r}.")
         return value
 
-    def value(self, data: Data, accepted: Accepted, place: Place) -> object:
+    def value(self, data: Data, accepted: Accepted, place: KeyPath) -> object:
         """Read one value."""
         if accepted.has("Objective") and isinstance(data, list):
             terms = (self.value(each, accepted, (*place, i)) for i, each in enumerate(data))
@@ -119,14 +119,14 @@ class Reader:
             return self._text(data, accepted, place)
         return data
 
-    def _list(self, data: list[Data], accepted: Accepted, place: Place) -> object:
+    def _list(self, data: list[Data], accepted: Accepted, place: KeyPath) -> object:
         entries = [self.value(each, accepted.entry(i), (*place, i)) for i, each in enumerate(data)]
         if accepted.has("ndarray", "ArrayLike") and not accepted.has(*SEQUENCES):
             return np.array(entries, dtype=float)
         as_tuple = accepted.has("tuple") and not accepted.has("Sequence", "list", ANYTHING)
         return tuple(entries) if as_tuple else entries
 
-    def _text(self, text: str, accepted: Accepted, place: Place) -> object:
+    def _text(self, text: str, accepted: Accepted, place: KeyPath) -> object:
         if text == NONE and accepted.has("None"):
             return None
         if text in self.robots and accepted.has("Robot"):
@@ -151,7 +151,7 @@ class Reader:
 
     def _defined(self, name: str, accepted: Accepted) -> object:
         """Read a value of ``[define]``, which may name others."""
-        place: Place = ("define", name)
+        place: KeyPath = ("define", name)
         self.uses[0] += 1
         if name in self.within:
             raise Misplaced(place, f"is defined by itself: {' names '.join((*self.within, name))}.")
@@ -159,7 +159,7 @@ class Reader:
             raise Misplaced(place, f"is used with others more than {MOST_USES} times; write a smaller file.")
         return replace(self, within=(*self.within, name)).value(self.defined[name], accepted, place)
 
-    def _table(self, data: dict[str, Data], accepted: Accepted, place: Place) -> object:
+    def _table(self, data: dict[str, Data], accepted: Accepted, place: KeyPath) -> object:
         if set(data) == {"between"}:
             ends = data["between"]
             if not isinstance(ends, list) or len(ends) != 2:
@@ -191,7 +191,7 @@ class Reader:
             return self._made((*place, "weight"), data["weight"], lambda: data["weight"] * value)
         return value
 
-    def _of(self, kind: Maker, data: dict[str, Data], place: Place) -> object:
+    def _of(self, kind: Maker, data: dict[str, Data], place: KeyPath) -> object:
         """Make a value of a class or function of the table of kinds."""
 
         def make(data: Data) -> object:
@@ -210,16 +210,16 @@ class Reader:
 
         return narrowed(make, data, place)
 
-    def _limits(self, data: dict[str, Data], place: Place) -> object:
+    def _limits(self, data: dict[str, Data], place: KeyPath) -> object:
         limits = self._phase_robot(place).limits
         return narrowed(lambda data: limits.with_(**self.arguments(Limits.with_, data, place)), data, place)
 
-    def _phase_robot(self, place: Place) -> Robot:
+    def _phase_robot(self, place: KeyPath) -> Robot:
         if self.robot is None:
             raise Misplaced(place, "it needs a robot, and the phase has none.")
         return self.robot
 
-    def _made(self, place: Place, data: Data, make: Callable[[], object]) -> object:
+    def _made(self, place: KeyPath, data: Data, make: Callable[[], object]) -> object:
         return narrowed(lambda _: make(), data, place)
 
     def for_robot(self, robot: Robot) -> Reader:

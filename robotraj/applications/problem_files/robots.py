@@ -8,7 +8,7 @@ from typing import cast
 from robotraj._util.errors import unknown_name
 from robotraj.applications.problem_files.bounds import MOST_ROBOTS
 from robotraj.applications.problem_files.kinds import KINDS
-from robotraj.applications.problem_files.lines import Data, Misplaced, Place
+from robotraj.applications.problem_files.lines import Data, KeyPath, Misplaced
 from robotraj.applications.problem_files.narrowing import narrowed
 from robotraj.applications.problem_files.parameters import Maker, parameters_of
 from robotraj.applications.problem_files.reader import Reader
@@ -32,7 +32,7 @@ def robots_of(data: Mapping[str, Data], reader: Reader) -> dict[str, Robot]:
     Misplaced
         There is none, or one cannot be made.
     """
-    tables: list[tuple[str, Place, Data]] = [("robot", ("robot",), data["robot"])] if "robot" in data else []
+    tables: list[tuple[str, KeyPath, Data]] = [("robot", ("robot",), data["robot"])] if "robot" in data else []
     several = data.get("robots", {})
     if not isinstance(several, dict):
         raise Misplaced(("robots",), "is a table of robots by name, [robots.NAME].")
@@ -49,7 +49,7 @@ def robots_of(data: Mapping[str, Data], reader: Reader) -> dict[str, Robot]:
     return robots
 
 
-def _robot(data: dict[str, Data], place: Place, reader: Reader) -> Robot:
+def _robot(data: dict[str, Data], place: KeyPath, reader: Reader) -> Robot:
     kind = data.get("type", "load")
     if kind not in MAKERS:
         raise Misplaced((*place, "type"), str(unknown_name("function of rt.robot", kind, MAKERS)))

@@ -15,7 +15,7 @@ from robotraj.problem.constraints.frame_pose import own_pose
 if TYPE_CHECKING:
     from robotraj.problem.constraints.frame_pose import PoseLike, Triple
 
-    Place: TypeAlias = "Triple | PoseLike"
+    Target: TypeAlias = "Triple | PoseLike"
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class MoveL:
         Of the blend at the target [m]; 0 stops there.
     """
 
-    target: Place
+    target: Target
     radius: float = 0.0
 
     def __post_init__(self) -> None:
@@ -74,7 +74,7 @@ class MoveC:
     """
 
     through: Triple
-    target: Place
+    target: Target
     radius: float = 0.0
 
     def __post_init__(self) -> None:

@@ -20,7 +20,7 @@ from robotraj.dynamics.obstacles.speed_bounds import ranges_of
 from robotraj.dynamics.variable import Column, Scalar
 
 Array = NDArray[np.float64]
-Place: TypeAlias = "Sequence[float] | Callable[[ca.SX], Column | Sequence[Scalar]]"
+FixedOrMoving: TypeAlias = "Sequence[float] | Callable[[ca.SX], Column | Sequence[Scalar]]"
 """Three or four numbers, or a function of the time t [s] that returns them, written in CasADi's functions."""
 
 ORIGIN = (0.0, 0.0, 0.0)
@@ -49,8 +49,8 @@ class Obstacle(OneLine, ABC):
         Name for reports; by default the kind of the shape.
     """
 
-    position: Place
-    quaternion: Place
+    position: FixedOrMoving
+    quaternion: FixedOrMoving
     frame: str | None
     name: str
 
@@ -177,7 +177,7 @@ class Obstacle(OneLine, ABC):
         length = ca.sqrt(sum(value * value for value in quaternion))
         return [value / length for value in quaternion]
 
-    def _symbols(self, name: str, given: Place, size: int, t: ca.SX) -> list[Scalar]:
+    def _symbols(self, name: str, given: FixedOrMoving, size: int, t: ca.SX) -> list[Scalar]:
         if not callable(given):
             return list(given)
         found = rows_of(f"{name} of the obstacle {self.label!r}", given, t)

@@ -12,7 +12,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.paths import input_path
 from robotraj._util.values import dataclass
-from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, Obstacle, Place
+from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, FixedOrMoving, Obstacle
 from robotraj.robot.collision.tessellation import hull_triangles
 from robotraj.robot.meshes.reading import read_mesh_file
 
@@ -38,8 +38,8 @@ class ConvexMesh(Obstacle):
     """
 
     vertices: Array
-    position: Place = ORIGIN
-    quaternion: Place = UPRIGHT
+    position: FixedOrMoving = ORIGIN
+    quaternion: FixedOrMoving = UPRIGHT
     frame: str | None = None
     name: str = ""
 
@@ -68,8 +68,8 @@ class ConvexMesh(Obstacle):
         cls,
         path: str | os.PathLike[str],
         scale: float | Sequence[float] = 1.0,
-        position: Place = ORIGIN,
-        quaternion: Place = UPRIGHT,
+        position: FixedOrMoving = ORIGIN,
+        quaternion: FixedOrMoving = UPRIGHT,
         frame: str | None = None,
         name: str = "",
     ) -> ConvexMesh:

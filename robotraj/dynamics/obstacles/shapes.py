@@ -13,8 +13,8 @@ from robotraj.dynamics.obstacles.base import (
     ORIGIN,
     UPRIGHT,
     Array,
+    FixedOrMoving,
     Obstacle,
-    Place,
 )
 
 
@@ -36,8 +36,8 @@ class Box(Obstacle):
     """
 
     sides: Sequence[float]
-    position: Place = ORIGIN
-    quaternion: Place = UPRIGHT
+    position: FixedOrMoving = ORIGIN
+    quaternion: FixedOrMoving = UPRIGHT
     frame: str | None = None
     name: str = ""
 
@@ -77,8 +77,8 @@ class Sphere(Obstacle):
     """
 
     radius: float
-    position: Place = ORIGIN
-    quaternion: Place = UPRIGHT
+    position: FixedOrMoving = ORIGIN
+    quaternion: FixedOrMoving = UPRIGHT
     frame: str | None = None
     name: str = ""
 
@@ -109,8 +109,8 @@ class _Round(Obstacle):
 
     radius: float
     length: float
-    position: Place = ORIGIN
-    quaternion: Place = UPRIGHT
+    position: FixedOrMoving = ORIGIN
+    quaternion: FixedOrMoving = UPRIGHT
     frame: str | None = None
     name: str = ""
 
@@ -199,8 +199,8 @@ class HalfSpace(Obstacle):
 
     normal: Sequence[float]
     offset: float = 0.0
-    position: Place = ORIGIN
-    quaternion: Place = UPRIGHT
+    position: FixedOrMoving = ORIGIN
+    quaternion: FixedOrMoving = UPRIGHT
     frame: str | None = None
     name: str = ""
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Coordinate: TypeAlias = "float | str | Callable[[RobotPoint], Scalar]"
 """A number [m], the name of a parameter, or a function of the point."""
-Place: TypeAlias = "Coordinate | Sequence[Coordinate]"
+Coordinates: TypeAlias = "Coordinate | Sequence[Coordinate]"
 """World x, or (x, y)."""
 
 
@@ -55,8 +55,8 @@ class SwingApex(RequiredHeight):
     """
 
     apex: float
-    start: Place
-    end: Place
+    start: Coordinates
+    end: Coordinates
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.apex) and self.apex > 0):
@@ -120,7 +120,7 @@ def required_height(value: HeightLike, what: str) -> RequiredHeight | float:
     return metres
 
 
-def _entries(place: Place, name: str) -> tuple[Coordinate, ...]:
+def _entries(place: Coordinates, name: str) -> tuple[Coordinate, ...]:
     """One or two entries of a foothold."""
     entries = tuple(place) if isinstance(place, Sequence | np.ndarray) and not isinstance(place, str) else (place,)
     numbers = [v for v in entries if not isinstance(v, str) and not callable(v)]

@@ -46,7 +46,7 @@ def add_rows(
     Path rows at one place read the same states.
     """
     # All places of a row are in one block, which is differentiated and called once.
-    alike: dict[tuple[int, int, tuple[bool, ...]], list[tuple[AddedRow, _Place]]] = {}
+    alike: dict[tuple[int, int, tuple[bool, ...]], list[tuple[AddedRow, _RowAtPlace]]] = {}
     states_at: dict[tuple[int, int, float], Indices] = {}
     for each in added:
         phase, layout = phases[each.phase], layouts[each.phase]
@@ -74,7 +74,7 @@ def add_rows(
         free = np.array([c.column for c in shared if c.column is not None], dtype=int)
         fixed = [c.value for c in shared if c.column is None]
         path = rows.impose(each.phase, [row], fraction)[0]
-        place = _Place(np.concatenate([states, free]), np.array([tau, *fixed]), path)
+        place = _RowAtPlace(np.concatenate([states, free]), np.array([tau, *fixed]), path)
         kind = each.phase, each.row, tuple(c.column is None for c in shared)
         alike.setdefault(kind, []).append((each, place))
     blocks = [_path_block(group[0][0], phases, layouts, [place for _, place in group]) for group in alike.values()]
@@ -87,7 +87,7 @@ def add_rows(
     return blocks
 
 
-class _Place(NamedTuple):
+class _RowAtPlace(NamedTuple):
     """Columns and constants of a path row at a place, and its row number."""
 
     columns: Indices
@@ -96,7 +96,7 @@ class _Place(NamedTuple):
 
 
 def _path_block(
-    added: AddedRow, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], places: list[_Place]
+    added: AddedRow, phases: Sequence[Phase], layouts: Sequence[PhaseLayout], places: list[_RowAtPlace]
 ) -> Block:
     """Return the block of a path row at places that differ from ``added`` only in interval and tau."""
     phase = phases[added.phase]

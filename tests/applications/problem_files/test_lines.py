@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robotraj.applications.problem_files.lines import Place, line_of, lines_of, named
+from robotraj.applications.problem_files.lines import KeyPath, line_of, lines_of, named
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -57,13 +57,13 @@ LINES = {
 }
 
 
-def places(data: object, place: Place = ()) -> list[Place]:
+def places(data: object, place: KeyPath = ()) -> list[KeyPath]:
     pairs = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     return [found for key, value in pairs for found in ((*place, key), *places(value, (*place, key)))]
 
 
 @pytest.mark.parametrize(("place", "line"), LINES.items(), ids=[named(place) for place in LINES])
-def test_the_line_of_a_key(place: Place, line: int) -> None:
+def test_the_line_of_a_key(place: KeyPath, line: int) -> None:
     assert lines_of(TEXT)[place] == line
 
 
