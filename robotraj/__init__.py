@@ -1,7 +1,7 @@
 """robotraj: plan robot motions by direct collocation and prove them by simulation."""
 
+from robotraj._util.display import drawings
 from robotraj._util.public_names import attach_stub
-from robotraj._util.system.display import drawings
 
 __getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.dynamics.variable import Named
 from robotraj.solution.phase_solution import PhaseSolution
 

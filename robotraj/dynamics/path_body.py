@@ -21,9 +21,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.motors_and_friction import joint_forces

@@ -16,8 +16,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import integrals
 from robotraj._util.errors import InputError, require_solution
-from robotraj._util.polynomials import integrals
 from robotraj.indirect.arcs import control_bounds
 from robotraj.indirect.boundary import end_data, potential
 from robotraj.indirect.checks import ACTIVE_DISTANCE, ThroughoutRows

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.indirect.arcs import Arc, Side

@@ -9,11 +9,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import OneLine
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.path_body import PathBody

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import fields
 
 from robotraj._util.checks import is_number
+from robotraj._util.curves.teeth import SMOOTH
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, wrapped
-from robotraj._util.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.solution.records import Lack
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.checks import is_whole
+from robotraj._util.display import drawn
 from robotraj._util.errors import InputError, no_attribute, no_entry
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import ENTRIES, OneLine, brief, plain
-from robotraj._util.system.display import drawn
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.claims.claim import Claim

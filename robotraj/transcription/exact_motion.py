@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import basis, integrals, lobatto_sites
+from robotraj._util.curves.polynomials import basis, integrals, lobatto_sites
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.augmentation import free_of
 from robotraj.transcription.schemes.collocation import Collocation, Scheme

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import basis, integrals, lobatto_sites
+from robotraj._util.curves.polynomials import basis, integrals, lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.printing import OneLine
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds

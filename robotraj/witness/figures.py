@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from robotraj._util.checks import number
+from robotraj._util.curves.teeth import SMOOTH
 from robotraj._util.printing import OneLine
-from robotraj._util.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.solution.proof import Proof
 from robotraj.solution.reserves.shares import Share

@@ -10,9 +10,9 @@ from typing import TypedDict, TypeVar
 import numpy as np
 
 from robotraj._util.checks import number, whole
+from robotraj._util.curves.teeth import SMOOTH
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.system.interrupts import heeded
-from robotraj._util.teeth import SMOOTH
 from robotraj.solution.reserves.shares import shares_of
 from robotraj.solution.violation import Violation
 from robotraj.witness.checks import energy as energies

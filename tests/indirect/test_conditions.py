@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 
 
 def tampered(solution: rt.Solution, factor: Any) -> rt.Solution:

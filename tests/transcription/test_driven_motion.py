@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.driven_motion import DrivenInputs, MotionEquations, PlannedInputs, inputs_of, is_driven
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.error import interval_errors

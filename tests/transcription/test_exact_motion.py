@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj._util.polynomials import lobatto_sites
+from robotraj._util.curves.polynomials import lobatto_sites
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.schemes.control import ConstantControl
 

@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from robotraj._util.curves.polynomials import lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import unknown_name
-from robotraj._util.polynomials import lobatto_sites
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.problem.constraints.base import Where
 from robotraj.solution.feedback.gains import gains_of
 

@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.curves.splines import through
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, warn
-from robotraj._util.splines import through
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.other_units import doubt_of_unit
 from robotraj.robot.robot import Robot

@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 
 from robotraj._util.checks import is_number
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.path_body import ACCELERATION, SPEED
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.fixed_mesh.warm_start import PATIENCE

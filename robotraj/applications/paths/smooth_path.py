@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.splines import Spline, design_matrix
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-from robotraj._util.splines import Spline, design_matrix
-from robotraj._util.trajectory import PiecewisePolynomial
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolBlend, ToolMove

@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, warn
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.applications.paths.joint_path import check_positions
 from robotraj.applications.programs.corners import JointMove, ProgramPart, blend

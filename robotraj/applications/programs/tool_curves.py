@@ -12,8 +12,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]

@@ -6,10 +6,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import basis
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.polynomials import basis
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolCurve, twist_rates

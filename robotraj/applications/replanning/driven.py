@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from robotraj._util.curves.polynomials import lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-from robotraj._util.polynomials import lobatto_sites
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.applications.replanning.replan import Replan
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution

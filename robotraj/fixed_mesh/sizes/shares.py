@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss
+from robotraj._util.curves.polynomials import gauss
 from robotraj._util.precision import DIFFERENCE
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics

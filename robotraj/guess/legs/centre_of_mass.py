@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.splines import Spline, hermite
 from robotraj._util.precision import SAME
-from robotraj._util.splines import Spline, hermite
 from robotraj._util.values import dataclass
 
 Array = NDArray[np.float64]

@@ -14,9 +14,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.curves.splines import hermite
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import MET
-from robotraj._util.splines import hermite
 from robotraj._util.values import dataclass
 from robotraj.guess.reaching.position_rows import of_positions, values_at_rest
 from robotraj.problem.constraints.base import Where

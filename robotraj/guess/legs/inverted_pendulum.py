@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.curves.splines import through
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.splines import through
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.legs.footsteps import Footsteps

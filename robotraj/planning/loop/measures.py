@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.teeth import SMOOTH
+from robotraj._util.curves.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import shares_of
 from robotraj.problem.initial_guess import InitialGuess

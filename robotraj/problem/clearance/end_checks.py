@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.dynamics.row import Row
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.clearance.plausible_obstacles import warn_of_obstacles

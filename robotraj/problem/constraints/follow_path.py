@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robotraj._util.checks import is_number
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import SPEED, PathBody
 from robotraj.dynamics.rigid_body import InverseRigidBody

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import casadi as ca
 import numpy as np
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import unknown_name
-from robotraj._util.trajectory import PiecewisePolynomial
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotraj._util.teeth import SMOOTH
+from robotraj._util.curves.teeth import SMOOTH
 from robotraj.problem.phase import Phase
 from robotraj.robot.collision.unguarded import not_every_link, unguarded_links
 from robotraj.robot.limits import Limits

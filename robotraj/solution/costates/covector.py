@@ -30,10 +30,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import integrals, lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.polynomials import integrals, lobatto_sites
 from robotraj._util.sparse import csr_array
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj.solution.costates.densities import Density, run_out, split
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.stepped import stepped_duals

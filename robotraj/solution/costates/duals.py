@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.printing import OneLine
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 
 

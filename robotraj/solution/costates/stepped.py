@@ -20,8 +20,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import integrals
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.polynomials import integrals
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.hamiltonian import Hamiltonian
 from robotraj.solvers.base import Multipliers

@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, warn
 from robotraj._util.paths import input_path, output_path
 from robotraj._util.printing import OneLine
 from robotraj._util.system.regular_files import near_files
 from robotraj._util.system.whole_files import WholeFile
-from robotraj._util.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.problem import Problem
 from robotraj.solution.phase_solution import PhaseSolution

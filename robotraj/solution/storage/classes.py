@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.dynamics.applied_forces.external_force import ExternalForce
 from robotraj.dynamics.applied_forces.thruster import Thruster
 from robotraj.dynamics.contacts.cones import Linearised, SecondOrder

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.interval_limits.bernstein_bounds import coefficients

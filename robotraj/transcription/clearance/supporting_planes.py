@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.clearance.pairs import ClearancePairs
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robotraj._util.polynomials import basis
+from robotraj._util.curves.polynomials import basis
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.layout import PhaseLayout, Run

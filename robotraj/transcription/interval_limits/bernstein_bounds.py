@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import basis, integrals
+from robotraj._util.curves.polynomials import basis, integrals
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.feasibility import SLACK
 from robotraj.problem.phase_row import PhaseRow

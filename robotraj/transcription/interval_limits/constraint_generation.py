@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import casadi as ca
 import numpy as np
 
-from robotraj._util.polynomials import integrals
+from robotraj._util.curves.polynomials import integrals
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets

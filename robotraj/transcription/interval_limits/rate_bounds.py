@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import basis, differentiation
 from robotraj._util.errors import InputError
-from robotraj._util.polynomials import basis, differentiation
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.bernstein_bounds import from_values
 from robotraj.transcription.layout import Indices, PhaseLayout, Run

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import basis
+from robotraj._util.curves.polynomials import basis
 from robotraj._util.precision import SAME
 from robotraj.robot.size.error_window import WINDOWS, error_window
 from robotraj.transcription.driven_motion import inputs_of, is_driven

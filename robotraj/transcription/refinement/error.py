@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss
+from robotraj._util.curves.polynomials import gauss
 from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.sizes.motion_sizes import units_of_states

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.polynomials import gauss
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 

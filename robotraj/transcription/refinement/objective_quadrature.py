@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss
+from robotraj._util.curves.polynomials import gauss
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.rows import phase_symbols
 from robotraj.transcription.driven_motion import PlannedInputs

@@ -26,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss, integrals
+from robotraj._util.curves.polynomials import gauss, integrals
 from robotraj._util.precision import SAME
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.error import Residuals

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import gauss, legendre_sum
+from robotraj._util.curves.polynomials import gauss, legendre_sum
 from robotraj.transcription.refinement.objective_quadrature import MORE, rate_of
 from robotraj.transcription.schemes.collocation import Collocation
 

@@ -17,8 +17,8 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import basis, integrals
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.polynomials import basis, integrals
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.control import Control, PolynomialControl

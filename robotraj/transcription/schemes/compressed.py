@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import integrals
+from robotraj._util.curves.polynomials import integrals
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, legendre_lobatto
 from robotraj.transcription.schemes.onestep import OneStep

@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import gauss
 from robotraj._util.errors import InputError
-from robotraj._util.polynomials import gauss
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Collocation
 

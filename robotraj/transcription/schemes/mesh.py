@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.checks import is_number, is_whole, whole
+from robotraj._util.curves.polynomials import lobatto_sites
 from robotraj._util.errors import InputError
-from robotraj._util.polynomials import lobatto_sites
 from robotraj._util.printing import WIDTH, OneLine, as_call
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme

@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.curves.polynomials import basis
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.polynomials import basis
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
 

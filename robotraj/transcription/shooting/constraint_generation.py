@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import basis, lobatto_sites
+from robotraj._util.curves.polynomials import basis, lobatto_sites
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.problem.phase_row import Kind, PhaseRow

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.polynomials import lobatto_sites
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.polynomials import lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.shooting.shooting import Rate

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robotraj._util.teeth import WINDOW, heights
+from robotraj._util.curves.teeth import WINDOW, heights
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase

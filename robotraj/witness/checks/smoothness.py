@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robotraj._util.teeth import teeth
+from robotraj._util.curves.teeth import teeth
 from robotraj.witness.planned import limits_of, robot_sample, system_of
 from robotraj.witness.protocols import Array, PhaseSolutionLike
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.applications import as_path
 from robotraj.applications.paths.smooth_path import smoothed
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolBlend, arc, line, twist_rates
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.teeth import SMOOTH
+from robotraj._util.curves.teeth import SMOOTH
 from robotraj.planning.loop.measures import Measured
 from robotraj.planning.loop.respond import ENOUGH, ENOUGH_OF_POWERS, MOST_MESHES, is_limited, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, Traits, begin

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.clearance.proof import shortfalls
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.polynomials import lobatto_sites
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.polynomials import lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.clearance.proof import shortfalls
 

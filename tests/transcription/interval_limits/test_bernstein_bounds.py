@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 import robotraj as rt
-from robotraj._util.polynomials import basis
+from robotraj._util.curves.polynomials import basis
 from robotraj.fixed_mesh.between.nlp_violations import violations
 from robotraj.solvers.base import Solver
 from robotraj.transcription.interval_limits.bernstein_bounds import are_coefficients, coefficients, control_weights

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.interval_violations import (
     SHARE,

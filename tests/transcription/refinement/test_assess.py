@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.base import Assessment

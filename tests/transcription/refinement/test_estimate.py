@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.assess import assess
 from robotraj.transcription.refinement.error import interval_errors

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj._util.polynomials import gauss
+from robotraj._util.curves.polynomials import gauss
 from robotraj.transcription.refinement.assess import errors_of
 from robotraj.transcription.refinement.error import Residuals, residuals_of, sizes_of
 from robotraj.transcription.refinement.linear_controls import LINES

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.driven_motion import PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.unresolved_controls import unresolved

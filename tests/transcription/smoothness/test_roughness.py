@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from robotraj._util.teeth import teeth
+from robotraj._util.curves.teeth import teeth
 from robotraj.transcription.smoothness.roughness import rough_intervals, roughness
 
 KNOTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))

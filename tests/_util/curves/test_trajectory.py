@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotraj._util.polynomials import basis, differentiation, integrals, lobatto_sites
-from robotraj._util.trajectory import PiecewisePolynomial
+from robotraj._util.curves.polynomials import basis, differentiation, integrals, lobatto_sites
+from robotraj._util.curves.trajectory import PiecewisePolynomial
 
 SITES = [np.array([0.5]), np.array([0.0, 1.0]), np.array([0.1, 0.4, 0.9]), lobatto_sites(12)]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from robotraj._util.splines import hermite, through
+from robotraj._util.curves.splines import hermite, through
 
 X = np.array([0.0, 0.1, 0.25, 0.3, 0.5, 0.55, 0.7, 0.8, 1.0])
 FINE = np.linspace(0.0, 1.0, 83)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotraj._util.polynomials import gauss, integrals
+from robotraj._util.curves.polynomials import gauss, integrals
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 12, 30])

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.curves.polynomials import basis, basis_at, differentiation
 from robotraj._util.lazy_values import cached_property
-from robotraj._util.polynomials import basis, basis_at, differentiation
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 

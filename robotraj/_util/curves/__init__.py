@@ -1,0 +1,1 @@
+"""Curves of time: polynomials, splines, piecewise ones, and the teeth of samples."""
