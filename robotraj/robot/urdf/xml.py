@@ -57,7 +57,8 @@ def read_xml(path: Path, kind: str = "URDF", folders: Sequence[Path] = (), trust
         raise InputError(f"There is no {kind} file {str(path)!r}.{near_files(path) or ' Give the path of a file.'}")
     data = contents(path, MAX_BYTES, f"The {kind} file")
     root = _parsed(data, path)
-    if without_definitions(root, source=path.suffix == ".xacro"):
+    source = path.suffix == ".xacro" or root.find("link") is None
+    if without_definitions(root, source):
         root = _parsed(expanded(path, folders, trust, MAX_BYTES), path)
     for element in root.iter():
         attributes = element.attrib
