@@ -77,6 +77,14 @@ def test_permissions_and_links_stay(solution: rt.Solution, tmp_path: Path) -> No
     assert {path.name for path in tmp_path.iterdir()} == {"private.npz", "link.npz"}
 
 
+def test_a_loop_of_links_is_refused_and_stays(solution: rt.Solution, tmp_path: Path) -> None:
+    loop = tmp_path / "loop.csv"
+    loop.symlink_to(loop)
+    with pytest.raises(rt.InputError, match="Too many levels of symbolic links"):
+        solution.to_csv(loop)
+    assert loop.is_symlink() and [path.name for path in tmp_path.iterdir()] == ["loop.csv"]
+
+
 def test_a_name_may_have_255_bytes(solution: rt.Solution, tmp_path: Path) -> None:
     assert solution.save(tmp_path / f"{'n' * 251}.npz").exists()
     with pytest.raises(rt.InputError, match="choose a shorter name"):

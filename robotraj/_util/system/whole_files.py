@@ -52,7 +52,9 @@ class WholeFile:
     def __enter__(self) -> Path:
         self._held.begin()
         try:
-            self._place = self._target.resolve() if self._target.is_symlink() else self._target
+            self._place = Path(os.path.realpath(self._target)) if self._target.is_symlink() else self._target
+            if self._place.is_symlink():  # what a loop of links leaves
+                raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
             self._older = self._place.stat() if self._place.exists() else None
             if self._older is not None and not self._of_kind(self._older.st_mode):
                 raise InputError(f"{str(self._target)!r} is no regular file; choose another name.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from pathlib import Path
 
 import numpy as np
@@ -42,7 +43,8 @@ class Beside(trimesh.resolvers.FilePathResolver):
         """
         self.opened += 1
         inside = self._folder.resolve()
-        for path in ((inside / each.strip()).resolve() for each in (name, name.lstrip("/"), Path(name).name)):
+        for each in (name, name.lstrip("/"), Path(name).name):
+            path = Path(os.path.realpath(inside / each.strip()))
             if path.is_relative_to(inside) and path.is_file():
                 return contents(path, LARGEST, "the texture")
         raise InputError(f"There is no {name!r} in the folder of the mesh.")

@@ -56,7 +56,7 @@ def search_folders(urdf: Path, package_dirs: Sequence[str | os.PathLike[str]] = 
 
 def is_inside(path: Path, folders: Sequence[Path]) -> bool:
     """Whether a file, its symbolic links followed, lies in one of the folders."""
-    place = path.resolve()
+    place = Path(os.path.realpath(path))  # a loop of links is no error here, but where it is read
     return any(place.is_relative_to(folder.resolve()) for folder in folders)
 
 

@@ -7,6 +7,7 @@ reads names before what they stand for.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -69,11 +70,12 @@ def _read(name: str, path: Path, folders: Sequence[Path] | None, known: list[Pat
             f"{str(path)!r} includes {str(file)!r}, which lies outside its folder; package_dirs= with that folder or "
             "trust_paths=True reads it."
         )
-    if file.resolve() in known:
+    place = Path(os.path.realpath(file))
+    if place in known:
         raise InputError(f"{str(path)!r} includes {name!r} twice, or itself; MuJoCo refuses that, too.")
     if len(known) > MOST:
         raise InputError(f"{str(path)!r} includes more than {MOST} files.")
-    known.append(file.resolve())
+    known.append(place)
     try:
         found = parsed(contents(file, MAX_BYTES, "The included file"))
     except InputError:

@@ -218,6 +218,13 @@ def test_a_link_out_of_the_package_is_not_followed(package):
     assert rt.load(path, trust_paths=True).visual_model.ngeoms == 2
 
 
+def test_a_mesh_that_is_a_loop_of_links_is_a_warning(package):
+    path = package("meshes/loop.obj")
+    (path.parent / "meshes" / "loop.obj").symlink_to("loop.obj")
+    with pytest.warns(UserWarning, match="mesh files are not read"):
+        assert rt.load(path).visual_model.ngeoms == 0
+
+
 @pytest.mark.parametrize(("unit", "size"), [("0.001", 0.4), ("0.0254", 10.16), ("1", 400.0)])
 def test_the_unit_of_a_collada_file_is_applied(urdf, unit, size):
     trimesh.creation.box((100, 40, 400)).export(urdf.folder / "plain.dae")

@@ -38,6 +38,12 @@ def test_a_scene_is_the_file_written_in_one(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.limits.position_upper, expected.limits.position_upper)
 
 
+def test_an_include_that_is_a_loop_of_links_is_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "loop.xml").symlink_to("loop.xml")
+    with pytest.raises(rt.InputError, match="loop.xml' cannot be read: Too many levels of symbolic links"):
+        rt.load(write(tmp_path, scene='<mujoco><include file="loop.xml"/></mujoco>'))
+
+
 @pytest.mark.parametrize(
     ("include", "message"),
     [
