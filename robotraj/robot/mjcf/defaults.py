@@ -23,6 +23,10 @@ ACTUATORS = (
 MAIN = "main"
 """Class of the elements that name none."""
 
+ENABLED = {"range": "limited", "actuatorfrcrange": "actuatorfrclimited"}
+ENABLED |= {"forcerange": "forcelimited", "ctrlrange": "ctrllimited"}
+"""Ranges, and the attributes that enable them; a range that is disabled is no limit."""
+
 Attributes = Mapping[str, str]
 
 
@@ -67,7 +71,7 @@ def placed(root: Element, tag: str) -> Iterator[Attributes]:
 
 
 def with_defaults(root: Element) -> None:
-    """Give elements the attributes of their classes, and remove the classes.
+    """Give elements the attributes of their classes, and remove the classes and the ranges that are disabled.
 
     Pinocchio's reader leaves some of them out, such as the place of a joint and the mass of a shape.
     """
@@ -76,6 +80,11 @@ def with_defaults(root: Element) -> None:
     every += [(each, MAIN) for group in root if group.tag in ("asset", "actuator") for each in group]
     for element, inherited in every:
         element.attrib.update(defaults.of(element, inherited))
+        if "jointinparent" in element.attrib:  # the same for joints with one degree of freedom
+            element.attrib.setdefault("joint", element.attrib["jointinparent"])
+        for limit, enabling in ENABLED.items():
+            if element.get(enabling) == "false":
+                element.attrib.pop(limit, None)
     for element in root.iter():
         for name in ("class", "childclass"):
             element.attrib.pop(name, None)

@@ -24,7 +24,7 @@ from robotraj.robot.mjcf.inertias import with_inertias
 from robotraj.robot.mjcf.meshes import PlainCopy
 from robotraj.robot.mjcf.placement import with_plain_poses
 from robotraj.robot.mjcf.springs import joint_springs
-from robotraj.robot.mjcf.trees import with_one_tree
+from robotraj.robot.mjcf.trees import with_names, with_one_tree
 from robotraj.robot.mjcf.unread import check_bodies, without_height_fields
 from robotraj.robot.urdf.lenient import parsed
 from robotraj.robot.urdf.numbers import numbers
@@ -110,7 +110,10 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
     stated = [joint.attrib for world in root.findall("worldbody") for joint in world.iter("joint")]
     whole = {own.get("name", ""): numbers(own.get("actuatorfrcrange", ""), 2) for own in stated}
-    ranges = {own.get("joint", ""): _both(_effort(tag, own), whole.get(own.get("joint", ""))) for tag, own in actuators}
+    motors: dict[str, list[tuple[float, float] | None]] = {}
+    for tag, own in actuators:
+        motors.setdefault(own["joint"], []).append(_effort(tag, own))
+    ranges = {joint: _both(_sum(each), whole.get(joint)) for joint, each in motors.items()}
     efforts = {joint: pair for joint, pair in ranges.items() if pair is not None}
     springs, unread = joint_springs(root, stated, joints)
     findings = []
@@ -133,13 +136,16 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
         findings.append(f"Height fields of the MJCF that are not read: {', '.join(map(repr, fields))}.")
     if constraining:
         findings.append(f"Sections of the MJCF that are not read: {', '.join(f'<{tag}>' for tag in constraining)}.")
-    without = [own.get("joint", "") for _, own in actuators if own.get("joint") not in efforts]
+    elsewhere = [own.get("name", f"<{tag}>") for tag, own in every if "joint" not in own]
+    if elsewhere:
+        findings.append(f"Actuators of the MJCF that are not read: {', '.join(elsewhere)}. They act on no joint.")
+    without = [joint for joint in motors if joint not in efforts]
     if without:
         findings.append(
             f"Motors without a limit of effort in the MJCF: {', '.join(map(repr, without))}. Set them with "
             "limits={'effort': {joint: largest}}."
         )
-    driven = tuple(joint for joint in joints if joint in {own.get("joint") for _, own in actuators})
+    driven = tuple(joint for joint in joints if joint in motors)
     return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains)
 
 
@@ -151,6 +157,7 @@ def _built(
         copy = PlainCopy(root, path, folders, Path(place))
         with_inertias(repr(str(path)), root, copy.meshes)
         beside = with_one_tree(root)
+        with_names(root)
         copy.write()
         file = str(copy.file)
         try:
@@ -174,6 +181,12 @@ def _both(first: Sequence[float] | None, second: Sequence[float] | None) -> tupl
     """Return the values that lie in both ranges, of which either may be missing."""
     known = [each for each in (first, second) if each is not None and each[0] < each[1]]
     return (max(each[0] for each in known), min(each[1] for each in known)) if known else None
+
+
+def _sum(ranges: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """Return the range of the forces of several motors of a joint; None where one has no limit."""
+    known = [each for each in ranges if each is not None]
+    return (sum(each[0] for each in known), sum(each[1] for each in known)) if len(known) == len(ranges) else None
 
 
 def _effort(tag: str, actuator: Attributes) -> tuple[float, float] | None:

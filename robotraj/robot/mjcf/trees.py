@@ -55,6 +55,20 @@ def with_one_tree(root: Element) -> tuple[str, ...]:
     return tuple(body.get("name", "a body without a name") for body in left)
 
 
+def with_names(root: Element) -> None:
+    """Name bodies and joints of the world that have no name: Pinocchio's reader drops those without any attribute."""
+    every = [each for world in root.findall("worldbody") for each in world.iter() if each.tag in ("body", "joint")]
+    known = {each.get("name") for each in every}
+    for tag in ("body", "joint"):
+        nameless = [each for each in every if each.tag == tag and not each.get("name") and each.get("type") != "free"]
+        for number, each in enumerate(nameless, start=1):
+            name = f"{tag}{number}"
+            while name in known:
+                name += "_"
+            known.add(name)
+            each.set("name", name)
+
+
 def _joints(body: Element) -> list[tuple[str | None, str]]:
     """Return name and kind of every joint of a body and those on it."""
     joints = [(each.get("name"), each.get("type", "hinge")) for each in body.iter("joint")]

@@ -262,3 +262,42 @@ def test_the_floor_of_a_file_is_kept_beside_other_obstacles(tmp_path):
     assert plan.proved
     assert height(plan.at(share).q).min() >= 0.03 - 1e-6
     assert rt.validate(plan).passed
+
+
+NAMELESS = """<mujoco><compiler angle="radian"/>{defaults}<worldbody>
+<body><inertial pos="0 0 0.1" mass="1" diaginertia="0.01 0.01 0.01"/><joint/>
+<body><inertial pos="0 0 0.1" mass="2" diaginertia="0.01 0.02 0.01"/><joint axis="0 1 0"/></body>
+</body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("defaults", ["", "<default><joint damping='1'/></default>"])
+def test_bodies_and_joints_without_attributes_are_read(tmp_path, defaults):
+    """Pinocchio's reader drops such a body with its joint, without a word."""
+    path = tmp_path / "nameless.xml"
+    path.write_text(NAMELESS.format(defaults=defaults), encoding="utf-8")
+    robot = rt.load(path)
+    assert (robot.joint_names, robot.mass) == (("joint1", "joint2"), 3.0)
+
+
+@pytest.mark.parametrize(
+    ("attribute", "quantity"),
+    [('range="-1 1" limited="false"', "position"), ('actuatorfrcrange="-1 1" actuatorfrclimited="false"', "effort")],
+)
+def test_a_range_that_is_disabled_is_no_limit(tmp_path, attribute, quantity):
+    text = ARM.format(asset="", geom=BOX, more="").replace('axis="0 1 0" range="-2 2"', f'axis="0 1 0" {attribute}', 1)
+    path = tmp_path / "arm.xml"
+    path.write_text(text.replace('ctrlrange="-3 2"', 'ctrlrange="-3 2" ctrllimited="false"'), encoding="utf-8")
+    with pytest.warns(UserWarning, match="Motors without a limit of effort in the MJCF: 'shoulder'"):
+        robot = rt.load(path)
+    assert robot.limits.largest(quantity)[0] == np.inf
+
+
+def test_motors_of_one_joint_add_up(tmp_path):
+    path = write(tmp_path, more='<actuator><motor jointinparent="shoulder" ctrlrange="-1 1" gear="5"/></actuator>')
+    np.testing.assert_array_equal([side[0] for side in rt.load(path).limits.sides("effort")], [-35, 25])
+
+
+def test_actuators_that_act_on_no_joint_are_named(tmp_path):
+    path = write(tmp_path, more='<actuator><motor name="jet" body="fore"/><adhesion body="ram"/></actuator>')
+    with pytest.warns(UserWarning, match="Actuators of the MJCF that are not read: jet, <adhesion>. They act on no"):
+        rt.load(path)
