@@ -118,21 +118,16 @@ class FreeSearch:
             found.append(NearSurfaces(phase.robot, body, (*own, *more)))
         return found
 
-    @property
-    def along_best(self) -> FreeSearch:
-        """The state with rows along the best solution only."""
-        return replace(self, further=tuple(() for _ in self.motions))
-
     def respond(self, solution: Solution, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]]) -> FreeSearch:
         """Return the next state after a solve, whose motions overlap in pairs ``hit`` of each phase, by depths [m]."""
+        best = self.best
+        if best is not None and solution.objective >= best.objective - GAIN * abs(best.objective):
+            # With overlaps, too, it gains too little for what rows against them leave of it.
+            return replace(self.overlapped(motions, hit) if any(hit) else self, is_over=True)
         if any(hit):
             shallow = all(depth <= SHALLOW for depths in hit for depth in depths.values())
             further = self.overlapped(motions, hit)
             return replace(further, start=solution) if shallow else further
-        best = self.best
-        gained = best is None or solution.objective < best.objective - GAIN * abs(best.objective)
-        if not gained:
-            return replace(self, is_over=True)
         nothing = tuple(() for _ in motions)
         fixed = replace(self, motions=tuple(motions), are_free=True, further=nothing, start=solution, along={})
         return replace(fixed, best=solution, behind=self)

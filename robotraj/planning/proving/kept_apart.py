@@ -98,6 +98,7 @@ class KeptApart:
         self._plain: tuple[Problem, list[dict[int, float]]] | None = None
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = self._patience = 0
+        self._held = False
 
     def from_guess(self, guess: InitialGuess | Solution | None) -> PlanAttempt | None:
         """Return the plan with rows along a proved solution whose links nearly touch; None for any other guess.
@@ -129,6 +130,7 @@ class KeptApart:
         if not found.success:
             return None
         stage, self._stage = self._stage, None
+        self._held = found.proof is not None and found.proof.holds
         if isinstance(stage, _AmongSpheres) and dropped is None:
             # Spheres around some links always overlap; rows along the motion keep these apart. All begins anew.
             self._plain, self._problem, self._seed, self._rows = (self._problem, self._open), stage.problem, 0, ()
@@ -150,11 +152,14 @@ class KeptApart:
         return attempt
 
     def accepts(self, again: Solution) -> bool:
-        """Whether a plan was solved, whether or not its links overlap elsewhere; a coarse solution is none."""
+        """Whether a plan was proved as the one before it, wherever its links overlap; a coarse solution is none."""
         if isinstance(self._stage, _Exact):
             proved = again.proof is not None and again.proof.holds
             return proved and again.objective < self._stage.bar and self.allows(again)
-        return again.success and not isinstance(self._stage, _Coarse)
+        if isinstance(self._stage, _Coarse) or not again.success:
+            return False
+        # A plan that lacks something else is no gain on one that does not.
+        return not self._held or (again.proof is not None and again.proof.holds)
 
     @property
     def surfaces(self) -> Sequence[NearSurfaces | None]:
@@ -209,7 +214,7 @@ class KeptApart:
         if search.best is None:
             return None
         own = self._plainly if stage.from_routes else self._on_way(False)
-        plan = self._planned(_Plan(search.along_best, NONE_YET), search.best, own, "", "the plan from the free motion")
+        plan = self._planned(_Plan(search, NONE_YET), search.best, own, "", "the plan from the free motion")
         return plan._replace(is_brief=not stage.from_routes)
 
     def _on_way(self, from_routes: bool) -> Settings:
@@ -229,7 +234,7 @@ class KeptApart:
             return further
         # The rows at which the best free solution ended keep a finer one near it.
         last = _Plan(replace(behind, best=None, behind=None), NONE_YET)
-        return self._planned(last, best, self._briefly(self._patience), OVERLAPS, "the rows before it")
+        return self._planned(last, best, self._plainly, OVERLAPS, "the rows before it")._replace(is_brief=False)
 
     def _further(self, found: Solution, plan: _Plan) -> PlanAttempt | None:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""

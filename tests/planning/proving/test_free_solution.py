@@ -102,3 +102,13 @@ def test_a_gain_below_a_hundredth_ends_the_search_with_the_best_solution(begin: 
     assert not after(first, 1.97, aside, {}).is_over
     over = after(first, 1.99, aside, {})
     assert over.is_over and over.best is first.best and over.motions == first.motions
+
+
+def test_a_motion_that_gains_below_a_hundredth_although_it_overlaps_ends_the_search_with_rows_against_it(
+    begin: FreeSearch,
+) -> None:
+    first = after(begin, 2.0, aside, {})
+    assert not after(first, 1.97, straight, {9: DEEP}).is_over
+    over = after(first, 1.99, straight, {9: DEEP})
+    assert over.is_over and over.best is first.best
+    assert len(rows_of(over).pairs) == len(rows_of(first).pairs) + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -168,6 +169,19 @@ def test_rows_that_gain_nothing_but_rounding_are_not_fixed_anew(monkeypatch: pyt
     while apart._further(solution, stage) is not None:
         stage, count = apart._stage, count + 1
     assert pairs and count == 2
+
+
+def test_a_free_plan_that_is_not_proved_does_not_replace_a_proved_one_that_overlaps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Otherwise the plan ends there, with other motions around the overlap untried."""
+    phase = rt.Phase(rt.load("ur5"), 1.0, wrist(0.6), wrist(2.4), rt.Effort())
+    through = rt.plan(phase.with_(self_collision=False))
+    apart = KeptApart(rt.Problem([phase]), through.settings)
+    assert apart.next_attempt(through, None) is not None and not apart.accepts(through)
+    monkeypatch.setattr(apart, "_stage", None)
+    assert through.proof is not None and apart.accepts(through)
+    assert not apart.accepts(replace(through, proof=replace(through.proof, quadrature=1.0)))
 
 
 @pytest.mark.slow
