@@ -21,11 +21,10 @@ from robotraj.fixed_mesh.solve import solve
 from robotraj.guess.default import as_guess
 from robotraj.native.engines.base import Engine
 from robotraj.planning.candidates import has_candidates, with_candidates
+from robotraj.planning.doubtful import warn_of_doubtful
 from robotraj.planning.live.terminal_line import watching
 from robotraj.planning.settings import GIVEN, resolve
 from robotraj.problem.initial_guess import InitialGuess
-from robotraj.problem.links.unlinked_phases import warn_of_unlinked_phases
-from robotraj.problem.objectives.duration import warn_of_fixed_durations
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
@@ -169,9 +168,7 @@ def plan(
     ===============  ========================================  =====================================================
     setting          where                                     choice
     ===============  ========================================  =====================================================
-    tolerance        otherwise                                 None
     goals            no mesh                                   Goals()
-                     otherwise                                 None
     mesh             a path                                    MeshesOnPaths()
                      goals, arms, friction, free rates         Mesh of 16 intervals, RadauIIA()
                      goals, fully actuated, a kinked cost      MeshesOfLines()
@@ -191,11 +188,10 @@ def plan(
                      tolerance, stages or systems              BernsteinBounds(controls=True, states=False)
                      robots, stages                            BernsteinBounds()
                      otherwise                                 ConstraintGeneration()
-    refinement       goals, arms, friction                     Equidistribute(second=3.0, finest=400, slope=0.3)
+    refinement       goals, arms, friction                     Equidistribute(second=3.0, slope=0.3)
                      goals, fully actuated                     RefinementOfShares()
                      goals                                     RefinementOfStates()
                      tolerance                                 SplitOrRaise()
-                     otherwise                                 None
     restarts         contacts                                  Restarts(count=0)
                      joints without a motor                    Restarts(count=12, seeds=(0, 1, 2, 3, 4, 5, 6, 7, 8))
                      otherwise                                 Restarts()
@@ -234,25 +230,9 @@ def plan(
         above_zero("time_limit", time_limit, "s")
     if memory_limit is not None:
         above_zero("memory_limit", memory_limit, "MB")
-    if settings.reasons.get("mesh") == GIVEN:
-        from robotraj.fixed_mesh.diagnosis.mesh_warnings import warn_of_mesh
-
-        warn_of_mesh(problem, settings)
-    warn_of_unlinked_phases(problem)
-    warn_of_fixed_durations(problem.phases)
-    first = problem.phases[0]
-    if any(each.avoids_collisions for each in first.constraints):
-        from robotraj.problem.clearance.end_checks import check_moving_obstacles
-
-        check_moving_obstacles(first.name, first.constraints, first.robot, first.joint_ends, first.duration_bounds)
+    warn_of_doubtful(problem, settings)
     find = with_candidates(_method(settings)) if has_candidates(problem) else _method(settings)
     records: tuple[ContinuationRecord, ...] = ()
-    if settings.goals is not None and any(phase.robot is not None for phase in problem.phases):
-        fixed = any(phase.robot is not None and phase.robot.root == "fixed" for phase in problem.phases)
-        if fixed and any(phase.constraints for phase in problem.phases):
-            from robotraj.fixed_mesh.diagnosis.oscillation import warn_of_oscillation
-
-            warn_of_oscillation(problem)
     with noted() as pressed, shortage_named(), watching(settings.solver, progress) as terminal, ExitStack() as stack:
         live = None
         if watch is not False:

@@ -1,12 +1,13 @@
 """Decisions on the settings that the user leaves open, by one table of rules.
 
-The first rule of a setting whose conditions hold applies. Settings are decided in the order of ``SETTINGS``: a
-condition may read given settings and those decided before.
+The first rule of a setting whose conditions hold applies; a setting is None where none does. Settings are decided in
+the order of ``SETTINGS``: a condition may read given settings and those decided before.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from robotraj.planning.proving.first_mesh import (
     SECOND,
     STICKING,
     SYSTEM,
+    UNREFINED,
     MeshesOfLines,
     MeshesOnPaths,
     MeshOfShares,
@@ -84,9 +86,7 @@ def _rule(setting: str, *conditions_choice_reason: object) -> Rule:
 
 
 RULES: tuple[Rule, ...] = (
-    _rule("tolerance", when.ALWAYS, None, "none given"),
     _rule("goals", when.OPEN_MESH, Goals(), "a plan is proved between its points where no mesh is given"),
-    _rule("goals", when.ALWAYS, None, "a mesh or a tolerance is given"),
     _rule("mesh", when.ON_PATH, MeshesOnPaths(), "lines between knots keep limits between the points"),
     _rule(
         "mesh", when.PROVED, when.ARMS, when.STICKING, when.FREE_RATES, graded(FEW, STICKING), "joints stop anywhere"
@@ -102,8 +102,8 @@ RULES: tuple[Rule, ...] = (
     _rule("mesh", when.PROVED, when.EXACT, MeshOfShares(), "least times converge more slowly than integrals"),
     _rule("mesh", when.PROVED, when.CONTACTS, ProportionalMeshes(), "a coarse mesh approximates a step"),
     _rule("mesh", when.PROVED, Mesh(SYSTEM), "a coarse mesh approximates the motion"),
-    _rule("mesh", when.FREE_RATES, Mesh(20, RadauIIA(3)), "refinement starts from a coarse mesh"),
-    _rule("mesh", when.ALWAYS, Mesh(20), "a variable whose rate is limited is continuous at the knots"),
+    _rule("mesh", when.FREE_RATES, Mesh(UNREFINED, RadauIIA(3)), "refinement starts from a coarse mesh"),
+    _rule("mesh", when.ALWAYS, Mesh(UNREFINED), "a variable whose rate is limited is continuous at the knots"),
     _rule("solver", when.FOR_IPOPT, Ipopt(), "other solvers call no such engine, and have no stages of such meshes"),
     _rule(
         "solver",
@@ -157,13 +157,12 @@ RULES: tuple[Rule, ...] = (
         when.PROVED,
         when.ARMS,
         when.STICKING,
-        Equidistribute(second=SECOND, finest=400, slope=0.3),
+        Equidistribute(second=SECOND, slope=0.3),
         "many knots are needed near the times at which joints stick and slide, which differ from mesh to mesh",
     ),
     _rule("refinement", when.PROVED, when.EXACT, RefinementOfShares(), "the second mesh mostly settles the objective"),
     _rule("refinement", when.PROVED, RefinementOfStates(), "the order of the scheme predicts the mesh"),
     _rule("refinement", when.TOLERANCE, SplitOrRaise(), "smooth intervals get more points, others are split"),
-    _rule("refinement", when.ALWAYS, None, "no tolerance, so the mesh stays"),
     _rule("restarts", when.CONTACTS, Restarts(0), "other initial guesses seldom help with contacts, and take long"),
     _rule("restarts", when.PASSIVE, Restarts(12, seeds=range(9)), "their motions have many local optima"),
     _rule("restarts", when.ALWAYS, Restarts(), "a guess may be too short, or cross an obstacle"),
@@ -171,9 +170,10 @@ RULES: tuple[Rule, ...] = (
     _rule("smoothing", when.ALWAYS, 0.0, "a mesh or a tolerance is given"),
 )
 
-SETTINGS = tuple(dict.fromkeys(rule.setting for rule in RULES))
+SETTINGS = tuple(each.name for each in fields(Settings) if each.name != "reasons")
 """Names of all settings, in the order in which they are decided."""
 
+_NONE = Rule("", (), None, "not given")
 _RULES_OF = {name: tuple(rule for rule in RULES if rule.setting == name) for name in SETTINGS}
 
 
@@ -211,7 +211,7 @@ def resolve(problem: Problem, given: Mapping[str, object], settings: Settings | 
     for name in SETTINGS:
         if name not in values:
             case = Case(problem, values)
-            rule = next(rule for rule in _RULES_OF[name] if rule.holds(case))
+            rule = next((rule for rule in _RULES_OF[name] if rule.holds(case)), _NONE)
             choice = rule.choice.of(problem) if isinstance(rule.choice, OfProblem) else rule.choice
             values[name], reasons[name] = choice, rule.reason
     if values["refinement"] is not None and values["tolerance"] is None and values["goals"] is None:

@@ -133,8 +133,8 @@ def test_the_table_of_the_docstring_is_the_one_the_rules_give() -> None:
     assert all(rule.setting in signature(rt.plan).parameters for rule in RULES)
 
 
-def test_every_setting_ends_with_a_rule_that_always_holds() -> None:
-    for name in SETTINGS:
+def test_every_setting_that_may_not_be_none_ends_with_a_rule_that_always_holds() -> None:
+    for name in set(SETTINGS) - {"tolerance", "goals", "refinement"}:
         rules = [rule for rule in RULES if rule.setting == name]
         assert [rule.conditions == (ALWAYS,) for rule in rules] == [False] * (len(rules) - 1) + [True]
 

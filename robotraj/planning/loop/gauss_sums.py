@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
-from robotraj.planning.loop.measures import FAR
 from robotraj.planning.loop.state import MeasuredMotion, PlanState
 from robotraj.problem.problem import Problem
 from robotraj.transcription.exact_motion import is_exact
@@ -22,6 +21,8 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 JOINED = GaussLegendre(3, joined=True)
 """Three points of Gauss's rule, with accelerations that are continuous at the knots."""
+FAR = 5e-2
+"""Share of the objective by which the sum on the first mesh misses the integral, above which it is no guide."""
 PLACES = len(JOINED.nodes) / len(HermiteSimpson().nodes[1:])
 """Points of an interval in terms of those of Hermite-Simpson, which share the knots."""
 

@@ -37,25 +37,13 @@ In least time controls stay at their limits and switch inside intervals. The fir
 against meshes four times as fine: between 1 and 2 for least times, above 2 for integrals of squared torques. The last
 is that of systems whose controls are unknowns of their own, where a switch costs a share of its interval.
 """
-DOUBLED = 2.0
-"""Growth of the number of intervals where no order of convergence predicts it.
-
-It bounds the growth where controls bend sharply in a few intervals, which the next mesh divides anyway, and where the
-objective is ``FAR`` from settled. Phases that miss their goal grow by it where an error stagnates.
-"""
-FAR = 5e-2
-"""Change of the objective still to come above which its order predicts little.
-
-Coarse meshes of robots that swing often end at other optima than finer ones. Many iterations lead from one to the
-other, which should be those of a small mesh.
-"""
 SAFETY = 1.5
 """Factor on the growth that the order of the objective predicts.
 
 With 1.1 least times mostly missed their goal by little and needed a fourth mesh: arms took up to half as long again.
 """
 LEAST_GROWTH = SAFETY
-"""Least growth, also that of a first mesh that could not be solved."""
+"""Least growth, also that of a mesh that could not be solved, and of phases where an error stagnates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,13 +157,10 @@ class Measured:
         left = max(proof.quadrature, proof.unsettled) / proof.goals.objective
         if left <= 1.0:
             return 1.0
-        if not np.isfinite(left):
+        # Where the next mesh adds its intervals where controls bend, the comparison of objectives needs few others.
+        if self.coarse or not np.isfinite(left):
             return LEAST_GROWTH
-        if self.coarse:
-            # Intervals are added where the controls bend, and only as many elsewhere as the comparison needs.
-            return float(np.clip(left ** (1.0 / self.order), 1.0 / HARDLY, DOUBLED))
-        most = DOUBLED if proof.unsettled > FAR else Equidistribute.most
-        return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, most))
+        return float(np.clip(SAFETY * left ** (1.0 / self.order), LEAST_GROWTH, Equidistribute.most))
 
 
 def measured(

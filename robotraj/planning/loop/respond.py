@@ -14,9 +14,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL
+from robotraj.guess.paths.scene import RESOLUTION
 from robotraj.planning.loop.gauss_sums import summed
 from robotraj.planning.loop.local_optimum import can_be_solved_again
-from robotraj.planning.loop.measures import DOUBLED, LEAST_GROWTH, largest_roughness
+from robotraj.planning.loop.measures import LEAST_GROWTH, largest_roughness
 from robotraj.planning.loop.state import Found, MeasuredMotion, Meshes, PlanEnd, PlanState, Task
 from robotraj.planning.loop.to_tolerance import SPENT, after_errors
 from robotraj.planning.loop.tolerance_state import ToleranceState
@@ -38,8 +39,6 @@ it further, unless joints stick and slide."""
 ENOUGH_OF_POWERS = 3
 """The same where joints stick and slide and the objective has kinks. It does not settle on some motions, whatever the
 mesh, and limits between the points are imposed from the second mesh on."""
-MET_ON_PATH = 1e-3
-"""Shortfall of a distance on a given path from which finer meshes are of no use [m]."""
 LIMITS_OF_THE_USER = (Status.ITERATION_LIMIT, *SPENT)
 """Statuses after which no finer mesh is tried."""
 SOFTER = 1.25
@@ -145,18 +144,18 @@ def _finer(state: PlanState) -> PlanState | PlanEnd:
     proof, measures = best.proof, best.measures
     if measures.rounded > proof.goals.objective and state.problem is not state.sharp:
         return replace(state, problem=state.sharp, meshes=best.meshes, why="kinks without rounding")
-    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > MET_ON_PATH:
+    if any(phase.path is not None for phase in state.problem.phases) and proof.shortfall > RESOLUTION:
         return PlanEnd(state, "a moving obstacle is met on the path, which no finer mesh changes")
     if proof.motion_holds and proof.is_settled and not first:
         return PlanEnd(state, "")
     if first and proof.shortfall > ROUGH_SHORTFALL:
         # A motion that jumps over a shape between the points of a coarse mesh passes it on no finer one.
-        return _afresh(state, tuple(evenly_finer(mesh, DOUBLED) for mesh in state.coarsest))
+        return _afresh(state, tuple(evenly_finer(mesh, state.second) for mesh in state.coarsest))
     if is_enough(state) and best.holds and (state.traits.sticking_powers or not measures.settles):
         return PlanEnd(state, "enough meshes")
     phase = measures.stagnant
     stagnant = 0 if phase is None else state.stagnant + 1
-    least, missed = state.second if first else 1.0, DOUBLED if stagnant else 1.0
+    least, missed = state.second if first else 1.0, LEAST_GROWTH if stagnant else 1.0
     finer = measures.next_meshes(best.solution.phases, refinement, max(least, measures.growth), missed)
     if stagnant == 1 or measures.wanders or finer == best.meshes:
         # Where errors hardly fall, free controls may alternate.

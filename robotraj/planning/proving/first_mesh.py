@@ -28,6 +28,8 @@ COARSE, NEXT = 28, 2.5
 Where integrals and ends both count, the numbers lie between in proportion to their sizes."""
 SYSTEM = 30
 """Intervals of the first mesh for systems and robots without a motor at every joint."""
+UNREFINED = 20
+"""Intervals where a tolerance is given, or no plan is proved."""
 STEP = 4
 """Intervals of the longest phase of a motion with contacts, by Lobatto IIIA with four points."""
 VALUES = 12 * 640

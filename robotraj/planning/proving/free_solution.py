@@ -34,8 +34,6 @@ MARGIN = 1e-3
 """Least height of points above the other surface, and what each further row of a pair adds to its shortfall [m]."""
 SHALLOW = 0.01
 """Depth of an overlap up to which rows along the motion push it out [m]."""
-CLEAR = 1.5e-3
-"""Distance of links at the configurations where rows are fixed [m]."""
 REACH = 0.03
 """Distance of links up to which a motion that overlaps has rows; those of a free motion reach everywhere [m]."""
 GAIN = 1e-2
@@ -172,4 +170,4 @@ def _freed_at(phase: Phase, body: OwnBody, pair: int, known: Motion, free: Motio
     q = known(fractions)
     if free is None or phase.robot is None:
         return q
-    return freed(phase.robot, body, pair, q, free(fractions), CLEAR)
+    return freed(phase.robot, body, pair, q, free(fractions), 2.0 * MARGIN)

@@ -13,28 +13,23 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.guess.from_solution import FromSolution
 from robotraj.guess.least_time import LineLimits
-from robotraj.guess.paths.around_itself import AroundItself, Motion, Route, route_around
+from robotraj.guess.paths.around_itself import AroundItself, Motion, Route
 from robotraj.planning.proving.among_spheres import among_spheres
 from robotraj.planning.proving.correction import STOPPED, PlanAttempt, short_of
 from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
-from robotraj.planning.proving.own_overlaps import OVERLAPS, Overlap, OwnOverlaps, in_time, motion_of
+from robotraj.planning.proving.own_overlaps import OVERLAPS, Overlap, OwnOverlaps, motion_of
 from robotraj.planning.proving.soft_friction import softest
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
-from robotraj.robot.collision.along_motion import pairs_within
-from robotraj.robot.limits import Limits
-from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
-
-Array = NDArray[np.float64]
 
 SEEDS = 4
 """Number of motions from which solves with rows start: the motion that overlaps, where this is shallow; the same with a
@@ -43,8 +38,6 @@ SOLVES = 6
 """Largest number of solves on the coarse mesh along one such motion."""
 PUSHES = 2
 """The same along a motion that overlaps, which share the iterations of the plan without rows."""
-LEAST_ITERATIONS = 100
-"""Least number of iterations that a solve with rows may take; others may take as many as the plan without them."""
 NONE_YET = (np.inf, np.inf)
 """Depths of overlaps, in sum, of the last two plans with rows.
 
@@ -140,7 +133,7 @@ class KeptApart:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
             return None if self._plain is None else self._without_spheres(found, *self._plain)
-        self._patience = self._patience or max(LEAST_ITERATIONS, found.iterations)
+        self._patience = self._patience or max(PATIENCE, found.iterations)
         attempt = None
         if isinstance(stage, _Coarse) and dropped is not None:
             attempt = self._after_coarse(dropped, stage)
@@ -266,7 +259,7 @@ class KeptApart:
         if self._seed == 3:
             return self._with_spheres() if self._has_routes(found) else None
         routes = tuple(
-            self._route(number, part, self._seed) if self._open[number] else None
+            self._overlaps.route(number, part, self._seed) if self._open[number] else None
             for number, part in enumerate(found.phases)
         )
         complete = all(route or not pairs for route, pairs in zip(routes, self._open, strict=True))
@@ -294,30 +287,11 @@ class KeptApart:
 
     def _is_shallow(self, found: Solution) -> bool:
         """Whether rows along the motion push all overlaps out: they are shallow, or nothing else is known to help."""
-        for phase, body, part, pairs in zip(
-            self._problem.phases, self._overlaps.bodies, found.phases, self._open, strict=True
-        ):
-            if body is None or phase.robot is None or LineLimits.of(phase) is None:
-                continue
-            for pair, time in pairs.items():
-                if body.depth(phase.robot, in_time(part)(np.array([time]))[0], pair) > SHALLOW:
-                    return False
-        return True
-
-    def _route(self, number: int, part: PhaseSolution, seed: int) -> Route | None:
-        phase, body = self._problem.phases[number], self._overlaps.bodies[number]
-        robot = phase.robot
-        if body is None or robot is None or phase.path is not None or LineLimits.of(phase) is None:
-            return None
-        motion = motion_of(part)
-        own = phase.limits if isinstance(phase.limits, Limits) else None
-        anywhere = np.full(robot.nq, np.inf)
-        bounds = (-anywhere, anywhere) if own is None else (own.position_lower, own.position_upper)
-
-        def free(q: Array) -> NDArray[np.bool_]:
-            return np.asarray(~pairs_within(robot, body, q).any(axis=1))
-
-        return route_around(motion, part.duration, free, bounds, seed, whole=seed > 3)
+        depths = self._overlaps.depths_at(found, self._open)
+        lined = (LineLimits.of(phase) is not None for phase in self._problem.phases)
+        return all(
+            depth <= SHALLOW for own, known in zip(lined, depths, strict=True) if own for depth in known.values()
+        )
 
     def _is_movable(self, each: Overlap) -> bool:
         phase = self._problem.phases[each.phase]

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.precision import MET, SAMPLES
-from robotraj.guess.paths.around_itself import Motion
+from robotraj.guess.least_time import LineLimits
+from robotraj.guess.paths.around_itself import Motion, Route, route_around
 from robotraj.planning.proving.free_solution import MARGIN
 from robotraj.problem.clearance.own_shapes import own_shapes
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_within
+from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
@@ -103,6 +105,24 @@ class OwnOverlaps:
                 depths = {pair: max(body.depth(robot, q, pair), MET) for pair, q in at.items()}
                 overlaps += [Overlap(number, pair, depth, times[pair]) for pair, depth in depths.items()]
         return overlaps
+
+    def route(self, number: int, part: PhaseSolution, seed: int) -> Route | None:
+        """Return a free motion around the overlaps of a phase; later seeds look for one between its ends.
+
+        None without one, and where the phase is on a path or has a joint without a motor.
+        """
+        phase, body = self._problem.phases[number], self.bodies[number]
+        robot = phase.robot
+        if body is None or robot is None or phase.path is not None or LineLimits.of(phase) is None:
+            return None
+        own = phase.limits if isinstance(phase.limits, Limits) else None
+        anywhere = np.full(robot.nq, np.inf)
+        bounds = (-anywhere, anywhere) if own is None else (own.position_lower, own.position_upper)
+
+        def free(q: Array) -> NDArray[np.bool_]:
+            return np.asarray(~pairs_within(robot, body, q).any(axis=1))
+
+        return route_around(motion_of(part), part.duration, free, bounds, seed, whole=seed > 3)
 
     def violation(self, each: Overlap) -> Violation:
         """Return an overlap as a violated row."""

@@ -15,7 +15,7 @@ from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.proving.correction import PlanAttempt
 from robotraj.planning.proving.friction_left_out import friction_left_out
 from robotraj.planning.proving.kept_apart import KeptApart
-from robotraj.planning.proving.soft_friction import SMALLEST_FALL, has_friction
+from robotraj.planning.proving.soft_friction import FALL, SMALLEST_FALL, has_friction
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import FRICTION
@@ -23,7 +23,7 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 
-LEAST, MOST = 0.3, 0.5
+LEAST, MOST = 1.0 / FALL, 0.5
 """Bounds on the factor of v_s from one plan to the next; after a plan that fails, the lower one becomes its root."""
 AIM = 0.7
 """Part of what is allowed that plans aim at: shares and deviations are of first order in v_s, and plans leave out more.

@@ -96,7 +96,7 @@ GAIN = Lack("objective gained on the first mesh", 5e-3, 1e-3)
 
 MESHES = [
     ("a first mesh only approximates the motion", state(), found(), Task.MESH, 45),
-    ("one through a shape between its points is left for the guess", state(), found(shortfall=0.1), Task.MESH, 60),
+    ("one through a shape between its points is left for the guess", state(), found(shortfall=0.1), Task.MESH, 45),
     ("one that touches a shape is a guess", state(), found(shortfall=0.01), Task.MESH, 45),
     ("an error far beyond its goal has the largest growth", state(), found(error=1.0, unsettled=1.0), Task.MESH, 120),
     ("an objective far from settled has a finer mesh", state(ROUGH), found(unsettled=1e-2), Task.MESH, 120),

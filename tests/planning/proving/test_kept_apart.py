@@ -10,10 +10,11 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
+from robotraj.fixed_mesh.warm_start import PATIENCE
 from robotraj.planning.proving import kept_apart
 from robotraj.planning.proving.among_spheres import among_spheres
 from robotraj.planning.proving.free_solution import FreeSearch
-from robotraj.planning.proving.kept_apart import LEAST_ITERATIONS, OVERLAPS, KeptApart
+from robotraj.planning.proving.kept_apart import OVERLAPS, KeptApart
 from robotraj.planning.proving.own_overlaps import motion_of
 from robotraj.robot.collision.own_body import own_body
 from robotraj.solvers.status import Status
@@ -108,7 +109,7 @@ def test_a_flying_robot_that_cannot_keep_off_itself_is_tried_briefly(tmp_path: P
     phase = rt.Phase(robot, 0.8, rt.State(q=first), rt.State(q=last), rt.Effort())
     through, tried = rt.plan(phase.with_(self_collision=False)), rt.plan(phase)
     assert through.proof.holds and not tried.proof.holds
-    assert tried.objective == through.objective and tried.iterations <= through.iterations + LEAST_ITERATIONS
+    assert tried.objective == through.objective and tried.iterations <= through.iterations + PATIENCE
 
 
 def test_self_collision_false_plans_through_the_robot(tmp_path: Path) -> None:
@@ -160,7 +161,7 @@ def test_rows_that_gain_nothing_but_rounding_are_not_fixed_anew(monkeypatch: pyt
     phase = rt.Phase(rt.load("ur5"), 1.0, wrist(0.6), wrist(2.4), rt.Effort(), self_collision=False)
     solution, problem = rt.plan(phase), rt.Problem([phase.with_(self_collision=True)])
     apart = KeptApart(problem, solution.settings)
-    apart._patience = LEAST_ITERATIONS
+    apart._patience = PATIENCE
     pairs, motion = apart._overlaps.of(0, solution.phases[0]), motion_of(solution.phases[0])
     search = FreeSearch.begin(problem, apart._overlaps.bodies, [motion], False, [pairs], solution)
     depths = iter([0.03 * (1.0 - 1e-12) ** k for k in range(9)])
