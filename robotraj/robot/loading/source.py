@@ -150,6 +150,7 @@ def _from_mjcf(path: Path, folders: Sequence[Path] | None) -> Description:
         found.model,
         found.shapes,
         str(path),
+        found.mimics,
         actuated=found.actuated,
         findings=found.findings,
         stated=StatedLimits({"effort": found.efforts}),

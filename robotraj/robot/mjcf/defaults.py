@@ -85,6 +85,10 @@ def with_defaults(root: Element) -> None:
         for limit, enabling in ENABLED.items():
             if element.get(enabling) == "false":
                 element.attrib.pop(limit, None)
+        if element.tag == "joint" and "ref" in element.attrib and "range" in element.attrib:
+            # Pinocchio's reader subtracts the reference from the range, which is one of positions.
+            ends = (float(end) + float(element.attrib["ref"].split()[0]) for end in element.attrib["range"].split())
+            element.set("range", " ".join(map(repr, ends)))
     for element in root.iter():
         for name in ("class", "childclass"):
             element.attrib.pop(name, None)

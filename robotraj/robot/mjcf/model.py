@@ -15,9 +15,11 @@ import pinocchio as pin
 from robotraj._util.errors import InputError
 from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
+from robotraj.robot.coupling.mimics import Mimic, resolved
 from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_names, check_numbers
+from robotraj.robot.mjcf.couplings import active, couplings
 from robotraj.robot.mjcf.defaults import Attributes, with_defaults
 from robotraj.robot.mjcf.includes import with_includes
 from robotraj.robot.mjcf.inertias import with_inertias
@@ -31,8 +33,6 @@ from robotraj.robot.urdf.numbers import numbers
 from robotraj.robot.urdf.xml import MAX_BYTES
 
 FLUID = ("density", "viscosity")
-CONSTRAINING = ("equality", "tendon")
-"""Sections that change the motion and are not read."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,8 @@ class MjcfModel:
     findings : tuple of str
     chains : mapping of str to tuple of str
         Single joints in place of ball joints, by name.
+    mimics : tuple of Mimic
+        Joints that follow another one.
     """
 
     model: pin.Model
@@ -62,6 +64,7 @@ class MjcfModel:
     springs: dict[str, tuple[float, float]]
     findings: tuple[str, ...]
     chains: Chains
+    mimics: tuple[Mimic, ...]
 
 
 def is_mjcf(path: Path) -> bool:
@@ -97,7 +100,7 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     with_defaults(root)
     with_plain_poses(root)
     fields = without_height_fields(root)
-    constraining = [tag for tag in CONSTRAINING if any(len(group) for group in root.findall(tag))]
+    equalities, tendons = active(root), any(len(group) for group in root.findall("tendon"))
     model, shapes, beside = _built(root, path, folders)
     model, chains = with_single_axes(root, model, shapes)
     gravity = numbers(" ".join(each.get("gravity", "") for each in root.findall("option")).strip(), 3)
@@ -106,6 +109,9 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     if gravity is not None:
         model.gravity.linear = np.array(gravity)
     joints = [model.names[i] for i in range(1, model.njoints)]
+    coupled, others = couplings(equalities, model)
+    mimics = resolved(coupled)
+    constraining = [tag for tag, is_left in (("equality", others), ("tendon", tendons)) if is_left]
     every = [(each.tag, each.attrib) for group in root.findall("actuator") for each in group]
     actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
     stated = [joint.attrib for world in root.findall("worldbody") for joint in world.iter("joint")]
@@ -113,6 +119,9 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     motors: dict[str, list[tuple[float, float] | None]] = {}
     for tag, own in actuators:
         motors.setdefault(own["joint"], []).append(_effort(tag, own))
+    for mimic in mimics:  # the motor of a follower drives the leader
+        for pair in motors.pop(mimic.follower, ()):
+            motors.setdefault(mimic.leader, []).append(pair and _scaled(pair, mimic.multiplier))
     ranges = {joint: _both(_sum(each), whole.get(joint)) for joint, each in motors.items()}
     efforts = {joint: pair for joint, pair in ranges.items() if pair is not None}
     springs, unread = joint_springs(root, stated, joints)
@@ -146,7 +155,9 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             "limits={'effort': {joint: largest}}."
         )
     driven = tuple(joint for joint in joints if joint in motors)
-    return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains)
+    return MjcfModel(
+        model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains, resolved(mimics)
+    )
 
 
 def _built(
@@ -195,5 +206,10 @@ def _effort(tag: str, actuator: Attributes) -> tuple[float, float] | None:
     ends, gear = numbers(given or "", 2), numbers((actuator.get("gear") or "1").split()[0], 1)
     if ends is None or gear is None or not math.isfinite(gear[0]):
         return None
-    low, high = sorted(gear[0] * end for end in ends)
+    low, high = _scaled((ends[0], ends[1]), gear[0])
     return (low, high) if low < high else None
+
+
+def _scaled(pair: tuple[float, float], factor: float) -> tuple[float, float]:
+    low, high = sorted(factor * end for end in pair)
+    return low, high

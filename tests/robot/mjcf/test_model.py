@@ -89,7 +89,7 @@ def test_meshes_outside_the_folder_are_read_when_trusted_alone(tmp_path):
 
 
 def test_what_is_not_read_is_named(tmp_path):
-    tied = '<equality><joint joint1="shoulder" joint2="elbow"/></equality>'
+    tied = '<equality><joint joint1="shoulder" joint2="elbow" polycoef="0 1 2 0 0"/></equality>'
     with pytest.warns(UserWarning, match="Sections of the MJCF that are not read: <equality>"):
         rt.load(write(tmp_path, more=tied))
     with pytest.raises(rt.InputError, match="Pinocchio cannot read the MJCF"):
@@ -301,3 +301,12 @@ def test_actuators_that_act_on_no_joint_are_named(tmp_path):
     path = write(tmp_path, more='<actuator><motor name="jet" body="fore"/><adhesion body="ram"/></actuator>')
     with pytest.warns(UserWarning, match="Actuators of the MJCF that are not read: jet, <adhesion>. They act on no"):
         rt.load(path)
+
+
+def test_ranges_are_those_of_positions_beside_a_reference(tmp_path):
+    text = ARM.format(asset="", geom=BOX, more="").replace('range="0 0.1"', 'range="0 0.1" ref="0.1"')
+    path = tmp_path / "arm.xml"
+    path.write_text(text, encoding="utf-8")
+    robot = rt.load(path)
+    np.testing.assert_allclose([side[2] for side in robot.limits.sides("position")], [0.0, 0.1], atol=1e-15)
+    assert robot.neutral[2] == 0.1
