@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from robotraj._util.system.interrupts import stop_if_noted
 from robotraj._util.time_left import used_time
+from robotraj.fixed_mesh.checked_solution import checked_solution
 from robotraj.fixed_mesh.plan_limits import PlanLimits
 from robotraj.fixed_mesh.posed import Posed, posed_problem
-from robotraj.fixed_mesh.solve_nlp import solve_nlp
+from robotraj.fixed_mesh.solve_nlp import guess_of, solve_nlp
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import with_effort_of
@@ -85,3 +86,11 @@ def solved_once(
     posed, multipliers = posed_problem(problem, guess, settings, surfaces)
     solution, w = solve_nlp(posed.nlp, guess, multipliers, settings.solver, watch or progress, began)
     return AtPoints(posed, solution, w)
+
+
+def excluded_guess(problem: Problem, guess: InitialGuess | Solution | None, settings: Settings) -> Solution:
+    """Return the guess of a problem that is known to have no solution, with its rows evaluated; nothing is solved."""
+    began = used_time()
+    nlp = posed_problem(problem, guess, settings, ())[0].nlp
+    outcome = guess_of(nlp, Status.INFEASIBLE, "not begun, since no motion exists")
+    return checked_solution(nlp, outcome, {"build": used_time() - began - nlp.compiling, "compile": nlp.compiling})

@@ -35,8 +35,7 @@ def solve_nlp(
             outcome = solver.solve(nlp, progress, multipliers)
     except LimitReached:
         # The derivatives would take longer than the time that is left: the guess is the only iterate.
-        none = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
-        outcome = Outcome(Status.INTERRUPTED, "no iteration was possible", nlp.guess, none, 0, {})
+        outcome = guess_of(nlp, Status.INTERRUPTED, "no iteration was possible")
     outcome = replace(outcome, w=unwrapped(nlp, outcome.w))
     if shared is not None:
         shared.keep(nlp, outcome.multipliers)
@@ -44,6 +43,12 @@ def solve_nlp(
     own = outcome.times.get("setup", 0.0) + outcome.times.get("solve", 0.0)
     times = {"build": used_time() - began - own - nlp.compiling, "compile": nlp.compiling}
     return checked_solution(nlp, outcome, times), outcome.w
+
+
+def guess_of(nlp: Nlp, status: Status, message: str) -> Outcome:
+    """Return the guess as the only iterate."""
+    none = Multipliers(np.zeros(len(nlp.rows)), np.zeros(len(nlp.variables)))
+    return Outcome(status, message, nlp.guess, none, 0)
 
 
 def conflicts_are_certain(nlp: Nlp) -> bool:

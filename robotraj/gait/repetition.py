@@ -114,8 +114,9 @@ def _check_legs(
     posture, margin = standing(stance), checked_margin(terms.margin)
     spans = [phase.duration_bounds for phase in problem.phases[: len(phases)]]
     half, time = 0.5 if whole else 1.0, sum(longest for _, longest in spans)
-    check_speed(robot, phases, parts, sides, half * length, half * time, posture, margin, half * steps)
-    check_weight(robot, phases, spans, list(sides), posture, greatest_friction(stance), margin)
+    friction, feet = greatest_friction(stance), sorted(sides)
+    check_speed(robot, phases, parts, sides, half * length, half * time, posture, friction, margin, half * steps)
+    check_weight(robot, phases, spans, feet, posture, friction, margin)
     impact = any(isinstance(link, Touchdown) for link in problem.links)
     for foot, share in standing_shares(phases, parts, sides).items():
         way, air = 2.0 * half * abs(length), 2.0 * half * time * (1.0 - share)

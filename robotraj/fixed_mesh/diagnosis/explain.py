@@ -104,7 +104,7 @@ def explained(solution: Solution, coarse: CoarseSolves) -> Solution:
     """
     if solution.success:
         return solution
-    undefined = undefined_expression(solution)
+    undefined = "" if are_certain(solution.conflicts) else undefined_expression(solution)
     if undefined:
         return replace(solution, message=f"{undefined} ({solution.message})", status=Status.INVALID_NUMBER)
     if solution.status is Status.NOT_PROVED:

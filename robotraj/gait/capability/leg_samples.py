@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from robotraj._util.values import dataclass
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.robot.coupling.dynamics import mass_matrix
+from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION, root_of
 
@@ -30,6 +31,7 @@ FAST = 1e3
 """Speed [rad/s, m/s] that stands for no limit."""
 STRONG = 1e9
 """Torque [N m, N] that stands for no limit."""
+_KNOWN: PerRobot[LegSamples | None] = PerRobot()
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +49,9 @@ class LegSamples:
     motions : tuple of ndarray (samples, joints, 3)
         For each foot, joint speeds relative to their limits that move it at 1 m/s along x, y and z,
         as nearly as the leg can.
-    loads : tuple of ndarray (samples, joints, 3)
+    loads : tuple of ndarray (1, joints, 3)
         For each foot, torques relative to their limits for accelerations of these joint speeds a second from rest,
-        without gravity.
+        without gravity, in the standing configuration.
     moved : tuple of ndarray (samples, 3, 3)
         For each foot, its velocities at these joint speeds, in columns.
     """
@@ -66,13 +68,14 @@ class LegSamples:
         return self._greatest(self.motions, direction)
 
     def accelerations(self, direction: Sequence[float]) -> Array:
-        """Return the greatest accelerations (feet, samples) of the feet from rest along a unit vector [m/s^2]."""
-        return self._greatest(self.loads, direction)
+        """Return the greatest accelerations (feet,) of the standing feet from rest along a unit vector [m/s^2]."""
+        return self._greatest(self.loads, direction)[:, 0]
 
     def _greatest(self, shares: tuple[Array, ...], direction: Sequence[float]) -> Array:
         along = np.asarray(direction)
         used = [np.abs(share @ along).max(axis=1) for share in shares]
-        return np.asarray([along @ moved @ along for moved in self.moved] / np.maximum(used, 1e-9))
+        reached = [along @ moved[: len(share)] @ along for moved, share in zip(self.moved, shares, strict=True)]
+        return np.asarray(reached / np.maximum(used, 1e-9))
 
 
 def greatest_friction(stance: BalancedStance) -> float:
@@ -97,6 +100,8 @@ def sample_legs(
 ) -> LegSamples | None:
     """Return samples, the first of which is the standing configuration; None if a foot is fixed to the root.
 
+    They are drawn once for each robot and choice of parameters.
+
     Parameters
     ----------
     robot : Robot
@@ -111,6 +116,13 @@ def sample_legs(
     configurations : int
         Number of random configurations after the standing one.
     """
+    key = (tuple(feet), standing.tobytes(), friction, margin, configurations)
+    return _KNOWN.get(robot, key, lambda: _sampled(robot, feet, standing, friction, margin, configurations))
+
+
+def _sampled(
+    robot: Robot, feet: Sequence[str], standing: Array, friction: float, margin: float, configurations: int
+) -> LegSamples | None:
     chains = [leg_joints(robot, foot) for foot in feet]
     if not all(chains):
         return None
@@ -130,16 +142,15 @@ def sample_legs(
     places = np.zeros((len(feet), configurations + 1, 3))
     lengths, forces = np.zeros(places.shape[:2]), np.zeros(places.shape[:2])
     slopes = tuple(np.zeros((configurations + 1, 3, len(chain))) for chain in chains)
-    inertias = tuple(np.zeros((configurations + 1, len(chain), len(chain))) for chain in chains)
     q = np.array(standing)
     if robot.root == "floating":
         q[QUATERNION] = (0.0, 0.0, 0.0, 1.0)
+    mass = mass_matrix(model, data, q)
     for k in range(configurations + 1):
         if k:
             q[[i + shift for i in used]] = rng.uniform(lower[used], upper[used])
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        mass = mass_matrix(model, data, q)
         for f, (foot, chain) in enumerate(zip(feet, chains, strict=True)):
             frame = robot.frame(foot)
             slope = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[:3][:, chain]
@@ -148,12 +159,11 @@ def sample_legs(
             lengths[f, k] = np.linalg.norm(at - data.oMi[hips[f]].translation)
             levers = np.maximum(np.abs(directions @ slope), 1e-9)
             forces[f, k] = (torques[chain] / levers).min(axis=1).max()
-            inertias[f][k] = mass[np.ix_(chain, chain)]
             slopes[f][k] = np.where(np.abs(slope).max(axis=1, keepdims=True) > 1e-6, slope * speeds[chain], 0.0)
     motions = tuple(np.asarray(np.linalg.pinv(each), dtype=float) for each in slopes)
     moved = tuple(each @ motion for each, motion in zip(slopes, motions, strict=True))
     loads = tuple(
-        each @ (speeds[chain][:, None] * motion) / np.minimum(torques[chain], STRONG)[:, None]
-        for each, motion, chain in zip(inertias, motions, chains, strict=True)
+        mass[np.ix_(chain, chain)] @ (speeds[chain][:, None] * motion[:1]) / np.minimum(torques[chain], STRONG)[:, None]
+        for motion, chain in zip(motions, chains, strict=True)
     )
     return LegSamples(places, lengths, forces, motions, loads, moved)

@@ -44,6 +44,7 @@ def check_speed(
     length: float,
     time: float,
     standing: Array,
+    friction: float,
     margin: float,
     steps: float = 1.0,
 ) -> None:
@@ -62,10 +63,8 @@ def check_speed(
         Displacement along x in one half [m].
     time : float
         Greatest duration of one half [s].
-    standing : ndarray (nq,)
-        Standing configuration.
-    margin : float
-        Share of the speeds that the plan keeps back.
+    standing, friction, margin
+        As for ``sample_legs``.
     steps : float
         Number of ``step_length=`` in the length, for the message.
 
@@ -76,11 +75,11 @@ def check_speed(
     """
     speed = abs(length) / time
     feet = sorted(sides)
-    at_rest = sample_legs(robot, feet, standing, 0.0, margin, 0)
+    at_rest = sample_legs(robot, feet, standing, friction, margin, 0)
     if at_rest is None or speed <= EASY * float(at_rest.speeds((1.0, 0.0, 0.0)).min()):
         return
     shares = list(standing_shares(phases, parts, sides).values())
-    samples = sample_legs(robot, feet, standing, 0.0, margin)
+    samples = sample_legs(robot, feet, standing, friction, margin)
     assert samples is not None
     bounds = [_bound(samples, f, share, 2.0 * abs(length)) for f, share in enumerate(shares)]
     f = int(np.argmin(bounds))

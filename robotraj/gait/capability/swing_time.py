@@ -66,9 +66,8 @@ def check_swing_time(
     if samples is None:
         return
     axes: Sequence[tuple[float, float, float]] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    speeds, accelerations = (
-        np.max([of(axis)[:, 0] for axis in axes], axis=0) for of in (samples.speeds, samples.accelerations)
-    )
+    speeds = np.max([samples.speeds(axis)[:, 0] for axis in axes], axis=0)
+    accelerations = np.max([samples.accelerations(axis) for axis in axes], axis=0)
     ways = [0.5 * way if impact else way for way in moves.values()]
     least = [_least_time(d, 2.0 * v, a) for d, v, a in zip(ways, speeds, BEYOND * accelerations, strict=True)]
     f = int(np.argmax(least))

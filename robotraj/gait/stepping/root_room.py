@@ -8,6 +8,7 @@ such stance, with these bounds as further rows. A leg that is too short for a st
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -17,9 +18,8 @@ from numpy.typing import NDArray
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.flat import Flat
-from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.bounds.upright import Upright, root_link
-from robotraj.gait.stepping.stances import HALVINGS, MODEST, OFF, standing_on
+from robotraj.gait.stepping.stances import MODEST, OFF, greatest, level_under, standing_on
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import mean_ground
 from robotraj.problem.constraints.bounds import Between
@@ -100,22 +100,30 @@ def check_root(
         off = _off(stance, first, places, k, upright)
         if off <= OFF:
             continue
-        low, high = 0.0, 1.0
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            fits = _off(stance, first, places, k, upright, middle) <= OFF
-            low, high = (middle, high) if fits else (low, middle)
-        rise = float(np.ptp([_level(stance, side, c.name) for c in stance.feet for side in places[k : k + 2]]))
+        part = greatest(partial(_fits, stance, first, places, k, upright))
+        rise = float(np.ptp([level_under(stance, side, c.name) for c in stance.feet for side in places[k : k + 2]]))
         if rise > OFF * stance.size:
-            remedy = f"A rise of {2.0 * MODEST * low * rise:.2g} m would do."
+            remedy = f"A rise of {2.0 * MODEST * part * rise:.2g} m would do."
         else:
             far = max(abs(places[k + 1][name] - places[k][name]) for name in places[k])
-            remedy = f"Steps of {MODEST * low * far:.2g} m would do."
+            remedy = f"Steps of {MODEST * part * far:.2g} m would do."
         raise InputError(
             f"{stance.robot.name!r} cannot stand before and after step {k + 1} of {' and '.join(map(repr, feet))} with "
             f"its root as high and as level as {upright} bounds it: by the position limits and the lengths of its "
             f"legs, a foot or the root is {off * stance.size:.2g} m off in the best configuration found. {remedy}"
         )
+
+
+def _fits(
+    stance: BalancedStance,
+    first: Array,
+    places: Sequence[Mapping[str, float]],
+    k: int,
+    upright: Upright,
+    share: float,
+) -> bool:
+    """Whether the robot stands before and after a share of step k."""
+    return _off(stance, first, places, k, upright, share) <= OFF
 
 
 def _off(
@@ -131,7 +139,7 @@ def _off(
     Of the step only a share is done: of the displacements on level ground, else of the heights above the lowest foot.
     """
     before, after = places[k], places[k + 1]
-    heights = {c.name: [_level(stance, side, c.name) for side in (before, after)] for c in stance.feet}
+    heights = {c.name: [level_under(stance, side, c.name) for side in (before, after)] for c in stance.feet}
     lowest = float(np.min(list(heights.values())))
     if np.max(list(heights.values())) - lowest <= OFF * stance.size:
         after = {name: (1.0 - share) * before[name] + share * after[name] for name in before}
@@ -156,10 +164,3 @@ def _off(
 def _numbers(span: Between) -> tuple[float, float]:
     """Return the two sides of an interval."""
     return float(cast(float, span.lower)), float(cast(float, span.upper))
-
-
-def _level(stance: BalancedStance, feet: Mapping[str, float], name: str) -> float:
-    """Return the height of the ground under a foot [m]."""
-    contact = next(each for each in stance.feet if each.name == name)
-    ground = as_ground(contact.contact.ground or Flat())
-    return float(ground.height(feet.get(f"{name}.x", 0.0), feet.get(f"{name}.y", 0.0)))

@@ -8,7 +8,7 @@ the shapes of two feet overlap are refused too: the footholds determine the plac
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
+from robotraj.dynamics.terrain.flat import Flat
+from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.standing import FOOT_TOLERANCE
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, mean_ground
@@ -61,8 +63,9 @@ def check_footholds(
     allowed = set(overlapping_feet(stance, first))
     for k, feet in enumerate(moved):
         last, angle, off = standing_on(stance, first, places[0], places[k + 1])
-        if off > (OFF * stance.size if k + 1 < len(moved) else FOOT_TOLERANCE):
-            raise InputError(_refusal(stance, first, places, k, feet, off))
+        tolerance = OFF * stance.size if k + 1 < len(moved) else FOOT_TOLERANCE
+        if off > tolerance:
+            raise InputError(_refusal(stance, first, places, k, feet, off, tolerance))
         overlap = next((pair for pair in overlapping_feet(stance, last) if pair not in allowed), None)
         if overlap is not None:
             raise FeetOverlap(
@@ -94,23 +97,30 @@ def _refusal(
     k: int,
     feet: Sequence[str],
     off: float,
+    tolerance: float,
 ) -> str:
-    """Return the message on step k, for which a foot is off its foothold."""
+    """Return the message on step k, for which a foot is off its foothold by more than a tolerance [m]."""
     before, after = places[k], places[k + 1]
+    levels = {contact.name: level_under(stance, after, contact.name) for contact in stance.feet}
 
-    def part_of(share: float) -> dict[str, float]:
-        return {name: (1.0 - share) * before[name] + share * after[name] for name in before}
+    def reached(way: float, height: float) -> bool:
+        """Whether the robot stands after a part of the displacements, on a part of the differences in height."""
+        part = {name: (1.0 - way) * before[name] + way * after[name] for name in before}
+        under = {name: level_under(stance, part, name) for name in levels}
+        lowest = min(under.values())
+        lifts = {name: (height - 1.0) * (at - lowest) for name, at in under.items()}
+        return standing_on(stance, first, places[0], part, lifts)[2] <= tolerance
 
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        reached = standing_on(stance, first, places[0], part_of(middle))[2] <= FOOT_TOLERANCE
-        low, high = (middle, high) if reached else (low, middle)
+    uneven = float(np.ptp(list(levels.values())))
+    lower = greatest(lambda height: reached(1.0, height)) if uneven > OFF * stance.size else 0.0
     moves = [[after.get(f"{c.name}.{a}", 0.0) - before.get(f"{c.name}.{a}", 0.0) for a in "xy"] for c in stance.feet]
     far = float(np.max(np.linalg.norm(moves, axis=1)))
     rise = mean_ground(stance, after) - mean_ground(stance, before)
     level = abs(rise) < OFF * stance.size
-    remedy = f"Steps of {MODEST * low * far:.2g} m would do." if level else "A lower rise would do."
+    if lower:
+        remedy = f"A rise of {MODEST * lower * uneven:.2g} m would do."
+    else:
+        remedy = f"Steps of {MODEST * greatest(lambda way: reached(way, 0.0)) * far:.2g} m would do."
     step = f"{' and '.join(map(repr, feet))} by {far:.3g} m{'' if level else f' and {abs(rise):.3g} m in mean height'}"
     return (
         f"{stance.robot.name!r} cannot stand on the footholds after step {k + 1}, which moves {step}. By the position "
@@ -119,10 +129,34 @@ def _refusal(
     )
 
 
+def greatest(holds: Callable[[float], bool]) -> float:
+    """Return the greatest part, up to 1, for which a condition holds, as it does for all smaller ones; 0 without."""
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
+
+
+def level_under(stance: BalancedStance, feet: Mapping[str, float], name: str) -> float:
+    """Return the height of the ground under a foot [m]."""
+    contact = next(each for each in stance.feet if each.name == name)
+    ground = as_ground(contact.contact.ground or Flat())
+    return float(ground.height(feet.get(f"{name}.x", 0.0), feet.get(f"{name}.y", 0.0)))
+
+
 def standing_on(
-    stance: BalancedStance, first: Array, before: Mapping[str, float], after: Mapping[str, float]
+    stance: BalancedStance,
+    first: Array,
+    before: Mapping[str, float],
+    after: Mapping[str, float],
+    lifts: Mapping[str, float] | None = None,
 ) -> tuple[Array, float, float]:
-    """Return the standing configuration (nq,) on other footholds, the turn [rad], and the greatest error of a foot."""
+    """Return the standing configuration (nq,) on other footholds, the turn [rad], and the greatest error of a foot.
+
+    Feet stand ``lifts`` above the ground [m], by name.
+    """
+    above = dict(lifts or {})
     robot = stance.robot
     data = robot.model.createData()
     com = np.array(pin.centerOfMass(robot.model, data, first))
@@ -133,6 +167,7 @@ def standing_on(
     shift = np.zeros(3)
     shift[: len(axes)] = new.mean(axis=0) - old.mean(axis=0)
     shift[2] = height_above(stance, before, com) - height_above(stance, after, com)
+    shift[2] += np.mean(list(above.values()) or [0.0])
     angle = 0.0
     near = np.array(first)
     if robot.root == "floating":
@@ -149,6 +184,6 @@ def standing_on(
         com = com + shift
         com[1] = np.nan
     # The joints keep their standing posture; the root is placed above the new footholds.
-    found = stance.reach(near, after, com, {}, near)
+    found = stance.reach(near, after, com, above, near)
     rows, _ = stance.places(found, after)
-    return found, angle, float(np.max(np.abs(rows), initial=0.0))
+    return found, angle, float(np.max(np.abs(rows - stance.lifted(above)), initial=0.0))

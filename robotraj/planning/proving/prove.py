@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from robotraj._util.time_left import LimitReached
+from robotraj.fixed_mesh.at_points import excluded_guess
 from robotraj.fixed_mesh.diagnosis.exclusions.crossed_zones import crossed_zones
+from robotraj.fixed_mesh.diagnosis.exclusions.rest_to_rest import slipping_motions
+from robotraj.fixed_mesh.diagnosis.exclusions.slipping import slipping_contacts
 from robotraj.fixed_mesh.diagnosis.self_collision import overlapping_ends
 from robotraj.fixed_mesh.solve import solve
 from robotraj.planning.loop.run import run
@@ -18,7 +21,7 @@ from robotraj.planning.proving.soft_friction import factor_of
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import Round, answered, with_effort_of
-from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
@@ -31,12 +34,12 @@ def prove(
 
     Plans whose links overlap or are below the ground are made again.
 
-    Where links overlap at a fixed end, or a state must cross a zone that its rows forbid, one iteration on the first
-    mesh is all that is solved: on every mesh a motion may jump over the zone between the points.
+    Nothing is solved where the ground has less friction than every motion needs, where links overlap at a fixed end,
+    or where a state must cross a zone that its rows forbid: on every mesh a motion may jump over it between the points.
     """
-    if conflicts := overlapping_ends(problem) or crossed_zones(problem):
-        once = replace(settings, solver=settings.solver.at_most(1), restarts=Restarts(0))
-        return replace(solve(problem, guess, once, progress), status=Status.INFEASIBLE, conflicts=conflicts)
+    slipping = slipping_contacts(problem) or slipping_motions(problem)
+    if conflicts := slipping or overlapping_ends(problem) or crossed_zones(problem):
+        return replace(excluded_guess(problem, guess, settings), status=Status.INFEASIBLE, conflicts=conflicts)
     found, apart = _begun(problem, guess, settings, progress)
     corrections: tuple[Correction, ...] = (apart, AboveGround(settings, apart), SharpFriction(settings, apart))
     try:

@@ -25,9 +25,18 @@ def test_footholds_out_of_reach_between_steps_are_refused_within_two_seconds(nam
 
 def test_a_rise_that_the_legs_do_not_reach_is_named() -> None:
     robot = rt.load("go2", root="floating")
-    with pytest.raises(rt.InputError, match=r"0\.\d+ m in mean height.*A lower rise would do"):
+    told = r"0\.\d+ m in mean height.*A rise of (0\.\d+) m would do"
+    with pytest.raises(rt.InputError, match=told) as refusal:
         rt.gait.stairs(robot, start=0.3, run=0.3, rise=0.6, count=2)
-    rt.gait.stairs(robot, start=0.3, run=0.3, rise=0.1, count=2)
+    rise = float(re.search(told, str(refusal.value))[1])  # type: ignore[index]
+    assert rise > 0.1
+    rt.gait.stairs(robot, start=0.3, run=0.3, rise=rise, count=2)
+
+
+def test_a_rise_whose_treads_are_out_of_reach_as_well_names_a_step() -> None:
+    robot = rt.load("go2", root="floating")
+    with pytest.raises(rt.InputError, match=r"m in mean height.*Steps of 0\.\d+ m would do"):
+        rt.gait.stairs(robot, start=0.3, run=1.5, rise=0.6, count=1)
 
 
 def test_long_steps_that_the_legs_reach_are_not_refused() -> None:
