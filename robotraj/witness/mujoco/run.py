@@ -2,7 +2,9 @@
 
 Touchdowns set the time of the plan: a phase that begins with a touchdown begins when one of its new feet carries load.
 Until then the phase before is continued with its last velocities and torques. Then the plan is shifted to the places
-of these feet, as controllers of walking machines do; steps may be longer or later than planned.
+of these feet, as controllers of walking machines do; steps may be longer or later than planned. A foot that is to be
+set down at rest comes no nearer at its last velocity: its phase begins at the planned time at the latest, and its
+planned force lowers it.
 Source: Westervelt et al., Feedback Control of Dynamic Bipedal Robot Locomotion (2007), section 3.4 (hybrid systems).
 """
 
@@ -107,7 +109,7 @@ class MujocoRun:
         times, coming = course.grid(passage.phase, step), self._coming(passage)
         duration = float(times[-1])
         planned = len(times) - 1
-        if coming:
+        if coming and self._strikes(passage, step):
             times = np.append(times, np.arange(duration, LATE * duration, step)[1:])
         sizes = np.diff(times)
         self._longest = max(self._longest, float(sizes.max()))
@@ -155,6 +157,13 @@ class MujocoRun:
         if over and self._course.closing is None:
             return ()
         return tuple(self._course.foot_onwards(name, passage.period + over)[0] for name in self._course.lands(phase))
+
+    def _strikes(self, passage: PeriodPhase, step: float) -> bool:
+        """Whether the next phase begins with a larger impulse than the robot's weight gives in a step."""
+        following = (passage.phase + 1) % len(self._course.phases)
+        impulses = self._course.strikes(following).values()
+        weight = pin.computeTotalMass(self._pin) * float(np.linalg.norm(self._pin.gravity.linear))
+        return any(float(np.linalg.norm(impulse)) > weight * step for impulse in impulses)
 
     def _extended(self, passage: PeriodPhase, times: Array, duration: float) -> tuple[Array, Array]:
         """Return planned positions and velocities; after the end of the phase the last velocity is constant."""

@@ -74,3 +74,13 @@ def test_it_trots_on_for_a_dozen_half_strides():
     for report in opinion.feet:
         assert report.stances in (6, 7) and 0.4 < report.loaded < 0.6
         np.testing.assert_allclose(report.force, report.planned, atol=0.03 * WEIGHT)
+
+
+def test_feet_that_are_set_down_at_rest_delay_no_crawl():
+    """A crawl that waits for a foot without a velocity falls over the edge of its tripod."""
+    hyq = rt.load("hyq", root="floating")
+    crawl = gait.crawl(hyq, step_length=0.2, duration=1.2)
+    opinion = rt.witness.second_opinion(rt.plan(crawl, mesh=rt.Mesh(12, rt.HermiteSimpson())))
+    assert opinion.completed and opinion.upright
+    assert abs(opinion.lag) < 0.02
+    assert opinion.deviation.largest("q.") < 0.05
