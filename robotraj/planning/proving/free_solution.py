@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
 from robotraj.guess.paths.around_itself import Motion
+from robotraj.problem.clearance.own_shapes import MARGIN, least_at_ends
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Bodies = Sequence[OwnBody | None]
 
-MARGIN = 1e-3
-"""Least height of points above the other surface, and what each further row of a pair adds to its shortfall [m]."""
 SHALLOW = 0.01
 """Depth of an overlap up to which rows along the motion push it out [m]."""
 REACH = 0.03
@@ -152,17 +151,6 @@ class FreeSearch:
             further.append(tuple(more))
         every = tuple(held | frozenset(pairs) for held, pairs in zip(self.pairs, hit, strict=True))
         return replace(self, pairs=every, further=tuple(further))
-
-
-def least_at_ends(phase: Phase, body: OwnBody, pair: int) -> tuple[float, float]:
-    """Return half the distance of a pair at each end that is fixed [m], infinite at others."""
-    assert phase.robot is not None
-    least = []
-    for bounds in phase.joint_ends.values():
-        q = np.asarray(bounds.lower[: phase.robot.nq])
-        fixed = np.array_equal(q, bounds.upper[: phase.robot.nq])
-        least.append(0.5 * body.distance(phase.robot, q, pair) if fixed else np.inf)
-    return least[0], least[1]
 
 
 def _freed_at(phase: Phase, body: OwnBody, pair: int, known: Motion, free: Motion | None, fractions: Array) -> Array:

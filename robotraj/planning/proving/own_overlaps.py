@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from robotraj._util.precision import MET, SAMPLES
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import Motion, Route, route_around
-from robotraj.planning.proving.free_solution import MARGIN
-from robotraj.problem.clearance.own_shapes import own_shapes
+from robotraj.problem.clearance.own_shapes import MARGIN, own_shapes
 from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_within
 from robotraj.robot.limits import Limits

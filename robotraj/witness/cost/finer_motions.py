@@ -19,9 +19,11 @@ from robotraj.guess.from_solution import FromSolution
 from robotraj.native.engines.native import Native
 from robotraj.solution.phase_solution import PhaseSolution, alike
 from robotraj.solution.solution import Solution
-from robotraj.solvers.base import ALTERED_BARRIER, Outcome
+from robotraj.solvers.base import Outcome
 from robotraj.solvers.interior_point import InteriorPoint
+from robotraj.transcription.clearance.links_along import LinksAlong
 from robotraj.transcription.clearance.supporting_planes import motion_of
+from robotraj.transcription.clearance.surface_rows import with_surface_rows
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import rows_against_swings, with_added_rows
 from robotraj.transcription.interval_limits.interval_violations import EXACT, state_violations, variable_violations
@@ -73,7 +75,7 @@ def finer_motions(plan: Solution, allowed: float, clock: Callable[[], None]) -> 
         The problem cannot be transcribed.
     """
     rows = _FinerProgram(plan)
-    solver = InteriorPoint(initial_barrier=ALTERED_BARRIER, objective_change=FLAT * allowed).at_most(PATIENCE)
+    solver = InteriorPoint(objective_change=FLAT * allowed).from_nearby().at_most(PATIENCE)
     solver = solver.accurate_to(FLAT * FLAT * allowed)
     w = rows.base.guess
     for _ in range(ROUNDS):
@@ -82,9 +84,11 @@ def finer_motions(plan: Solution, allowed: float, clock: Callable[[], None]) -> 
         found = _motion(plan, nlp, outcome)
         yield found
         clock()
-        if not rows.tightened(found):
+        apart, tightened = rows.set_apart(found), rows.tightened(found)
+        if not apart and not tightened:
             return
-        w = outcome.w[: len(w)]
+        # The plan meets all rows on its links, a motion through one of them none.
+        w = rows.base.guess if apart else outcome.w[: len(w)]
 
 
 class _FinerProgram:
@@ -102,6 +106,7 @@ class _FinerProgram:
         between = rows_against_swings(nlp)
         self.base = with_added_rows(nlp, between, nlp.guess) if between else nlp
         self._margins: dict[LimitedInterval, float] = {}
+        self._links = [LinksAlong(part.phase, part.joint_states) for part in plan.phases]
         self._obstacles = _obstacles(nlp)
         self._kept: list[dict[tuple[int, int], float]] = [{} for _ in self._obstacles]
         self._motions = [motion_of(plan.phases[o.phase].joint_states, o.pairs.robot.nq) for o in self._obstacles]
@@ -109,12 +114,17 @@ class _FinerProgram:
     def program(self, w: Array) -> Nlp:
         """Return the program that starts at w (n_w,)."""
         nlp = with_margins(continued_at(self.base, w), self._margins)
+        nlp = with_surface_rows(nlp, [links.surfaces for links in self._links])
         if not self._obstacles:
             return nlp
         from robotraj.transcription.clearance.clearance_rows import with_rows_along
         from robotraj.transcription.clearance.near_pairs import NEAR_SOLUTION
 
         return with_rows_along(nlp, self._obstacles, self._motions, self._kept, NEAR_SOLUTION)
+
+    def set_apart(self, found: Solution) -> bool:
+        """Add rows on links that overlap along a motion, and return whether there are new ones."""
+        return any([links.add(part.joint_states) for links, part in zip(self._links, found.phases, strict=True)])
 
     def tightened(self, found: Solution) -> bool:
         """Tighten what a motion exceeds between the points, and return whether it exceeds anything."""

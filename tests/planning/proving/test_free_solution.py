@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.planning.proving.free_solution import MARGIN, REACH, SHALLOW, FreeSearch
-from robotraj.problem.clearance.own_shapes import own_shapes
+from robotraj.planning.proving.free_solution import REACH, SHALLOW, FreeSearch
+from robotraj.problem.clearance.own_shapes import MARGIN, own_shapes
 from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair, NearSurfaces
 
 DEEP = 2.0 * SHALLOW
