@@ -41,7 +41,8 @@ Below, Hermite-Simpson needs fewer iterations than lines, and finds objectives a
 STICKING = 0.01
 """``Shares.friction`` from which a plan starts from softer friction, to find where joints stick.
 
-What sticking gains is of second order in it: below, less than 1e-4, a tenth of the default goal of the objective.
+In least time, solves end where the time is flat from there on. What sticking gains is of second order in it: below,
+less than 1e-4, a tenth of the default goal of the objective.
 """
 PLACES, WEIGHTS = 0.5 * (gauss(16)[0] + 1.0), 0.5 * gauss(16)[1]
 """Gauss's rule along a phase: kinks leave an error of about one percent."""
@@ -60,8 +61,7 @@ class Shares:
     rate : float
         Sum of the sizes of all terms over the duration of all phases; 0 where it is not known.
     friction : float
-        Length of the vector of dry frictions of all joints, relative to the root mean square of that of the torques,
-        times the part of the integrals: in least time no joint rests.
+        Length of the vector of dry frictions of all joints, relative to the root mean square of that of the torques.
     """
 
     ends: float
@@ -76,7 +76,12 @@ class Shares:
 
     @property
     def sticking(self) -> bool:
-        """Whether joints stick and slide to save effort."""
+        """Whether joints stick and slide to save effort; only the part of the integrals counts."""
+        return (1.0 - self.ends) * self.friction >= STICKING
+
+    @property
+    def rubbing(self) -> bool:
+        """Whether dry friction matters beside the torques, whatever the objective."""
         return self.friction >= STICKING
 
 
@@ -105,7 +110,7 @@ def _new_shares(problem: Problem) -> Shares:
     kinks = 1.0 if any(map(_has_kinked_rows, problem.phases)) else sums["kinked"] / total
     measured = all(map(_is_measured, problem.phases))
     rate = total / sum(_motion(phase).duration for phase in problem.phases) if measured else 0.0
-    return Shares(ends, kinks, (1.0 - ends) * max(map(_friction, problem.phases)), rate)
+    return Shares(ends, kinks, max(map(_friction, problem.phases)), rate)
 
 
 def _kinds(phase: Phase) -> list[str]:
@@ -206,7 +211,7 @@ def _friction(phase: Phase) -> float:
     robot = phase.robot
     if robot is None or robot.root != "fixed" or isinstance(phase.dynamics, Kinematics) or not robot.friction.any():
         return 0.0
-    if not phase.integrals or phase.path is not None:
+    if phase.path is not None:
         return 0.0
     if not _has_plain_motion(phase):
         return np.inf

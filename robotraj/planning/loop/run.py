@@ -230,7 +230,7 @@ def _cold(state: PlanState) -> Solver:
     """
     traits, goals = state.traits, state.settings.goals
     assert goals is not None
-    if not (traits.sticking or traits.kinked or traits.full_friction or state.only_unsettled):
+    if not (traits.sticking or traits.kinked or traits.rubbing or state.only_unsettled):
         return state.settings.solver
     share = 3.0 if traits.sticking_powers else 1.0 if traits.sticking else 0.1
     return state.settings.solver.until_settled(share * goals.objective)

@@ -49,20 +49,23 @@ class Traits:
         Whether joints stick and slide to save effort.
     kinked : bool
         Whether the objective has kinks that matter.
+    rubbing : bool
+        Whether dry friction matters in a least time.
     full_friction : bool
-        Whether limits of torques between the points are those against full dry friction. Least times depend on them, so
-        that they are imposed on every mesh.
+        Whether limits of torques between the points are those against full dry friction, on every mesh.
     """
 
     sticking: bool = False
     kinked: bool = False
+    rubbing: bool = False
     full_friction: bool = False
 
     @classmethod
     def of(cls, problem: Problem) -> Traits:
         """Return those of a problem."""
         shares = shares_of(problem)
-        return cls(shares.sticking, shares.kinked, any(map(has_full_friction, problem.phases)))
+        full = any(map(has_full_friction, problem.phases))
+        return cls(shares.sticking, shares.kinked, full and shares.rubbing, full)
 
     @property
     def patient(self) -> bool:
