@@ -41,8 +41,8 @@ Below, Hermite-Simpson needs fewer iterations than lines, and finds objectives a
 STICKING = 0.01
 """``Shares.friction`` from which a plan starts from softer friction, to find where joints stick.
 
-In least time, solves end where the time is flat from there on. What sticking gains is of second order in it: below,
-less than 1e-4, a tenth of the default goal of the objective.
+From there on a solver of a least time also stops where the time no longer falls. What sticking gains is of second order
+in it: below, less than 1e-4, a tenth of the default goal of the objective.
 """
 PLACES, WEIGHTS = 0.5 * (gauss(16)[0] + 1.0), 0.5 * gauss(16)[1]
 """Gauss's rule along a phase: kinks leave an error of about one percent."""

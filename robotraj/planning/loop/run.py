@@ -101,8 +101,9 @@ def run(
 
 def _begun(state: PlanState | ToleranceState) -> PlanState | ToleranceState | PlanEnd:
     """Return the state after the solve with the softest friction where the guess is its solution."""
-    softest = isinstance(state, PlanState) and bool(state.softening) and factor_of(state.guess) == state.softening[0]
-    if not softest or not isinstance(state, PlanState) or not isinstance(state.guess, Solution):
+    if not isinstance(state, PlanState) or not isinstance(state.guess, Solution):
+        return state
+    if not state.softening or factor_of(state.guess) != state.softening[0]:
         return state
     assert state.settings.goals is not None
     return respond(state, Found(state.guess, measured(state.guess, None, state.settings.goals, bending=True)))

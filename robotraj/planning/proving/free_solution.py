@@ -119,7 +119,7 @@ class FreeSearch:
         """Return the next state after a solve, whose motions overlap in pairs ``hit`` of each phase, by depths [m]."""
         best = self.best
         if best is not None and solution.objective >= best.objective - GAIN * abs(best.objective):
-            # With overlaps, too, it gains too little for what rows against them leave of it.
+            # Even with overlaps it gains too little, and with rows against them less.
             return replace(self.overlapped(motions, hit) if any(hit) else self, is_over=True)
         if any(hit):
             shallow = all(depth <= SHALLOW for depths in hit for depth in depths.values())

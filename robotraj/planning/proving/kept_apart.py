@@ -91,7 +91,7 @@ class KeptApart:
         self._plain: tuple[Problem, list[dict[int, float]]] | None = None
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = self._patience = 0
-        self._held = False
+        self._was_proved = False  # the plan before, but for its overlaps
 
     def from_guess(self, guess: InitialGuess | Solution | None) -> PlanAttempt | None:
         """Return the plan with rows along a proved solution whose links nearly touch; None for any other guess.
@@ -123,7 +123,7 @@ class KeptApart:
         if not found.success:
             return None
         stage, self._stage = self._stage, None
-        self._held = found.proof is not None and found.proof.holds
+        self._was_proved = found.proof is not None and found.proof.holds
         if isinstance(stage, _AmongSpheres) and dropped is None:
             # Spheres around some links always overlap; rows along the motion keep these apart. All begins anew.
             self._plain, self._problem, self._seed, self._rows = (self._problem, self._open), stage.problem, 0, ()
@@ -152,7 +152,7 @@ class KeptApart:
         if isinstance(self._stage, _Coarse) or not again.success:
             return False
         # A plan that lacks something else is no gain on one that does not.
-        return not self._held or (again.proof is not None and again.proof.holds)
+        return not self._was_proved or (again.proof is not None and again.proof.holds)
 
     @property
     def surfaces(self) -> Sequence[NearSurfaces | None]:

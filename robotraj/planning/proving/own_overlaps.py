@@ -13,7 +13,7 @@ from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import Motion, Route, route_around
 from robotraj.problem.clearance.own_shapes import MARGIN, own_shapes
 from robotraj.problem.problem import Problem
-from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_within
+from robotraj.robot.collision.along_motion import Near, deepest_overlap, near_pairs, pairs_along, pairs_within
 from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
@@ -74,8 +74,7 @@ class OwnOverlaps:
         if robot is None or body is None:
             return {}
         # Links at twice the margin of rows count as kept apart by them.
-        near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)), 2.0 * MARGIN)
-        return dict.fromkeys(np.flatnonzero(near.any(axis=0)).tolist(), 0.0)
+        return dict.fromkeys(pairs_along(robot, body, motion, 2.0 * MARGIN), 0.0)
 
     def deepest(self, found: Solution) -> list[Overlap]:
         """Return the deepest overlap of each pair."""

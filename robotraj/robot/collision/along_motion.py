@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.collision.placements import placements
@@ -139,6 +140,13 @@ def pairs_within(robot: Robot, body: OwnBody, q: Array, margin: float = 0.0) -> 
     count, pairs = len(q), len(body.pairs)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)
     return _within(robot, body, q, pair, at, margin).reshape(count, pairs)
+
+
+def pairs_along(robot: Robot, body: OwnBody, motion: Motion, margin: float = 0.0) -> list[int]:
+    """Return the pairs that come within a margin [m] at equal steps of a motion over fractions from 0 to 1."""
+    near = pairs_within(robot, body, motion(np.linspace(0.0, 1.0, SAMPLES)), margin)
+    found: list[int] = np.flatnonzero(near.any(axis=0)).tolist()
+    return found
 
 
 def freed(robot: Robot, body: OwnBody, pair: int, q: Array, free: Array, margin: float) -> Array:

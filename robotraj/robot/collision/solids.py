@@ -16,6 +16,7 @@ from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.tessellation import subdivided, surface_of
+from robotraj.robot.meshes.arrays import distinct
 from robotraj.robot.meshes.convex_hull import convex_hull
 from robotraj.robot.meshes.winding import Winding
 
@@ -106,7 +107,7 @@ class Solid(OneLine):
     def corners(self) -> Array:
         """Points (n, 3) all over the surface [m]."""
         points = np.round(self._pieces.reshape(-1, 3), 9)
-        return points[_first_of_equal(points)]
+        return points[distinct(points)[0]]
 
     @cached_property
     def spots(self) -> Array:
@@ -122,7 +123,7 @@ class Solid(OneLine):
         if not len(self.corners):
             return self.corners
         cell = min(largest, float(np.ptp(self.corners, axis=0).max()) / 10.0)
-        return np.asarray(self.corners[_first_of_equal(np.floor(self.corners / cell))])
+        return np.asarray(self.corners[distinct(np.floor(self.corners / cell))[0]])
 
     @cached_property
     def _winding(self) -> Winding:
@@ -216,12 +217,6 @@ class Placed:
     def seen_from(self, other: Placed, points: Array) -> Array:
         """Return points (n, 3) of this shape in the axes of another one."""
         return np.asarray((self.in_world(points) - other.position) @ other.rotation)
-
-
-def _first_of_equal(rows: Array) -> npt.NDArray[np.int_]:
-    """Return the index of the first of equal rows (n, 3), in the order of their values."""
-    order = np.lexsort(rows.T[::-1])
-    return order[np.append(True, np.any(np.diff(rows[order], axis=0) != 0.0, axis=1))] if len(rows) else order
 
 
 def touch(first: Placed, second: Placed, margin: float = 0.0) -> bool:

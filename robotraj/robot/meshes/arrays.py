@@ -83,3 +83,16 @@ class MeshArrays(OneLine):
     def hull(self, scale: Array) -> coal.CollisionGeometry:
         """Return the convex hull of the scaled mesh."""
         return convex_hull(self.vertices * scale, "Qt")
+
+
+def distinct(points: Array) -> tuple[npt.NDArray[np.int_], npt.NDArray[np.int_]]:
+    """Return which of points (n, 3) are the first of equal ones (m,), in the order of their values.
+
+    The second array (n,) is the place of each point among them.
+    """
+    order, place = np.lexsort(points.T[::-1]), np.zeros(len(points), dtype=int)
+    if not len(points):
+        return order, place
+    differs = np.append(True, np.any(np.diff(points[order], axis=0) != 0.0, axis=1))
+    place[order] = np.cumsum(differs) - 1
+    return order[differs], place

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.values import dataclass
+from robotraj.robot.meshes.arrays import distinct
 
 Array = NDArray[np.float64]
 
@@ -24,15 +25,15 @@ class Winding:
     middle : ndarray (3,)
         Middle of its corners, from which all else is measured, as coordinates far from 0 lose digits [m].
     corners : ndarray (n, 3)
-        Corners that differ.
+        Corners that differ, from the middle [m].
     faces : ndarray of int (3, f)
         The corners of each triangle.
     volumes : ndarray (f,)
-        Six times the volumes of the triangles and the middle.
+        Six times the volumes of the triangles and the middle [m^3].
     normals : ndarray (f, 3)
-        Twice the areas along the normals.
+        Twice the areas along the normals [m^2].
     products : ndarray (3, f)
-        Products a' b, b' c and c' a of the corners of each triangle.
+        Products a' b, b' c and c' a of the corners of each triangle [m^2].
     """
 
     middle: Array
@@ -47,18 +48,15 @@ class Winding:
         """Return a surface of triangles (f, 3, 3) [m]."""
         points = triangles.reshape(-1, 3)
         middle = points.mean(axis=0)
-        order = np.lexsort(points.T)
-        differs = np.append(True, np.any(np.diff(points[order], axis=0) != 0.0, axis=1))
-        corners, faces = points[order][differs] - middle, np.zeros(len(points), dtype=int)
-        faces[order] = np.cumsum(differs) - 1
-        faces = np.ascontiguousarray(faces.reshape(-1, 3).T)
+        first, place = distinct(points)
+        corners, faces = points[first] - middle, np.ascontiguousarray(place.reshape(-1, 3).T)
         a, b, c = corners[faces]
         normals = np.cross(b - a, c - a)
         products = np.array([np.einsum("fi,fi->f", *pair) for pair in ((a, b), (b, c), (c, a))])
         return cls(middle, corners, faces, np.einsum("fi,fi->f", a, np.cross(b, c)), normals, products)
 
     def number(self, point: Array) -> float:
-        """Return how often the surface winds around a point (3,): the sum of the solid angles over 4 pi.
+        """Return how often the surface winds around a point (3,) [m]: the sum of the solid angles over 4 pi.
 
         With the corners a, b, c seen from the point, the tangent of half the solid angle is a' (b x c) over
         abs(a) abs(b) abs(c) + a' b abs(c) + b' c abs(a) + c' a abs(b).

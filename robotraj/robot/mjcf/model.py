@@ -155,9 +155,7 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
             "limits={'effort': {joint: largest}}."
         )
     driven = tuple(joint for joint in joints if joint in motors)
-    return MjcfModel(
-        model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains, resolved(mimics)
-    )
+    return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains, mimics)
 
 
 def _built(

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.curves.trajectory import PiecewisePolynomial
-from robotraj._util.precision import SAMPLES
 from robotraj.problem.clearance.own_shapes import MARGIN, least_at_ends, own_shapes
 from robotraj.problem.phase import Phase
-from robotraj.robot.collision.along_motion import pairs_within
+from robotraj.robot.collision.along_motion import Motion, pairs_along
 from robotraj.transcription.clearance.supporting_planes import motion_of
 from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair, NearSurfaces
 
@@ -38,7 +37,8 @@ class LinksAlong:
         self._rows: dict[int, NearPair] = {}
         # Links at twice the margin of rows count as kept apart by them.
         touching = self._within(known, 2.0 * MARGIN)
-        self._include([pair for pair in touching if pair not in self._within(known, 0.0)] if touching else [])
+        overlapping = self._within(known, 0.0) if touching else []
+        self._include([pair for pair in touching if pair not in overlapping])
 
     @property
     def surfaces(self) -> NearSurfaces | None:
@@ -57,7 +57,7 @@ class LinksAlong:
     def _include(self, pairs: list[int]) -> None:
         if self._body is None or not pairs:
             return
-        q = self._sampled(self._known, FRACTIONS)
+        q = self._positions(self._known)(FRACTIONS)
         for pair in pairs:
             self._rows[pair] = NearPair(pair, q, MARGIN, least_at_ends(self._phase, self._body, pair), np.inf)
 
@@ -65,11 +65,9 @@ class LinksAlong:
         """Return the pairs that come within a margin [m] at equal steps of a motion."""
         if self._phase.robot is None or self._body is None:
             return []
-        q = self._sampled(motion, np.linspace(0.0, 1.0, SAMPLES))
-        near = pairs_within(self._phase.robot, self._body, q, margin)
-        found: list[int] = np.flatnonzero(near.any(axis=0)).tolist()
-        return found
+        return pairs_along(self._phase.robot, self._body, self._positions(motion), margin)
 
-    def _sampled(self, motion: PiecewisePolynomial, fractions: Array) -> Array:
+    def _positions(self, motion: PiecewisePolynomial) -> Motion:
         assert self._phase.robot is not None
-        return motion_of(motion, self._phase.robot.nq)(fractions)[0]
+        positions = motion_of(motion, self._phase.robot.nq)
+        return lambda fractions: positions(fractions)[0]
