@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 DENSITY = 1000.0
 """Of shapes that state neither mass nor density [kg/m^3]."""
 MASSLESS = ("plane", "hfield")
-READ = ("inertiafromgeom", "inertiagrouprange", "settotalmass")
+READ = ("inertiafromgeom", "inertiagrouprange", "balanceinertia", "settotalmass")
 """Attributes of the compiler that the masses follow from."""
 
 
@@ -41,7 +41,7 @@ def with_inertias(file: str, root: Element, meshes: Mapping[str, MeshArrays]) ->
     root : Element
         The file without default classes, which is changed.
     meshes : mapping of str to MeshArrays
-        Its meshes by name, without their scales.
+        Its meshes by name, in the axes of their references, without their scales.
 
     Raises
     ------
@@ -75,6 +75,8 @@ def with_inertias(file: str, root: Element, meshes: Mapping[str, MeshArrays]) ->
                 mass=repr(float(whole.mass)),
                 fullinertia=_text([*np.diag(matrix), matrix[0, 1], matrix[0, 2], matrix[1, 2]]),
             )
+    if given.get("balanceinertia") == "true":
+        _balance(root)
     _scale(root, float(given.get("settotalmass", "-1")))
     for compiler in compilers:
         for name in READ:
@@ -155,10 +157,7 @@ def _of_mesh(asset: Attributes, mesh: MeshArrays) -> tuple[float, pin.Inertia | 
     if kind not in ("legacy", "exact", "convex"):
         return 0.0, None
     scale = np.array(asset.get("scale", "1 1 1").split(), dtype=float)[:3]
-    turned = Placement(Element("mujoco")).of(
-        {"pos": asset.get("refpos", "0 0 0"), "quat": asset.get("refquat", "1 0 0 0")}
-    )
-    points = (mesh.vertices * scale - turned.translation) @ turned.rotation
+    points = mesh.vertices * scale
     corners = hull_triangles(np.unique(points, axis=0)) if kind == "convex" else points[mesh.triangles]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     centre = areas @ corners.mean(axis=1) / (areas.sum() or 1.0)
@@ -174,6 +173,20 @@ def _of_mesh(asset: Attributes, mesh: MeshArrays) -> tuple[float, pin.Inertia | 
     second = np.einsum("k,kci,kcj->ij", volumes, edges, edges) + np.einsum("k,ki,kj->ij", volumes, total, total)
     second = second / (20.0 * whole) - np.outer(mean, mean)
     return whole, pin.Inertia(1.0, centre + mean, np.trace(second) * np.eye(3) - second)
+
+
+def _balance(root: Element) -> None:
+    """Give bodies with a moment larger than the sum of the two others the mean of all three, as MuJoCo does."""
+    for body in _bodies(root):
+        stated = body.find("inertial")
+        if stated is None:
+            continue
+        text = stated.get("fullinertia", stated.get("diaginertia", "0 0 0"))
+        xx, yy, zz, xy, xz, yz = [*map(float, text.split()), 0.0, 0.0, 0.0][:6]
+        moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        if moments[2] > moments[0] + moments[1]:
+            stated.attrib.pop("fullinertia", None)
+            stated.set("diaginertia", _text(3 * [float(moments.mean())]))
 
 
 def _scale(root: Element, total: float) -> None:

@@ -18,9 +18,12 @@ from robotraj.robot.collision.tessellation import hull_triangles
 from robotraj.robot.loading.packages import is_inside
 from robotraj.robot.meshes.arrays import MeshArrays
 from robotraj.robot.meshes.reading import read_meshes
+from robotraj.robot.mjcf.placement import Placement
 
 STL = np.dtype([("corners", "<f4", (4, 3)), ("attributes", "<u2")])
 """A triangle of a binary STL: normal and corners."""
+REFERENCES = {"pos": "refpos", "quat": "refquat"}
+"""Attributes of the pose in whose axes the vertices of a mesh are meant."""
 
 
 class PlainCopy:
@@ -40,7 +43,7 @@ class PlainCopy:
     Attributes
     ----------
     meshes : dict of str to MeshArrays
-        The meshes by name, without their scales.
+        The meshes by name, in the axes of their references, without their scales.
 
     Raises
     ------
@@ -70,15 +73,15 @@ class PlainCopy:
             found = read[file]
             if isinstance(found, str):
                 raise InputError(f"{str(path)!r}: the mesh {str(file)!r} cannot be read: {found}.")
-            plain = place / f"{number}.stl"
-            plain.write_bytes(_stl(found))
-            self._sources[str(plain)] = str(file)
+            plain, moved = place / f"{number}.stl", _moved(mesh, found)
+            plain.write_bytes(_stl(moved))
+            self._sources[str(plain)] = str(file) if moved is found else ""
             mesh.set("name", mesh.get("name") or file.stem)
             mesh.set("file", str(plain))
-            self.meshes[mesh.get("name", "")] = found
+            self.meshes[mesh.get("name", "")] = moved
         for number, mesh in enumerate(mesh for mesh in root.iter("mesh") if mesh.get("vertex")):
             plain = place / f"stated{number}.stl"
-            stated = self.meshes[mesh.get("name", "")] = _stated(mesh, str(path))
+            stated = self.meshes[mesh.get("name", "")] = _moved(mesh, _stated(mesh, str(path)))
             plain.write_bytes(_stl(stated))
             self._sources[str(plain)] = ""
             mesh.set("file", str(plain))
@@ -93,9 +96,21 @@ class PlainCopy:
         ElementTree.ElementTree(self._root).write(self.file, encoding="utf-8")
 
     def name_sources(self, shapes: pin.GeometryModel) -> None:
-        """Give shapes the paths of the files that their meshes came from, none where the file states their vertices."""
+        """Give shapes the paths of the files whose meshes they are, none where vertices are stated or moved."""
         for shape in shapes.geometryObjects:
             shape.meshPath = self._sources.get(shape.meshPath, shape.meshPath)
+
+
+def _moved(mesh: Element, read: MeshArrays) -> MeshArrays:
+    """Return a mesh in the axes of its ``refpos`` and ``refquat``, which Pinocchio's reader ignores.
+
+    MuJoCo's scale acts after them.
+    """
+    given = {key: mesh.attrib.pop(name) for key, name in REFERENCES.items() if name in mesh.attrib}
+    if not given:
+        return read
+    place = Placement(Element("mujoco")).of(given)
+    return MeshArrays((read.vertices - place.translation) @ place.rotation, read.triangles)
 
 
 def _stated(mesh: Element, file: str) -> MeshArrays:

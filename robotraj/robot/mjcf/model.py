@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import tempfile
 from collections.abc import Sequence
@@ -20,10 +19,11 @@ from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.mjcf.chains import with_single_axes
 from robotraj.robot.mjcf.checks import check_names, check_numbers
 from robotraj.robot.mjcf.couplings import active, couplings
-from robotraj.robot.mjcf.defaults import Attributes, with_defaults
+from robotraj.robot.mjcf.defaults import with_defaults
 from robotraj.robot.mjcf.includes import with_includes
 from robotraj.robot.mjcf.inertias import with_inertias
 from robotraj.robot.mjcf.meshes import PlainCopy
+from robotraj.robot.mjcf.motors import motors_of
 from robotraj.robot.mjcf.placement import with_plain_poses
 from robotraj.robot.mjcf.springs import joint_springs
 from robotraj.robot.mjcf.trees import with_names, with_one_tree
@@ -112,18 +112,8 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
     coupled, others = couplings(equalities, model)
     mimics = resolved(coupled)
     constraining = [tag for tag, is_left in (("equality", others), ("tendon", tendons)) if is_left]
-    every = [(each.tag, each.attrib) for group in root.findall("actuator") for each in group]
-    actuators = [(tag, own) for tag, own in every if own.get("joint") in joints]
+    motors = motors_of(root, joints, chains, mimics)
     stated = [joint.attrib for world in root.findall("worldbody") for joint in world.iter("joint")]
-    whole = {own.get("name", ""): numbers(own.get("actuatorfrcrange", ""), 2) for own in stated}
-    motors: dict[str, list[tuple[float, float] | None]] = {}
-    for tag, own in actuators:
-        motors.setdefault(own["joint"], []).append(_effort(tag, own))
-    for mimic in mimics:  # the motor of a follower drives the leader
-        for pair in motors.pop(mimic.follower, ()):
-            motors.setdefault(mimic.leader, []).append(pair and _scaled(pair, mimic.multiplier))
-    ranges = {joint: _both(_sum(each), whole.get(joint)) for joint, each in motors.items()}
-    efforts = {joint: pair for joint, pair in ranges.items() if pair is not None}
     springs, unread = joint_springs(root, stated, joints)
     findings = []
     weightless = [body.get("name", "") for body in root.iter("body") if body.get("gravcomp", "0") != "0"]
@@ -145,17 +135,8 @@ def read_mjcf(path: Path, folders: Sequence[Path] | None) -> MjcfModel:
         findings.append(f"Height fields of the MJCF that are not read: {', '.join(map(repr, fields))}.")
     if constraining:
         findings.append(f"Sections of the MJCF that are not read: {', '.join(f'<{tag}>' for tag in constraining)}.")
-    elsewhere = [own.get("name", f"<{tag}>") for tag, own in every if "joint" not in own]
-    if elsewhere:
-        findings.append(f"Actuators of the MJCF that are not read: {', '.join(elsewhere)}. They act on no joint.")
-    without = [joint for joint in motors if joint not in efforts]
-    if without:
-        findings.append(
-            f"Motors without a limit of effort in the MJCF: {', '.join(map(repr, without))}. Set them with "
-            "limits={'effort': {joint: largest}}."
-        )
-    driven = tuple(joint for joint in joints if joint in motors)
-    return MjcfModel(model, shapes, driven if actuators else None, efforts, springs, tuple(findings), chains, mimics)
+    findings += motors.findings
+    return MjcfModel(model, shapes, motors.driven, motors.efforts, springs, tuple(findings), chains, mimics)
 
 
 def _built(
@@ -184,30 +165,3 @@ def _built(
 
 def _root(path: Path) -> Element:
     return parsed(contents(path, MAX_BYTES, "The MJCF file"))
-
-
-def _both(first: Sequence[float] | None, second: Sequence[float] | None) -> tuple[float, float] | None:
-    """Return the values that lie in both ranges, of which either may be missing."""
-    known = [each for each in (first, second) if each is not None and each[0] < each[1]]
-    return (max(each[0] for each in known), min(each[1] for each in known)) if known else None
-
-
-def _sum(ranges: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
-    """Return the range of the forces of several motors of a joint; None where one has no limit."""
-    known = [each for each in ranges if each is not None]
-    return (sum(each[0] for each in known), sum(each[1] for each in known)) if len(known) == len(ranges) else None
-
-
-def _effort(tag: str, actuator: Attributes) -> tuple[float, float] | None:
-    """Return the range of force of an actuator: its ``forcerange``, or the ``ctrlrange`` of a motor, times its gear."""
-    given = actuator.get("forcerange") or (actuator.get("ctrlrange") if tag == "motor" else None)
-    ends, gear = numbers(given or "", 2), numbers((actuator.get("gear") or "1").split()[0], 1)
-    if ends is None or gear is None or not math.isfinite(gear[0]):
-        return None
-    low, high = _scaled((ends[0], ends[1]), gear[0])
-    return (low, high) if low < high else None
-
-
-def _scaled(pair: tuple[float, float], factor: float) -> tuple[float, float]:
-    low, high = sorted(factor * end for end in pair)
-    return low, high

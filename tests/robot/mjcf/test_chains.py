@@ -63,3 +63,15 @@ def test_a_floating_body_carries_one_with_several_joints(tmp_path):
 def test_a_ball_is_three_turns(tmp_path):
     robot = load(tmp_path, joints='<joint name="b" type="ball"/>')
     assert robot.joint_names == ("a", "b_yaw", "b_pitch", "b_roll")
+
+
+@pytest.mark.parametrize(("axes", "driven"), [("xyz", ("a", "b_yaw", "b_pitch", "b_roll")), ("xy", ("a",))])
+def test_motors_about_three_axes_of_a_ball_drive_it_and_fewer_are_named(tmp_path, axes, driven):
+    gears = {"x": "5 0 0", "y": "0 5 0", "z": "0 0 5"}
+    motors = "".join(f'<motor name="{axis}" joint="b" gear="{gears[axis]}" ctrlrange="-1 1"/>' for axis in axes)
+    motors = f'<actuator><motor joint="a" ctrlrange="-9 9"/>{motors}</actuator>'
+    (tmp_path / "arm.xml").write_text(ARM.format(joints='<joint name="b" type="ball"/>', free="", motors=motors))
+    unread = "without a limit of effort.*'b_yaw', 'b_pitch', 'b_roll'" if len(axes) == 3 else "not read: x, y"
+    with pytest.warns(UserWarning, match=unread):
+        robot = rt.load(tmp_path / "arm.xml")
+    assert robot.actuated == driven

@@ -49,6 +49,8 @@ def body(rng: np.random.Generator, number: int, inside: str, more: str) -> str:
     kind, axis = str(rng.choice(["hinge", "slide"])), text(rng.normal(size=3))
     joint = f'<joint name="j{number}" type="{kind}" axis="{axis}" {more}/>'
     shapes = "".join(geom(rng) for _ in range(rng.integers(1, 4)))
+    if rng.random() < 0.2:
+        shapes = '<inertial pos="0.1 0 0" mass="2" fullinertia="0.3 0.02 0.03 0.01 0 0.002"/>'
     return f'<body name="b{number}" pos="{text(rng.normal(size=3))}" {turned(rng)}>{joint}{shapes}{inside}</body>'
 
 
@@ -60,11 +62,13 @@ def scene(seed: int) -> str:
     table = f'<body name="table" pos="0.1 0 1" {turned(rng)}><geom type="box" size="1 1 0.1"/>{second}</body>'
     angle, sequence = rng.choice(["radian", "degree"]), "".join(rng.permutation([*"xYz"]))
     total = rng.choice(["", 'settotalmass="7"'])
-    mesh = f'<mesh name="l" inertia="{rng.choice(["exact", "legacy", "convex"])}" vertex="{CORNERS}" face="{SIDES}"/>'
+    moved = rng.choice(["", 'refpos="0.1 -0.2 0.3" refquat="0.5 0.1 -0.7 0.2" scale="1 -2 0.5"'])
+    kind = rng.choice(["exact", "legacy", "convex"])
+    mesh = f'<mesh name="l" {moved} inertia="{kind}" vertex="{CORNERS}" face="{SIDES}"/>'
     return (
         f'<mujoco><worldbody>{first}<geom type="plane" size="9 9 1" pos="0 0 -9"/></worldbody>'
         f"<worldbody>{table}</worldbody>"
-        f'<compiler angle="{angle}" eulerseq="{sequence}" {total}/><asset>{mesh}</asset>'
+        f'<compiler angle="{angle}" eulerseq="{sequence}" balanceinertia="true" {total}/><asset>{mesh}</asset>'
         '<default><geom density="900"/><joint damping="0.2"/><default class="light"><geom mass="0.1"/></default>'
         '<default class="off"><joint pos="0.1 0.2 0.3" armature="0.01"/></default></default></mujoco>'
     )
@@ -118,3 +122,21 @@ def test_inertias_follow_the_switches_of_the_compiler(tmp_path: Path) -> None:
     assert mass('inertiafromgeom="true"') == pytest.approx(6.0)
     assert mass('inertiafromgeom="true" inertiagrouprange="0 3"') == pytest.approx(1.0)
     assert mass('settotalmass="2"') == pytest.approx(2.0)
+
+
+def test_vertices_are_those_of_mujoco_where_the_mesh_has_a_reference(tmp_path: Path) -> None:
+    """MuJoCo moves each mesh to its own centre, and the shape with it."""
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "one.xml"
+    mesh = f'<mesh name="l" refpos="0.1 0.2 -0.3" refquat="0.5 0.1 -0.7 0.2" scale="1 -2 0.5" vertex="{CORNERS}"'
+    path.write_text(
+        f'<mujoco><asset>{mesh} face="{SIDES}"/></asset><worldbody><body name="b"><joint name="j"/>'
+        '<geom type="mesh" mesh="l" pos="0.3 0 0" quat="0.5 0.5 0.1 0.2"/></body></worldbody></mujoco>'
+    )
+    judge = mujoco.MjModel.from_xml_path(str(path))
+    place = pin.SE3(pin.Quaternion(*judge.geom_quat[0]).toRotationMatrix(), judge.geom_pos[0])
+    (shape,) = rt.load(path).collision_model.geometryObjects
+    own = np.array([shape.placement.act(corner) for corner in np.array(shape.geometry.vertices())])
+    theirs = np.array([place.act(corner.astype(float)) for corner in judge.mesh_vert])
+    apart = np.linalg.norm(own[:, None] - theirs[None], axis=2)
+    assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-5

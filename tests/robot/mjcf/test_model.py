@@ -303,6 +303,16 @@ def test_actuators_that_act_on_no_joint_are_named(tmp_path):
         rt.load(path)
 
 
+def test_no_joint_has_a_motor_where_none_is_read(tmp_path):
+    text = ARM.format(asset="", geom=BOX, more="")
+    start, end = text.index("<actuator>"), text.index("</actuator>")
+    path = tmp_path / "arm.xml"
+    path.write_text(text[:start] + '<actuator><damper joint="shoulder" kv="2" ctrlrange="0 1"/>' + text[end:])
+    with pytest.warns(UserWarning, match="not read: <damper>.*No joint has a motor: name those with one by actuated="):
+        robot = rt.load(path)
+    assert robot.actuated == () and rt.load(path, actuated=["slide"]).actuated == ("slide",)
+
+
 def test_ranges_are_those_of_positions_beside_a_reference(tmp_path):
     text = ARM.format(asset="", geom=BOX, more="").replace('range="0 0.1"', 'range="0 0.1" ref="0.1"')
     path = tmp_path / "arm.xml"
