@@ -6,7 +6,7 @@ kinematics finds that end, and the posture and the centre of mass move there smo
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from robotraj.guess.legs.footsteps import Footsteps
     from robotraj.guess.legs.stance import BalancedStance, Errors
     from robotraj.problem.phase import Phase
+    from robotraj.problem.phase_row import PhaseRow
 
 Array = NDArray[np.float64]
 
@@ -73,36 +74,43 @@ class GivenEnds:
         steps, phases = self.steps, self.steps.problem.phases
         t, model = steps.schedule.times[k], steps.stance.robot.model
         ends = [(phase, end) for phase, end in ((k - 1, Where.END), (k, Where.START)) if 0 <= phase < len(phases)]
-        q = standing = steps.posture(t)
-        fixed = np.zeros(len(q), dtype=bool)
-        for phase, end in ends:
-            bounds = phases[phase].joint_ends[end]
-            low, high = bounds.lower[: len(q)], bounds.upper[: len(q)]
-            q, fixed = np.where(low == high, low, q), fixed | (low == high)
-        further = _rows(steps.stance, tuple((phases[phase], end) for phase, end in ends), t)
-        joints = slice(len(q) - len(steps.stance.bounds[0]), None)
-        if further is None and np.all(np.abs(q - standing)[joints] < MET):
-            return np.zeros(steps.stance.robot.nv + 3) if fixed[joints].all() else None
+        standing = steps.posture(t)
+        sides = [phases[phase].joint_ends[end] for phase, end in ends]
+        low = np.max([side.lower[: len(standing)] for side in sides], axis=0)
+        high = np.min([side.upper[: len(standing)] for side in sides], axis=0)
+        q, joints = np.clip(standing, low, high), slice(len(standing) - len(steps.stance.bounds[0]), None)
+        parts = [(phases[p], of_positions(phases[p], phases[p].rows.at(end), len(q))) for p, end in ends]
+        # The path of the centre of mass contains the horizontal displacement.
+        own = slice(1 if steps.stance.robot.root == "planar" else 2, None)
+        if not any(rows for _, rows in parts) and np.all(np.abs(q - standing)[own] < MET):
+            return np.zeros(steps.stance.robot.nv + 3) if (low == high)[joints].all() else None
         com = steps.com(t)
         aim = np.array([com[0], com[1] if steps.stance.robot.root == "floating" else np.nan, np.nan])
         places, lifts = steps.feet(t)
-        q = steps.stance.reach(q, places, aim, lifts, q, further)
+        q = steps.stance.reach(q, places, aim, lifts, q, _errors(steps.stance, parts, (low, high), t))
         moved = np.array(pin.centerOfMass(model, steps.stance.data, q)) - com
         return np.concatenate([pin.difference(model, standing, q), moved])
 
 
-def _rows(stance: BalancedStance, ends: tuple[tuple[Phase, Where], ...], time: float) -> Errors | None:
-    """Return the errors of rows on positions that apply at one end alone; None without such rows."""
-    robot = stance.robot
+def _errors(
+    stance: BalancedStance,
+    parts: Sequence[tuple[Phase, tuple[PhaseRow, ...]]],
+    bounds: tuple[Array, Array],
+    time: float,
+) -> Errors:
+    """Return the errors of rows on positions that apply at one end alone, and of the bounds (nq,) of q there."""
+    robot, states = stance.robot, parts[0][0].body.states
     q, model = ca.SX.sym("q", robot.nq), robot.model
-    parts = [(phase, of_positions(phase, phase.rows.at(end), robot.nq)) for phase, end in ends]
     rows = [row for _, own in parts for row in own]
-    if not rows:
-        return None
-    scales = stance.scales([row.unit for row in rows])
-    column = ca.vertcat(*(values_at_rest(phase, own, q, time) for phase, own in parts)) / ca.DM(scales)
+    bounded = np.flatnonzero(np.isfinite(bounds[0]) | np.isfinite(bounds[1]))
+    scales = stance.scales([row.unit for row in rows] + [states[i].unit for i in bounded])
+    values = [values_at_rest(phase, own, q, time) for phase, own in parts if own]
+    column = ca.vertcat(*values, *(q[int(i)] for i in bounded)) / ca.DM(scales)
     function = ca.Function("end_rows", [q], [ca.densify(column), ca.densify(ca.jacobian(column, q))])
-    least, most = (np.array([getattr(row, side) for row in rows]) / scales for side in ("lower", "upper"))
+    least, most = (
+        np.array([*(getattr(row, side) for row in rows), *bound[bounded]]) / scales
+        for side, bound in zip(("lower", "upper"), bounds, strict=True)
+    )
 
     def errors(q: Array) -> tuple[Array, Array]:
         value, slope = (np.array(part) for part in function(q))

@@ -62,6 +62,21 @@ def test_the_joints_of_a_given_end_are_reached(robot: rt.Robot) -> None:
     np.testing.assert_allclose(last[7:], low[7:], atol=0.02)
 
 
+@pytest.mark.parametrize("rises", [True, False])
+def test_a_height_of_the_root_alone_is_reached_on_bent_knees(robot: rt.Robot, rises: bool) -> None:
+    home = gait.stand(robot, feet=FEET)
+    high, low = rt.State(q=home, v=0), rt.State(q={"root_z": home[2] - 0.06}, v=0)
+    feet = [rt.PointContact(foot) for foot in FEET]
+    start, end = (low, high) if rises else (high, low)
+    phase = rt.Phase(robot, 0.7, start, end, gait.gait_objective(robot, home), contacts=feet)
+    sunk, stood = guessed(phase).states(np.array([0.0, 1.0] if rises else [1.0, 0.0]))[:, : robot.nq]
+    np.testing.assert_allclose(stood, home, atol=1e-5)
+    assert abs(sunk[2] - home[2] + 0.06) < 0.01
+    for foot in FEET:
+        np.testing.assert_allclose(place(robot, foot, sunk)[2], 0.0, atol=1e-6)
+    assert rt.plan(phase).iterations < 20
+
+
 def test_a_second_phase_returns_to_its_given_end(robot: rt.Robot) -> None:
     home = gait.stand(robot, feet=FEET)
     aim = place(robot, "base_link", home) - [0.0, 0.0, 0.05]
