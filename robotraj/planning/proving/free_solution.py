@@ -115,8 +115,13 @@ class FreeSearch:
             found.append(NearSurfaces(phase.robot, body, (*own, *more)))
         return found
 
-    def respond(self, solution: Solution, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]]) -> FreeSearch:
-        """Return the next state after a solve, whose motions overlap in pairs ``hit`` of each phase, by depths [m]."""
+    def respond(
+        self, solution: Solution, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]], cost: float = np.inf
+    ) -> FreeSearch:
+        """Return the next state after a solve, whose motions overlap in pairs ``hit`` of each phase, by depths [m].
+
+        Its rows may ``cost`` that much of its objective (``held_back``).
+        """
         best = self.best
         if best is not None and solution.objective >= best.objective - GAIN * abs(best.objective):
             # Even with overlaps it gains too little, and with rows against them less.
@@ -127,7 +132,7 @@ class FreeSearch:
             return replace(further, start=solution) if shallow else further
         nothing = tuple(() for _ in motions)
         fixed = replace(self, motions=tuple(motions), are_free=True, further=nothing, start=solution, along={})
-        return replace(fixed, best=solution, behind=self)
+        return replace(fixed, best=solution, behind=self, is_over=cost <= GAIN * abs(solution.objective))
 
     def overlapped(self, motions: Sequence[Motion], hit: Sequence[Mapping[int, float]]) -> FreeSearch:
         """Return the state with further rows against motions that overlap in pairs ``hit``, by depths [m].

@@ -2,13 +2,14 @@
 
 A plan is made as if links could overlap, and its motion is compared with the exact shapes. A shallow overlap is pushed
 out by rows along the motion. Elsewhere a random search finds a motion around the overlap. Solves on the coarse mesh
-start there and end at a free solution (``free_solution``), from which the plan is then made. Where this fails, the next
-plan keeps spheres around the links apart, and a last one has rows on the exact shapes along it.
+start there and end at a free solution (``free_solution``), from which the plan is then made. Where this fails, they
+start at a solution that keeps spheres around the links apart. A plan without overlaps is made once more with rows along
+itself, for as long as that gains.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -21,10 +22,13 @@ from robotraj.guess.paths.around_itself import AroundItself, Motion, Route
 from robotraj.planning.proving.among_spheres import among_spheres
 from robotraj.planning.proving.correction import STOPPED, PlanAttempt, short_of
 from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
+from robotraj.planning.proving.held_back import held_back
 from robotraj.planning.proving.own_overlaps import OVERLAPS, Overlap, OwnOverlaps, motion_of
 from robotraj.planning.proving.soft_friction import softest
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
+from robotraj.solution.claims.objective_size import objective_size
+from robotraj.solution.records import Lack
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 
@@ -61,16 +65,14 @@ class _Plan(NamedTuple):
     deep: tuple[float, float]
 
 
-class _AmongSpheres(NamedTuple):
-    """The plan of a problem with spheres around the links."""
-
-    problem: Problem
+class _AmongSpheres:
+    """A solve on the coarse mesh with spheres around the links."""
 
 
-class _Exact(NamedTuple):
-    """The plan with rows on the exact shapes along one with spheres, whose objective ``bar`` it has to better."""
+class _Closer(NamedTuple):
+    """The plan with the rows of a search along the one before it, whose objective it has to lower to ``bar``."""
 
-    rows: Sequence[NearSurfaces | None]
+    search: FreeSearch
     bar: float
 
 
@@ -86,9 +88,8 @@ class KeptApart:
     def __init__(self, problem: Problem, settings: Settings) -> None:
         self._problem, self._settings = problem, settings
         self._overlaps = OwnOverlaps(problem)
-        self._stage: _Coarse | _Plan | _AmongSpheres | _Exact | None = None
+        self._stage: _Coarse | _Plan | _AmongSpheres | _Closer | None = None
         self._rows: Sequence[NearSurfaces | None] = ()
-        self._plain: tuple[Problem, list[dict[int, float]]] | None = None
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
         self._seed = self._patience = 0
         self._was_proved = False  # the plan before, but for its overlaps
@@ -124,19 +125,19 @@ class KeptApart:
             return None
         stage, self._stage = self._stage, None
         self._was_proved = found.proof is not None and found.proof.holds
-        if isinstance(stage, _AmongSpheres) and dropped is None:
-            # Spheres around some links always overlap; rows along the motion keep these apart. All begins anew.
-            self._plain, self._problem, self._seed, self._rows = (self._problem, self._open), stage.problem, 0, ()
-        elif isinstance(stage, _Exact) and dropped is None:
-            self._rows = stage.rows
+        self._patience = self._patience or max(PATIENCE, found.iterations)
+        if isinstance(stage, _Closer) and dropped is None:
+            self._rows = stage.search.surfaces
         if dropped is None:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
-            return None if self._plain is None else self._without_spheres(found, *self._plain)
-        self._patience = self._patience or max(PATIENCE, found.iterations)
+            has_rows = isinstance(stage, (_Plan, _Closer)) and dropped is None
+            return self._closer(found, stage.search) if has_rows and self._was_proved else None
         attempt = None
         if isinstance(stage, _Coarse) and dropped is not None:
             attempt = self._after_coarse(dropped, stage)
+        elif isinstance(stage, _AmongSpheres) and dropped is not None:
+            attempt = self._after_spheres(dropped)
         elif isinstance(stage, _Plan):
             attempt = self._after_plan(found, stage, dropped is not None)
         while attempt is None and self._seed < SEEDS:
@@ -146,10 +147,10 @@ class KeptApart:
 
     def accepts(self, again: Solution) -> bool:
         """Whether a plan was proved as the one before it, wherever its links overlap; a coarse solution is none."""
-        if isinstance(self._stage, _Exact):
+        if isinstance(self._stage, _Closer):
             proved = again.proof is not None and again.proof.holds
             return proved and again.objective < self._stage.bar and self.allows(again)
-        if isinstance(self._stage, _Coarse) or not again.success:
+        if isinstance(self._stage, (_Coarse, _AmongSpheres)) or not again.success:
             return False
         # A plan that lacks something else is no gain on one that does not.
         return not self._was_proved or (again.proof is not None and again.proof.holds)
@@ -200,7 +201,7 @@ class KeptApart:
         if solution.success:
             motions = [motion_of(part) for part in solution.phases]
             hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
-            search = search.respond(solution, motions, hit)
+            search = search.respond(solution, motions, hit, held_back(solution, self._overlaps.bodies))
             if stage.left and not search.is_over:
                 further = stage._replace(search=search, left=stage.left - 1)
                 return self._on_coarse(further, OVERLAPS if any(hit) else "", "rows along the free motion")
@@ -266,20 +267,41 @@ class KeptApart:
         return self._along(routes, found) if complete else None
 
     def _with_spheres(self) -> PlanAttempt | None:
-        """Return the plan that keeps spheres around the links apart; None where they are apart, or refuse an end."""
-        problem = among_spheres(self._problem, self._open)
+        """Return the solve that keeps spheres around the links apart; None where they are apart, or refuse an end."""
+        problem = among_spheres(softest(self._problem), self._open)
         if problem is None:
             return None
-        self._stage = _AmongSpheres(problem)
-        return PlanAttempt(problem, None, self._plainly, (), OVERLAPS, "spheres around the links")
+        self._stage = _AmongSpheres()
+        own = self._coarsely(self._plainly)
+        return PlanAttempt(problem, None, own, (), OVERLAPS, "spheres around the links", is_single=True)
 
-    def _without_spheres(self, found: Solution, problem: Problem, pairs: Sequence[Mapping[int, float]]) -> PlanAttempt:
-        """Return the plan with rows on the exact shapes along one with spheres, which are larger than the links."""
+    def _after_spheres(self, solution: Solution) -> PlanAttempt | None:
+        """Return the first solve with rows on the exact shapes along one with spheres, which are larger than these."""
+        if not solution.success:
+            return None
+        motions = [motion_of(part) for part in solution.phases]
+        hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
+        pairs = [{*known, *more} for known, more in zip(self._open, hit, strict=True)]
+        search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, not any(hit), pairs, solution)
+        if not any(hit):
+            search = replace(search, best=solution, behind=search)
+        first = _Coarse(search, SOLVES - 1, True)
+        return self._on_coarse(first, OVERLAPS if any(hit) else "", "rows along the motion")
+
+    def _closer(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
+        """Return the plan with rows along the one before it; None where its own rows hardly hold it back."""
+        assert self._settings.goals is not None
+        goal = self._settings.goals.objective
+        size = objective_size(found.phases, found.objective)
+        cost = held_back(found, self._overlaps.bodies) / size
+        if cost <= goal:
+            return None
         motions = [motion_of(part) for part in found.phases]
-        search = FreeSearch.begin(problem, self._overlaps.bodies, motions, True, pairs, found)
-        self._plain, self._stage = None, _Exact(search.surfaces, found.objective)
-        own = self._briefly(self._patience)
-        return PlanAttempt(problem, found, own, self._stage.rows, "", "the exact shapes along it")
+        along = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, search.pairs, found)
+        self._stage = _Closer(along, found.objective - goal * size)
+        own = replace(self._on_way(False), mesh=tuple(part.mesh for part in found.phases))
+        lacked = str(Lack("objective that rows between links may cost", cost, goal))
+        return PlanAttempt(self._problem, found, own, along.surfaces, lacked, "rows along the plan")
 
     def _has_routes(self, found: Solution) -> bool:
         """Whether all overlaps are those of arms with a motor at every joint, whose guesses can be routes."""

@@ -104,6 +104,15 @@ def test_a_gain_below_a_hundredth_ends_the_search_with_the_best_solution(begin: 
     assert over.is_over and over.best is first.best and over.motions == first.motions
 
 
+@pytest.mark.parametrize(("cost", "is_over"), [(0.019, True), (0.021, False)])
+def test_a_free_solution_whose_rows_cost_less_than_a_hundredth_ends_the_search(
+    begin: FreeSearch, cost: float, is_over: bool
+) -> None:
+    solution: Any = Solved(2.0)
+    found = begin.respond(solution, [aside], [{}], cost)
+    assert found.is_over is is_over and found.best is solution
+
+
 def test_a_motion_that_gains_below_a_hundredth_although_it_overlaps_ends_the_search_with_rows_against_it(
     begin: FreeSearch,
 ) -> None:
