@@ -131,8 +131,9 @@ class KeptApart:
         if dropped is None:
             self._open = [self._overlaps.of(number, part) for number, part in enumerate(found.phases)]
         if not any(pairs for pairs, phase in zip(self._open, self._problem.phases, strict=True) if phase.path is None):
-            has_rows = isinstance(stage, (_Plan, _Closer)) and dropped is None
-            return self._closer(found, stage.search) if has_rows and self._was_proved else None
+            if dropped is None and self._was_proved and isinstance(stage, (_Plan, _Closer)):
+                return self._closer(found, stage.search)
+            return None
         attempt = None
         if isinstance(stage, _Coarse) and dropped is not None:
             attempt = self._after_coarse(dropped, stage)
