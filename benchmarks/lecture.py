@@ -20,11 +20,9 @@ from pathlib import Path
 
 import numpy as np
 from lecture_figures import draw_costs, draw_meshes, draw_motion, draw_seconds
-from numpy.typing import NDArray
 
 import robotraj as rt
-
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 RUNS = 5
 DISTANCE = 10.0

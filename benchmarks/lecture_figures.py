@@ -29,11 +29,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 
-Array = NDArray[np.float64]
 Series = Mapping[str, Sequence[tuple[int, float, float]]]
 Motion = Callable[[Array], tuple[Array, Array, Array]]
 

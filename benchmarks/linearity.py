@@ -17,18 +17,16 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from roofline import iterations
 from scipy.optimize import linprog
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 
 CARTPOLE, ARM = (50, 100, 200, 400, 800), (25, 50, 100, 200, 400, 800, 1600)
 ITERATIONS = 10
 RUNS = 5
 START, GOAL = (-1.1, -1.8, 1.6, -1.2, -1.57, 0.0), (1.1, -0.8, 0.6, -0.6, -0.6, 1.2)
-
-Array = NDArray[np.float64]
 
 
 def cartpole() -> rt.Problem:

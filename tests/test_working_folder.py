@@ -19,7 +19,7 @@ PROGRAMS = ("gcc", "clang", "cc", "as", "ld", "cc1", "collect2", "latex", "uname
 STARTERS = {
     "_util/system/limited.py",
     "_util/system/own_python.py",
-    "native/engines/background.py",
+    "native/engines/compiled.py",
     "native/engines/compiler.py",
     "applications/many/processes.py",
 }
@@ -46,7 +46,7 @@ phase = rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), rt.Lagrange(lambda p
 assert [each.success for each in rt.sweep([phase, phase], mesh=rt.Mesh(4))] == [True, True]
 late = rt.Phase(system, 1.0, rt.State([0]), rt.State([1]), controls={"u": rt.between(-0.5, 0.5)})
 assert not rt.plan(late, check=False).success
-from robotraj.replay_page.scene.meshes import read_meshes
+from robotraj.replay_page.scene.visuals import read_meshes
 shapes = rt.load("ur5").visual_model.geometryObjects
 parts = read_meshes([shape.meshPath for shape in shapes])
 assert len(parts) == 7 and not any(isinstance(each, str) for each in parts.values())

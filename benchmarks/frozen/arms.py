@@ -7,11 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 from drawn import Drawn
-from numpy.typing import NDArray
 
 import robotraj as rt
-
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 TOOLS = {
     "ur3": "tool0",

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import minimize, root
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 
 def flow(rates: Callable[..., Any], x: Any, duration: float, **more: Any) -> Any:

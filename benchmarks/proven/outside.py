@@ -11,12 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
-
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 PIECES, LONGEST = 40, 0.1
 """Least number of pieces of a motion that are simulated on their own, and the greatest length of one [s].

@@ -30,11 +30,9 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 import robotraj as rt
-
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 TABLE = Path(__file__).with_name("TOOLS.md")
 COUNT, SEED = 42, 1

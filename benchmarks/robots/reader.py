@@ -13,9 +13,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
+
 TURNING = ("revolute", "continuous")
 MOVING = (*TURNING, "prismatic")
 

@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.lazy_values import cached_property
 
 if TYPE_CHECKING:
     import scipy.sparse
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 Shape = tuple[int, int]
 Index: TypeAlias = "int | slice | Sequence[int] | NDArray[np.int_] | NDArray[np.bool_]"
 """Rows or columns to take."""

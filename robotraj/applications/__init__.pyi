@@ -15,7 +15,7 @@ from .paths.joint_path import as_path
 from .paths.on_path import override, stop_on_path
 from .paths.retime import retime
 from .paths.shared_cell import SharedCell, share_cell
-from .problem_files.problem_file import ProblemFile
+from .problem_files.load import ProblemFile
 from .replanning.driven import driven
 from .replanning.replan import Replan
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.applications.problem_files.obstacles import load_obstacles
 from robotraj.cli.minimise import Minimise
@@ -20,8 +20,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def rest_to_rest(

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
@@ -34,7 +34,6 @@ from robotraj.dynamics.variable import Named, Variable
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Scalar
 
-Array = NDArray[np.float64]
 
 PARAMETER, SPEED, ACCELERATION = "path.s", "path.speed", "path.acceleration"
 """Names of the states and of the control."""

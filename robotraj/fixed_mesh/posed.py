@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from robotraj._util.arrays import Array
 from robotraj.fixed_mesh.between.clearing import Clearing
 from robotraj.fixed_mesh.sizes.slack_powers import with_slack_powers
 from robotraj.fixed_mesh.warm_start import (
@@ -33,8 +31,6 @@ from robotraj.transcription.transcribe import transcribe
 
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearSurfaces
-
-Array = NDArray[np.float64]
 
 
 class Posed(NamedTuple):

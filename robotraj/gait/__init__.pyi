@@ -9,12 +9,11 @@ from .bounds.upright import Upright
 from .contact_orders import orders
 from .crawls import crawl
 from .feet import feet_of, limb_ends
-from .flight import Flight
 from .heel_to_toe import heel_to_toe
 from .leaping.flips import flip
 from .leaping.jumps import jump
 from .mirroring.mirror import mirror
-from .phase_sequence import sequence
+from .phase_sequence import Flight, sequence
 from .posture import gait_objective, haste, posture_objective
 from .standing import stand
 from .stepping.footholds import steps

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import warn
 from robotraj.gait.supports import Support
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 SINGULAR = 1e-6
 """Least singular value of the feet's Jacobian, relative to the largest, below which their motions are dependent."""

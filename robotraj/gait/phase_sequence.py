@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robotraj._util.errors import InputError
+from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.gait.bounds.margins import checked_margin, contact_with, limits_with
 from robotraj.gait.bounds.swing_clearance import partners_of, swing_clearance
@@ -18,7 +19,6 @@ from robotraj.gait.capability.leg_reach import check_swing
 from robotraj.gait.checks import TimeSpan, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
-from robotraj.gait.flight import Flight
 from robotraj.gait.posture import gait_objective, haste, posture_objective
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.guess.legs.stance import BalancedStance
@@ -186,3 +186,29 @@ def split_duration(duration: TimeSpan, parts: Sequence[float]) -> list[float | S
     )
     every = [whole * part / sum(parts) for part in parts]
     return [tuple(float(v) for v in value) if value.shape else float(value) for value in every]
+
+
+@dataclass(frozen=True, eq=False)
+class Flight(Phase):
+    """A phase of a robot with a free root and without contacts.
+
+    The centre of mass falls freely and the angular momentum about it is constant. Parameters are those of ``rt.Phase``.
+
+    Raises
+    ------
+    InputError
+        The phase has contacts, or moves a System or a robot with a fixed root.
+    """
+
+    name: str = "flight"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.robot is None or self.robot.root == "fixed":
+            raise InputError(
+                f"Flight {self.name!r} moves {'a System' if self.robot is None else repr(self.robot.name)}, which is "
+                "fixed in the world; load the robot with root='floating' or root='planar'."
+            )
+        if self.contacts:
+            names = ", ".join(repr(contact.label) for contact in self.contacts)
+            raise InputError(f"Flight {self.name!r} has contacts ({names}); use rt.Phase for a phase with contacts.")

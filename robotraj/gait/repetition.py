@@ -21,9 +21,8 @@ from robotraj.gait.capability.weight import check_weight
 from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
-from robotraj.gait.mirroring.heading import check_heading, check_up
+from robotraj.gait.mirroring.heading import check_heading, check_up, leg_pairs
 from robotraj.gait.mirroring.imbalance import IMBALANCE, imbalance
-from robotraj.gait.mirroring.leg_joints import leg_pairs
 from robotraj.gait.mirroring.mirror import mirror_by_geometry
 from robotraj.gait.phase_sequence import sequence
 from robotraj.gait.supports import GaitTerms, Support

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
@@ -15,8 +15,6 @@ from robotraj.gait.mirroring.heading import check_up
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, standing
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 HEIGHT_TOLERANCE = 1e-2
 """Largest difference of the centre of mass from the given height, relative to the reach of the robot."""

@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.phase_row import PhaseRow
 
-Array = NDArray[np.float64]
 
 SHORTEST, LONGER, TRIES = 1e-3, 1.5, 36
 """Least duration of a phase [s], the factor by which it grows while rows are violated, and how often at most.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.guess.least_time import fastest_line
 from robotraj.problem.constraints.bounds import Bounds
@@ -17,7 +17,6 @@ from robotraj.robot.root import QUATERNION
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 MARGIN = 1.5
 """Ratio of a guessed duration to the least time of a straight line, so that smooth motions keep their speed limits."""

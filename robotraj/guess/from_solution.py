@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol, TypeGuard
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.links.base import BoundLink
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 
 class SolvedPhase(Protocol):

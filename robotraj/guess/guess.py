@@ -7,8 +7,9 @@ from dataclasses import field
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
 
-Array = NDArray[np.float64]
 
 ROBOT = ("q", "v", "a", "tau", "forces")
 SYSTEM = ("states", "controls", "algebraic")

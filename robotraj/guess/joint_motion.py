@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias, cast
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import SAME
 from robotraj.problem.initial_guess import Curve, PhaseGuess
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 Motion: TypeAlias = Callable[[Array], tuple[Array, ...]]
 """From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv) [SI]."""
 

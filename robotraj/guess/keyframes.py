@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass, own_fields
 from robotraj.guess.along_path import check_no_path
@@ -19,8 +20,6 @@ from robotraj.robot.chart import Chart
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 PLACES = 9
 """Number of points of the line at which torques are evaluated."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 MODES = 4
 """Sines in a perturbation; the k-th has k half waves and an amplitude that falls with k."""

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 Checked = Array | Mapping[str, Array] | None
 """Samples that ``check_samples`` returned; None where they are not given."""
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
-
-Array = NDArray[np.float64]
 
 Samples = ArrayLike | Mapping[str, ArrayLike]
 """Values at m times: (m, n), (m,) for one variable, a number for constant values, or these by name."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import MET, SAMPLES
 from robotraj._util.values import dataclass
@@ -19,8 +19,6 @@ from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

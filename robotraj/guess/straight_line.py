@@ -8,8 +8,8 @@ from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.least_time import fastest_line
@@ -20,8 +20,6 @@ from robotraj.robot.chart import Chart
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.indirect.costate_trajectory import PhaseCostates
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 BOUND_TOLERANCE = 1e-4
 """Distance from a bound, relative to the range, below which a control counts as at the bound."""

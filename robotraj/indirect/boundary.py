@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -36,8 +36,6 @@ from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.problem import Problem
-
-Array = NDArray[np.float64]
 
 ACTIVE_TOLERANCE = 1e-6
 """Distance from a bound at which an end constraint or the duration counts as active."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -14,8 +15,6 @@ from robotraj.indirect.polished import Polished
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
-
-Array = NDArray[np.float64]
 
 MULTIPLIER_TOLERANCE = 1e-3
 """Multipliers of a state or path constraint below this fraction of the largest costate count as zero."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
@@ -24,8 +24,6 @@ from robotraj.transcription.collocation.index_reduction import path_equalities
 if TYPE_CHECKING:
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

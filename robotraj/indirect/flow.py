@@ -10,16 +10,14 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.indirect.arcs import Side
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.transcription.extract import PhaseTrajectory
-
-Array = NDArray[np.float64]
 
 RELATIVE, ABSOLUTE = 1e-12, 1e-13
 """Tolerances of the integration."""

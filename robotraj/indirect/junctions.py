@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.solution import Solution
 
-Array = NDArray[np.float64]
 
 BOUND_TOLERANCE = 1e-3
 """Distance from a bound, relative to the range of the state over the motion, below which the state is at it."""

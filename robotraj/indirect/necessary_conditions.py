@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import integrals
 from robotraj._util.errors import InputError, require_solution
 from robotraj.indirect.arcs import control_bounds
@@ -29,8 +29,6 @@ from robotraj.problem.phase_row import Kind
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 SMALL = 1e-12
 """Added to denominators that may be zero."""

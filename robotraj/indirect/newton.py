@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.transcription.assembly.triplets import scaled
 from robotraj.transcription.nlp import Nlp
-
-Array = NDArray[np.float64]
 
 MAX_STEPS = 60
 MIN_STEP = 1e-6

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.lazy_values import cached_property
@@ -27,8 +27,6 @@ from robotraj.transcription.schemes.mesh import Mesh
 
 if TYPE_CHECKING:
     from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 
 class PolishFailed(NoSolutionFound):

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, require_solution
 from robotraj.indirect.arcs import Arc, affine_controls, control_bounds, find_arcs
 from robotraj.indirect.boundary import EndData, boundary_value_problem, end_data, potential
@@ -37,7 +37,6 @@ from robotraj.transcription.transcribe import transcribe
 if TYPE_CHECKING:
     from robotraj.solution.solution import Solution
 
-Array = NDArray[np.float64]
 
 POINTS = 7
 """Lobatto points of an interval: order 12."""

@@ -15,9 +15,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -29,8 +28,6 @@ from robotraj.dynamics.variable import Named, Scalar
 from robotraj.indirect.arcs import Side
 from robotraj.problem.phase import Phase
 from robotraj.solution.costates.hamiltonian import Hamiltonian
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, warn
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.loop_closure import BoundLoopClosure
@@ -25,8 +26,6 @@ from robotraj.robot.loading.other_units import in_other_unit, seems_other
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.size.reach import reach
-
-Array = NDArray[np.float64]
 
 STANDING = 3
 """Number of held frames from which on half a turn of the root is refused."""

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.problem.augmentation import Augmented
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
 
-Array = NDArray[np.float64]
 Curve = Callable[[Array], Array]
 """From fractions of a phase (m,) to values (m, n)."""
 

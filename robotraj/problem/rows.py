@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
@@ -23,8 +23,6 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import inputs_of
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where
 from robotraj.problem.phase_row import Kind, PhaseRow
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, cast
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.augmentation import free_of
@@ -18,7 +17,6 @@ from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
 if TYPE_CHECKING:
     from robotraj.dynamics.point import FramePoint
 
-Array = NDArray[np.float64]
 SAMPLES = 61
 """Samples of a required height over a phase."""
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.links.touchdown import impulse_names
 from robotraj.replay_page.footholds import Foothold, contact_names, footholds, numbers
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles
 
-Array = NDArray[np.float64]
 IMPULSE_TIME = 0.1
 """Time [s] in which a constant force of the drawn length produces an impulse."""
 

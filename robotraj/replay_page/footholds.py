@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -19,7 +20,6 @@ from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample, GaitCycles
 from robotraj.solution.sample import Sample
 
-Array = NDArray[np.float64]
 SAMPLES = 120
 """Approximate number of samples of a force per phase. Each of its intervals has at least 3, ends included."""
 TOUCH = 0.01

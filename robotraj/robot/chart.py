@@ -11,14 +11,12 @@ Source: Sola, Deray and Atchuthan, A micro Lie theory for state estimation in ro
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import PLACE, REST, TURN, conjugate, floats, product, rotated
-
-Array = npt.NDArray[np.float64]
 
 SMALL = 1e-6
 """Angles [rad] below are treated as zero."""

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
-
-Array = npt.NDArray[np.float64]
 
 UNIT = 1e-6
 """Largest difference between 1 and a quaternion's length; it permits numbers written with six digits."""

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import cast
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -17,8 +17,6 @@ from robotraj.robot.joint_limits.faults import fault_of, sentences
 from robotraj.robot.joint_limits.values import PositionLimits, RateLimits, as_number, ends_for_all, pair_of
 from robotraj.robot.loading.planning_model import independent_names
 from robotraj.robot.root import ROOTS, root_of
-
-Array = npt.NDArray[np.float64]
 
 UNLIMITED = 1e20
 """Magnitudes above represent no limit: Pinocchio writes 1.8e308, other tools 1e30."""

@@ -6,16 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.limits import Limits
 from robotraj.robot.loading.planning_model import angles
 from robotraj.robot.root import QUATERNION, in_plane, with_root
-
-Array = npt.NDArray[np.float64]
 
 REFERENCES = ("half_sitting", "standing", "default", "home", "neutral", "arm_up", "hanging")
 """Names of reference configurations in order of preference."""

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import brief, plain, wrapped
@@ -23,8 +24,6 @@ from robotraj.robot.loading.geometry import Geometry, NoGeometry
 from robotraj.robot.loading.planning_model import independent_names
 from robotraj.robot.root import QUATERNION, root_of, units_of
 from robotraj.robot.springs.joint_springs import Spring, springs_note
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

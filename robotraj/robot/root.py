@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
 from robotraj.robot.loading.planning_model import has_free_flyer, rebuilt
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

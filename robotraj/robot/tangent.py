@@ -11,9 +11,8 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.robot.root import QUATERNION
-
-Array = npt.NDArray[np.float64]
 
 PLACE, TURN, REST = slice(0, 3), slice(3, 6), slice(6, None)
 """Entries of v: the root's linear velocity, its angular velocity, and the joints."""

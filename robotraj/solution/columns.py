@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.dynamics.variable import Variable
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.solution.phase_solution import PhaseSolution
-
-Array = NDArray[np.float64]
 
 
 def variables_of(phase: Phase) -> tuple[Variable, ...]:

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import lobatto_sites
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
@@ -32,7 +33,6 @@ from robotraj.transcription.schemes.mesh import Mesh
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 JOINT_SITES = 7
 """Number of places of an interval through which positions and velocities on a path are interpolated."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Variable
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.planned import Planned
 
-Array = NDArray[np.float64]
 Panel = tuple[str, str]
 """Quantity and unit of one set of axes."""
 

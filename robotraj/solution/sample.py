@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, NoSuchValue, no_attribute, no_entry
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 
-Array = NDArray[np.float64]
 JOINTS = ("q", "v", "a", "tau")
 """Names of what a sample has of a robot's joints."""
 Value = TypeVar("Value", bound="float | Array", covariant=True)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_whole
 from robotraj._util.display import drawn
 from robotraj._util.errors import InputError, no_attribute, no_entry
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from robotraj.solution.records import ContinuationRecord, MeshStep
     from robotraj.solvers.base import Multipliers
 
-Array = NDArray[np.float64]
 
 STOPPED = (Status.TIME_LIMIT, Status.MEMORY_LIMIT, Status.INTERRUPTED)
 """Statuses of plans that end before their motion is proved."""

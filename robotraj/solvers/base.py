@@ -7,9 +7,7 @@ from collections.abc import Callable
 from dataclasses import field
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -18,7 +16,6 @@ from robotraj.solvers.status import Status
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
 
 TOLERANCE, MOST_ITERATIONS = 1e-8, 1000
 """Tolerance of the optimality conditions, relative to the unit of the objective, and the largest number of iterations.

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.time_left import require
 from robotraj.solvers.base import BARRIER, SMALL_BARRIER
 from robotraj.solvers.stagewise.multipliers import recover
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.layout import PhaseLayout
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
 Formulation: TypeAlias = "Reduction | Assembled"
 
 WIDEST = 10_000

@@ -13,8 +13,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj.solvers.base import Multipliers, Origin
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
 
 REBUILT = 2
 """Number of programs that are kept of those that were built again, for warm starts one after the other."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.precision import MET, ROUND_OFF, SAME
 from robotraj.solvers.stagewise.reduction import Reduction
 from robotraj.transcription.schemes.mesh import MovingMesh
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
     from robotraj.transcription.scalar_table import Scalars
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 PLACES = round(1.0 / MET)
 """Number of places in an interval that rows of two meshes share or do not."""
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from robotraj._util.arrays import Array
 
 if TYPE_CHECKING:
     from robotraj.native import Program as NativeProgram
     from robotraj.solvers.stagewise.program import StageProgram
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
 
 SHARE = 0.05
 """Duality gap of the first barrier, relative to the objective at the guess."""

@@ -16,8 +16,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import DIFFERENCE, ROUND_OFF, SAME
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.assembly.block import Block
     from robotraj.transcription.assembly.point_functions import PointFunctions
     from robotraj.transcription.nlp import Nlp
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.transcription.extract import PhaseTrajectory
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 RANK = 1e-9
 """Singular values of J_r' below this share of the largest count as zero."""

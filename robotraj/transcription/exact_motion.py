@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, integrals, lobatto_sites
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.augmentation import free_of
@@ -25,7 +25,6 @@ from robotraj.transcription.schemes.collocation import Collocation, Scheme
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
 """Largest error of an exact quadrature."""

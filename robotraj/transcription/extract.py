@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, integrals, lobatto_sites
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.printing import OneLine
@@ -15,8 +15,6 @@ from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.transcription.exact_motion import is_exact, with_integrated_speeds
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.onestep import OneStep
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

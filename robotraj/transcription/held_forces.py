@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.transcription.extract import PhaseTrajectory
 
-Array = NDArray[np.float64]
 
 REDUNDANT = 1e-5
 """Singular values of J below this share of the largest belong to redundant rows: plans have errors of that size."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.sparse import csr_array
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from robotraj.problem.problem import Problem
     from robotraj.transcription.interval_limits.row_places import AddedRow, Margins
 
-Array = NDArray[np.float64]
 
 OBJECTIVE_SIZES = 1.0, 1e5
 """Least and greatest size of the objective of a solver, whose tolerance of 1e-8 is absolute."""

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.transcription.layout import Array, Indices, PhaseLayout, Run, Scalar, entries_of
+from robotraj.transcription.layout import PhaseLayout, Run, Scalar, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh

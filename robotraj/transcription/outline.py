@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
@@ -27,8 +28,6 @@ from robotraj.transcription.transcribe import KnownStart, transcribe
 
 if TYPE_CHECKING:
     from robotraj.transcription.interval_limits.row_places import AddedRow
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

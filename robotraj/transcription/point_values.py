@@ -7,16 +7,14 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.path_body import PathPoint
 from robotraj.dynamics.point import AnyPoint
 from robotraj.dynamics.torque_symbols import separate_torques
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.point_functions import PointFunctions
-
-Array = NDArray[np.float64]
 
 FEWEST_PLACES = 8
 """Least number of evaluated points. The number is a power of two, so that few evaluators are made."""

@@ -11,8 +11,8 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.native.engines.base import Engine
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.transcription.assembly.block import Block
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
     from robotraj.transcription.layout import PhaseLayout
-
-Array = NDArray[np.float64]
 
 
 def transcribed_again(

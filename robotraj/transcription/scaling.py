@@ -18,12 +18,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.sparse import csr_array
 from robotraj._util.time_left import LimitReached
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.scalar_table import Entry, Scalars
-
-Array = NDArray[np.float64]
 
 LEAST, GREATEST = 1e-3, 1e24
 """Range of the sizes of gradients, and size of variables whose guess is a rounding error; friction cones of 1e9 kg are

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.problem.constraints.base import Where
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
 
-Array = NDArray[np.float64]
 
 INSIDE = 1e-9
 """Distance from the ends of an interval at which one-sided values are sampled, as a fraction of its length."""

@@ -8,8 +8,8 @@ from typing import cast
 import casadi as ca
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
-from robotraj.witness.protocols import Array
 
 
 def as_numbers(values: object, what: str) -> Array:

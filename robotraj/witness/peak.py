@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.witness.protocols import Array
 
 
 @dataclass(frozen=True)

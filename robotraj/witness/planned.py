@@ -7,9 +7,10 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.variable import Named
 from robotraj.robot.limits import Limits
-from robotraj.witness.protocols import Array, PhaseSolutionLike, SystemLike
+from robotraj.witness.protocols import PhaseSolutionLike, SystemLike
 
 
 class RobotSample(NamedTuple):

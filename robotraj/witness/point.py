@@ -9,10 +9,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.variable import Column, Named
-from robotraj.witness.protocols import Array, RobotLike, SystemLike
+from robotraj.witness.protocols import RobotLike, SystemLike
 
 
 class NumericPoint(Point):

@@ -9,14 +9,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.point import Point
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.feedback.gains import Gains
 from robotraj.solution.proof import Proof
 from robotraj.solution.sample import Sample
-
-Array = NDArray[np.float64]
 
 Settle = Callable[[Array], Array]
 """Projection of a state on its constraints: rows of contacts that hold, quaternions of length 1."""

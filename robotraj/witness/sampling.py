@@ -14,7 +14,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj._util.arrays import Array
+from robotraj.witness.protocols import PhaseSolutionLike
 
 CHUNK = 16
 """Intervals that are sampled in one call; the time limit is checked between calls."""

@@ -12,9 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy import sparse
 
+from robotraj._util.arrays import Array
 from robotraj.native import CasadiBlock, Csr, Program, Term
-
-Array = NDArray[np.float64]
 
 
 def to_csr(matrix: Array) -> Csr:

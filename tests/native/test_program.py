@@ -7,11 +7,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.native import Options, Program
-
-Array = NDArray[np.float64]
 
 A = np.array([[1.0, 0.1], [0.0, 1.0]])
 B = np.array([[0.005], [0.1]])

@@ -12,10 +12,10 @@ import pytest
 from numpy.typing import NDArray
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.native._native import NotATape, Recipe, StageGraph, Tape, TapeBlock, Torques, processors
 from robotraj.native.rigid_tree import rigid_tree
 
-Array = NDArray[np.float64]
 NONE: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 COUNT = 10
 

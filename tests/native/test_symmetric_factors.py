@@ -9,11 +9,10 @@ import pytest
 import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.native.build import load_native
 
-Array = NDArray[np.float64]
 NATIVE: Any = load_native()
 PROCESSORS = NATIVE.processors()
 

@@ -18,7 +18,6 @@ UNNEEDED = (
     "robotraj.fixed_mesh.restarts",
     "robotraj.fixed_mesh.diagnosis.elastic",
     "robotraj.fixed_mesh.diagnosis.explain",
-    "robotraj.fixed_mesh.diagnosis.oscillation",
     "robotraj.fixed_mesh.diagnosis.unreached_ends",
 )
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

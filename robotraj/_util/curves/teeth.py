@@ -12,9 +12,8 @@ with windows of ``WINDOW`` points. Smooth curves have the fourth power of the in
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 WINDOW = 8
 """Points of a window, which are four intervals. The signs of f alternate over six points at two switches."""

@@ -10,12 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, basis_at, differentiation
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

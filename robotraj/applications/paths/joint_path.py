@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.splines import through
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, warn
@@ -15,8 +16,6 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.loading.other_units import doubt_of_unit
 from robotraj.robot.robot import Robot
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 JointPath: TypeAlias = "ArrayLike | Solution | PiecewisePolynomial | Callable[[Array], ArrayLike]"
 """What ``as_path`` takes."""

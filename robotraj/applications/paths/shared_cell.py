@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
@@ -29,8 +29,6 @@ from robotraj.robot.collision.solids import hull_distance
 from robotraj.robot.join import Pose, join
 from robotraj.robot.robot import Robot
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 RESTING = 1e-6
 """Largest speed of a joint that rests [rad/s, m/s]."""

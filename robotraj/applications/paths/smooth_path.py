@@ -7,13 +7,11 @@ Along a path with continuous curvature near it, no stop is needed.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.splines import Spline, design_matrix
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
-
-Array = NDArray[np.float64]
 
 DEGREE = 5
 """Degree of the spline: its fourth derivative is continuous."""

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.printing import OneLine
+from robotraj._util.values import dataclass
 from robotraj.applications.problem_files.bounds import MOST_INTERVALS, MOST_PHASES
 from robotraj.applications.problem_files.kinds import GAITS
 from robotraj.applications.problem_files.lines import Data, KeyPath, Misplaced
 from robotraj.applications.problem_files.narrowing import narrowed
 from robotraj.applications.problem_files.parameters import parameters_of
-from robotraj.applications.problem_files.problem_file import ProblemFile
 from robotraj.applications.problem_files.reader import Reader
 from robotraj.applications.problem_files.robots import robots_of
 from robotraj.applications.problem_files.toml_file import read_toml
@@ -24,9 +25,51 @@ from robotraj.problem.problem import Problem
 from robotraj.replay_page.options import ReplayOptions, check_options
 from robotraj.replay_page.write import replay
 from robotraj.robot.robot import Robot
+from robotraj.solution.solution import Solution
 from robotraj.solvers.checks import above_zero
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.witness.validation import ValidationOptions, validate
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from robotraj.applications.many.options import PlanOptions
+    from robotraj.replay_page.options import ReplayOptions
+    from robotraj.witness.validation import ValidationOptions
+
+
+@dataclass(frozen=True, eq=False)
+class ProblemFile(OneLine):
+    """What ``rt.load_problem`` read.
+
+    Attributes
+    ----------
+    path : Path
+        The file, absolute.
+    problem : Problem
+    options : mapping
+        Options of ``rt.plan``: the table ``[plan]``.
+    validation, replay : mapping
+        Options of ``rt.validate`` and ``rt.replay``: the tables ``[validate]`` and ``[replay]``.
+    output : mapping of str to Path
+        Files to be written, ``"html"``, ``"save"`` and ``"plot"``: the table ``[output]``.
+    """
+
+    path: Path
+    problem: Problem
+    options: PlanOptions
+    validation: ValidationOptions
+    replay: ReplayOptions
+    output: Mapping[str, Path]
+
+    def plan(self, **options: Unpack[PlanOptions]) -> Solution:
+        """Plan the motion, ``rt.plan(file.problem, **file.options)``; the options given here precede the file's."""
+        merged: PlanOptions = {**self.options, **options}
+        return plan(self.problem, **merged)
+
+    def __str__(self) -> str:
+        return str(self.problem)
+
 
 if TYPE_CHECKING:
     from robotraj.applications.many.options import PlanOptions

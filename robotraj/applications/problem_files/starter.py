@@ -10,15 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import plain
 from robotraj.gait.feet import feet_of
 from robotraj.gait.mirroring.foot_groups import foot_groups
 from robotraj.gait.standing import stand
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 ASKED_LIMITS = "# limits = { velocity = 2.0 } # in place of the URDF's [rad/s, m/s]\n"
 GIVEN_LIMITS = "\n[robot.limits] # the URDF's limits lock these joints; inf lifts a limit\n"

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolBlend, ToolMove
 from robotraj.applications.programs.tool_joints import ToolJoints
-
-Array = NDArray[np.float64]
 
 BISECTIONS = 50
 """Number of bisections of the way that a blend replaces."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 SITES = np.linspace(0.0, 1.0, 6)
 """Places of the values of a polynomial in its interval."""

@@ -7,8 +7,9 @@ from typing import cast
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
@@ -31,8 +32,6 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.loading.other_units import in_other_unit
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach as reach_of
-
-Array = NDArray[np.float64]
 
 LONGEST = 1e3
 """Upper bound of the duration from stop to stop [s]."""

@@ -10,13 +10,11 @@ from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-
-Array = NDArray[np.float64]
 
 STRAIGHT = 1e-6
 """Least sine of the angle at the middle point of an arc."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
@@ -14,8 +14,6 @@ from robotraj._util.values import dataclass
 from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolCurve, twist_rates
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 OFF = 1e-6
 """Largest distance of the tool from its curve between the configurations that are exact [m, rad]."""

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj.applications.replanning.deadline import Deadline
@@ -30,7 +30,6 @@ from robotraj.transcription.schemes.mesh import Mesh
 if TYPE_CHECKING:
     from robotraj.problem.initial_guess import InitialGuess
 
-Array = NDArray[np.float64]
 
 INTERVALS = 4
 """Intervals of the longest phase by default."""

@@ -12,8 +12,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.applications.replanning.touching import touching
 from robotraj.dynamics.point import RobotPoint
@@ -31,8 +31,6 @@ from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.solution.cycles.gait_cycles import CyclePhase, gait_cycles
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 ARRIVAL = 1000.0
 """Weight of the distance of the end from the gait, in posture costs of ``rt.gait.gait_objective`` times sqrt(h / g).

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.applications.replanning.step_numbers import StepNumbers
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from robotraj.solvers.formulation import Formulation
     from robotraj.transcription.clearance.plane_rows import PlaneRows
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
 """Statuses after which the iterate is the start of the next solve."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from robotraj.solution.phase_solution import PhaseSolution
     from robotraj.solution.sample import Sample
     from robotraj.solvers.status import Status
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

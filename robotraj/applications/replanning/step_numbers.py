@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.problem.state import State
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
 
 PARAMETERS = 2
 """Number of scalars of a phase before its parameters: start time and duration."""

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.guess.legs.stance import BalancedStance
-
-Array = NDArray[np.float64]
 
 
 def touching(stance: BalancedStance, q: Array, v: Array) -> tuple[Array, Array]:

@@ -132,7 +132,7 @@ class Study(OneLine):
         InputError
             The study keeps motions alone: ``keep="all"`` keeps solutions.
         """
-        from robotraj.applications.studies.validation import validated
+        from robotraj.applications.studies.work import validated
 
         return validated(self.store, self.make, executor)
 

@@ -9,8 +9,9 @@ from math import inf
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, warn
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
     from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 Wrench = tuple[str, list[Scalar]]

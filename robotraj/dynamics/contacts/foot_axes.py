@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_on_frame import Triple, vector_of
 from robotraj.dynamics.variable import Scalar
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

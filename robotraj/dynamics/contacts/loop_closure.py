@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
@@ -31,7 +32,6 @@ from robotraj.robot.configuration import UNIT
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 
 UNTURNED: Quaternion = (0.0, 0.0, 0.0, 1.0)

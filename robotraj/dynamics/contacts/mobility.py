@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 AXES = ("x", "y", "z")
 

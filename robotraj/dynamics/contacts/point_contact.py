@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import (
@@ -33,8 +33,6 @@ from robotraj.dynamics.variable import Scalar
 
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 class FrictionContact(Contact):

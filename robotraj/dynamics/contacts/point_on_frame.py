@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale, turned
@@ -19,7 +19,6 @@ from robotraj.dynamics.variable import Column, Scalar
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 

@@ -8,8 +8,8 @@ from typing import ClassVar, TypeAlias
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
@@ -19,7 +19,6 @@ from robotraj.dynamics.expression_values import rows_of
 from robotraj.dynamics.obstacles.speed_bounds import ranges_of
 from robotraj.dynamics.variable import Column, Scalar
 
-Array = NDArray[np.float64]
 FixedOrMoving: TypeAlias = "Sequence[float] | Callable[[ca.SX], Column | Sequence[Scalar]]"
 """Three or four numbers, or a function of the time t [s] that returns them, written in CasADi's functions."""
 

@@ -8,11 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.paths import input_path
 from robotraj._util.values import dataclass
-from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, Array, FixedOrMoving, Obstacle
+from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, FixedOrMoving, Obstacle
 from robotraj.robot.collision.tessellation import hull_triangles
 from robotraj.robot.meshes.reading import read_mesh_file
 

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.obstacles.base import Array, Obstacle
+from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
 
 KINDS = ("sphere", "box", "cylinder", "capsule", "half space", "convex mesh")

@@ -7,15 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.obstacles.base import (
-    ORIGIN,
-    UPRIGHT,
-    Array,
-    FixedOrMoving,
-    Obstacle,
-)
+from robotraj.dynamics.obstacles.base import ORIGIN, UPRIGHT, FixedOrMoving, Obstacle
 
 
 @dataclass(frozen=True)

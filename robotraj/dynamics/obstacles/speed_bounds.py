@@ -12,9 +12,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 
-Array = NDArray[np.float64]
 Range = tuple[Array, Array]
 
 

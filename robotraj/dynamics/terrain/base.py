@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj.dynamics.variable import Scalar
@@ -16,8 +16,6 @@ from robotraj.dynamics.variable import Scalar
 PLANS = ((1, 2), (2, 0), (0, 1))
 """The two world axes (u, v) over which a surface is a height along world x, y or z; u, v and that axis are
 right-handed."""
-
-Array = NDArray[np.float64]
 
 
 class Ground(OneLine, ABC):

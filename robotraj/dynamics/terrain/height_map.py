@@ -9,10 +9,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
-from robotraj.dynamics.terrain.base import Array, Ground
+from robotraj.dynamics.terrain.base import Ground
 
 MIN_SAMPLES = 4
 """Smallest number of samples along a side: that of a cubic spline with not-a-knot ends."""

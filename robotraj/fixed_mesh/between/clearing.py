@@ -15,9 +15,10 @@ from robotraj.solution.violation import Violation
 from robotraj.transcription.nlp import Nlp
 
 if TYPE_CHECKING:
+    from robotraj._util.arrays import Array
     from robotraj.transcription.clearance.clearance_rows import Clearances
     from robotraj.transcription.clearance.proof import Shortfalls
-    from robotraj.transcription.clearance.supporting_planes import Array, Motion
+    from robotraj.transcription.clearance.supporting_planes import Motion
 
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""

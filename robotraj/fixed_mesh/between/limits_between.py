@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from robotraj._util.arrays import Array
 from robotraj._util.time_left import used_time
 from robotraj.fixed_mesh.at_points import AtPoints
 from robotraj.fixed_mesh.between.clearing import ROUGH_SHORTFALL, ROUNDS
@@ -27,8 +25,6 @@ from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
 from robotraj.transcription.interval_limits.added_rows import exceeded_although_added, rows_to_add
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation, state_violations
-
-Array = NDArray[np.float64]
 
 
 def limited_between(

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.problem import Problem
 from robotraj.solution.violation import Side, Violation, violated
 from robotraj.transcription.interval_limits.interval_violations import IntervalViolation
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Scalars
-
-Array = NDArray[np.float64]
 
 
 def violations(nlp: Nlp, w: Array, tolerance: float, outputs: Sequence[Array] | None = None) -> tuple[Violation, ...]:

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj.fixed_mesh.diagnosis.self_collision import SIZE
 from robotraj.guess.paths.geometric_path import GeometricPath
 from robotraj.guess.paths.phase_scene import scene_of
@@ -23,8 +23,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.conflict import Conflict
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 Ignored = tuple[Indices, CollisionFree]
 """Indices of pairs, and a constraint without them."""
 

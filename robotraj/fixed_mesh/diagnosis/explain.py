@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.fixed_mesh.coarse import CoarseSolves
-from robotraj.fixed_mesh.diagnosis.blocked_ends import blocked_ends
 from robotraj.fixed_mesh.diagnosis.elastic import (
     ALONE,
     TOGETHER,
@@ -30,9 +31,13 @@ from robotraj.fixed_mesh.diagnosis.exclusions.slipping import slipping_contacts
 from robotraj.fixed_mesh.diagnosis.exclusions.work_budgets import exceeded_budgets
 from robotraj.fixed_mesh.diagnosis.rate_limits import wider_rates
 from robotraj.fixed_mesh.diagnosis.relaxation.stated_values import sufficient
+from robotraj.fixed_mesh.diagnosis.self_collision import SIZE
 from robotraj.fixed_mesh.diagnosis.undefined import undefined_expression
 from robotraj.fixed_mesh.diagnosis.unheld_ends import unheld_ends
 from robotraj.fixed_mesh.diagnosis.unreached_ends import unreached_ends
+from robotraj.guess.reaching.branches import nodes_of
+from robotraj.guess.reaching.open_end import OpenEnd
+from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.phase_row import Kind
 from robotraj.problem.problem import Problem
@@ -176,3 +181,39 @@ def _searched(problem: Problem, coarse: CoarseSolves, start: Solution) -> tuple[
         kept_clear = any(each.avoids_collisions for phase in problem.phases for each in phase.constraints)
         return (), motion if motion.success and not kept_clear else None
     return found or unheld_ends(problem) or completed(problem, conflicts, motion, coarse), None
+
+
+def blocked_ends(problem: Problem) -> tuple[Conflict, ...]:
+    """Return the distance that must give at each end that no configuration was found to reach clear of obstacles.
+
+    Inverse kinematics starts from seeded configurations, so that such ends are likely, not certain, to be blocked.
+    """
+    if not any(each.avoids_collisions for phase in problem.phases for each in phase.constraints):
+        return ()
+    nodes, starts, _ = nodes_of(problem)
+    found = []
+    for number, node in enumerate(nodes):
+        if not isinstance(node, OpenEnd):
+            continue
+        robot = node.parts[0][0].robot
+        assert robot is not None
+        reached = node.reached(robot.neutral)
+        if not len(reached) or node.clearance(reached).max() >= 0.0:
+            continue
+        best = reached[[int(np.argmax(node.clearance(reached)))]]
+        which = "start" if number in starts else "end"
+        found.append(_conflict(node, best, f"at the {which}, in the best of {len(reached)} configurations found"))
+    return tuple(found)
+
+
+def _conflict(node: OpenEnd, best: NDArray[np.float64], reason: str) -> Conflict:
+    """Describe the pair that is farthest below its margin."""
+    worst = []
+    for phase, _ in node.parts:
+        for pairs in clearances_of(phase.constraints, phase.robot):
+            distances = distances_at_rest(pairs, best)[0]
+            pair = int(np.argmin(distances))
+            worst.append((float(distances[pair]) - pairs.margin, phase.name, pairs.label(pair), pairs.margin))
+    left, name, label, margin = min(worst)
+    relative = -left / max(margin, SIZE)
+    return Conflict(name, f"clearance, {label}", node.time, margin, margin + left, "m", relative, False, reason)

@@ -6,16 +6,14 @@ from collections.abc import Iterator, Sequence
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.time_left import time_left
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 OPERATIONS = {
     ca.OP_DIV: "{0:.6g} / {1:.6g}",

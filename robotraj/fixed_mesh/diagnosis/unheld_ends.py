@@ -18,8 +18,8 @@ from typing import cast
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import MET
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
@@ -31,8 +31,6 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
 from robotraj.solution.conflict import Conflict
-
-Array = NDArray[np.float64]
 
 UNLIMITED = 1e12
 """Torque [N m, N] in place of an infinite limit."""

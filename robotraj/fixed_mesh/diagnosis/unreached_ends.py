@@ -18,8 +18,8 @@ from itertools import chain
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.fixed_mesh.diagnosis.end_rows import (
     CONSTRAINT_WEIGHT,
     END_WEIGHT,
@@ -40,8 +40,6 @@ from robotraj.robot.root import QUATERNION
 from robotraj.solution.conflict import CLEAR, NOTICED, Conflict
 from robotraj.solvers.ipopt import NO_FILE
 from robotraj.transcription.extract import PhaseTrajectory
-
-Array = NDArray[np.float64]
 
 REACHED = 1e-5
 """Slacks relative to the scale of their row that count as zero."""

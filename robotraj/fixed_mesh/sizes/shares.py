@@ -13,8 +13,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss
 from robotraj._util.precision import DIFFERENCE
 from robotraj._util.values import dataclass
@@ -29,8 +29,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
-
-Array = NDArray[np.float64]
 
 KINKED = 0.3
 """Part of an objective that is kinked from which a plan treats it as such.

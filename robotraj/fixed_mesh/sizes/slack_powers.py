@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import is_kinked, shares_of
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from robotraj.problem.links.base import BoundLink
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -18,8 +18,6 @@ from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.robot.robot import Robot
 from robotraj.robot.sides.foot_pairs import foot_pairs
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

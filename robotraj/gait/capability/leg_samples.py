@@ -12,16 +12,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.robot.coupling.dynamics import mass_matrix
 from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION, root_of
-
-Array = NDArray[np.float64]
 
 CONFIGURATIONS = 2000
 """Number of random configurations."""

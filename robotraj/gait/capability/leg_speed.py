@@ -19,14 +19,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.gait.capability.leg_samples import LegSamples, sample_legs
 from robotraj.gait.supports import Support
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 CELLS = 12
 """Number of parts of a stroke."""

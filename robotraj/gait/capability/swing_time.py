@@ -15,13 +15,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.gait.capability.leg_samples import sample_legs
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 BEYOND = 1.5
 """Multiple of the estimated acceleration above which a swing is refused."""

@@ -22,14 +22,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, warn
 from robotraj.gait.capability.leg_samples import LegSamples, sample_legs
 from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach
-
-Array = NDArray[np.float64]
 
 LEVELS = 30
 """Number of heights."""

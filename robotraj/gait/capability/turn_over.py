@@ -16,13 +16,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.gait.capability.take_off import greatest_rise
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 BEYOND = 1.5
 """Multiple of the estimate above which a turn is refused."""

@@ -15,14 +15,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.gait.capability.leg_samples import LegSamples, sample_legs
 from robotraj.gait.supports import Support
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 BENT = (0.5, 0.95)
 """Least height of the root above a foot, and greatest length of its leg, relative to a straight leg."""

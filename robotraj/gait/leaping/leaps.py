@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
@@ -30,8 +30,6 @@ from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
-
-Array = NDArray[np.float64]
 
 CROUCH = 2.5
 """Default duration of either stance, in sqrt(h / g): a person crouches and rises in 0.7 s.

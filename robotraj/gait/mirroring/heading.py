@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.gait.mirroring.leg_joints import joints_of_leg
 from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
+from robotraj.robot.root import root_of
 
 ALONG = 0.9
 """Least component of an axis along a direction."""
@@ -81,3 +81,27 @@ def _call(robot: Robot, quaternion: Sequence[float] | NDArray[np.float64]) -> st
     """Return the call that turns the robot in its root."""
     numbers = ", ".join(f"{value + 0.0:.7g}" for value in np.round(quaternion, 7))
     return f"rt.load(..., root={robot.root!r}, base=((0, 0, 0), ({numbers})))"
+
+
+def joints_of_leg(robot: Robot, foot: str) -> list[int]:
+    """Return the joints between the root and a foot, the hip first."""
+    model, first = robot.model, len(root_of(robot.root).joints)
+    return [i for i in model.supports[model.frames[robot.frame(foot)].parentJoint] if i > first]
+
+
+def leg_pairs(robot: Robot, sides: Mapping[str, str]) -> dict[str, str]:
+    """Return the other side of each foot and of each independent joint of its leg, where the legs have as many joints.
+
+    Parameters
+    ----------
+    robot : Robot
+    sides : mapping of str to str
+        Foot on the other side of each foot.
+    """
+    names, joints = robot.model.names, robot.joint_names
+    pairs: dict[str, str] = {}
+    for foot, other in sides.items():
+        legs = [[names[i] for i in joints_of_leg(robot, each) if names[i] in joints] for each in (foot, other)]
+        if foot != other and len(legs[0]) == len(legs[1]):
+            pairs |= {foot: other, **{a: b for a, b in zip(*legs, strict=True) if a != b}}
+    return pairs

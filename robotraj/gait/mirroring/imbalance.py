@@ -6,13 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.coupling.dynamics import mass_matrix
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 IMBALANCE = 1e-3
 """Largest difference of accelerations, relative to g over the robot's size, of a robot that counts as symmetric."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj.gait.mirroring.imbalance import IMBALANCE
@@ -16,8 +15,6 @@ from robotraj.problem.links.periodic import Mirror
 from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
 from robotraj.robot.sides.images import REFLECTION, frames_across
-
-Array = NDArray[np.float64]
 
 AXIAL = -REFLECTION
 """Factors of rotation axes, which are mirrored like angular velocities."""

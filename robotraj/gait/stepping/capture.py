@@ -12,12 +12,10 @@ from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_time
-
-Array = NDArray[np.float64]
 
 BEYOND = 1.25
 """Distance of the other foot from the standing one, relative to that of the capture point.

@@ -9,8 +9,8 @@ from typing import cast
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.point_contact import PointContact
@@ -41,8 +41,6 @@ from robotraj.problem.state import State
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.sides.foot_pairs import foot_pairs
-
-Array = NDArray[np.float64]
 
 LEVEL = Flat()
 OWN_SIDES = OwnSides()

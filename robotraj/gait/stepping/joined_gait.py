@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
@@ -35,8 +35,6 @@ from robotraj.problem.objectives.base import Objective
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 class PlannedPhase(Protocol):

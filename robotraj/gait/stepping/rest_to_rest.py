@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.point_contact import PointContact
 from robotraj.gait.checks import number
@@ -25,7 +25,6 @@ from robotraj.robot.robot import Robot
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-Array = NDArray[np.float64]
 
 LEAST_TURN = 0.1
 """Turn in a pair of steps [rad] below which no smaller one is tried."""

@@ -13,8 +13,8 @@ from typing import cast
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.flat import Flat
@@ -25,8 +25,6 @@ from robotraj.guess.legs.standing_posture import mean_ground
 from robotraj.problem.constraints.bounds import Between
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

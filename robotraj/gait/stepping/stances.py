@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.flat_foot import BoundFlatFoot
 from robotraj.dynamics.terrain.flat import Flat
@@ -23,8 +23,6 @@ from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import height_above, mean_ground
 from robotraj.robot.collision.own_body import own_body
 from robotraj.robot.root import QUATERNION
-
-Array = NDArray[np.float64]
 
 OFF = 0.01
 """Greatest distance of a foot from its foothold in a stance between steps, relative to the reach of the robot."""

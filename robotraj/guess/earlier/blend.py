@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import MET
 from robotraj._util.values import dataclass, own
@@ -15,8 +16,6 @@ from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.links.base import BoundLink
 from robotraj.problem.phase import Phase
 from robotraj.robot.root import QUATERNION
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,13 +15,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.splines import Spline, hermite
 from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

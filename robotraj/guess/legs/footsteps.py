@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.terrain.function import as_ground
@@ -23,8 +23,6 @@ from robotraj.robot.root import QUATERNION
 if TYPE_CHECKING:
     from robotraj.problem.constraints.bounds import Bounds
     from robotraj.problem.problem import Problem
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.splines import hermite
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import MET
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from robotraj.guess.legs.stance import BalancedStance, Errors
     from robotraj.problem.phase import Phase
     from robotraj.problem.phase_row import PhaseRow
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.splines import through
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 KEYS = 11
 """Number of configurations of a phase that inverse kinematics computes; splines interpolate them."""

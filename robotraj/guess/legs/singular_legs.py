@@ -10,12 +10,10 @@ from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import DIFFERENCE, MET, SAME
 from robotraj.guess.legs.stance import BalancedStance, root_freedoms
-
-Array = NDArray[np.float64]
 
 FLAT = 1e-2
 """Slope of a foot's height, relative to the robot's reach, below which a leg is singular."""

@@ -13,8 +13,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.bounds import as_bounds
 from robotraj.robot.chart import PITCH
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
 
-Array = NDArray[np.float64]
 
 EASE = 0.25
 """Time in which the stances accelerate and brake the rotation, relative to that of the flight."""

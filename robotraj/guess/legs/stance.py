@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, cast
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_expressions import anchors
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.contacts.base import BoundContact
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 Errors = Callable[[Array], tuple[Array, Array]]
 """Errors (m,) of rows in a configuration (nq,), and their slopes (m, nv)."""
 

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import MET
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.singular_legs import BEND, bent, singular_legs
@@ -19,7 +20,6 @@ from robotraj.robot.root import QUATERNION
 if TYPE_CHECKING:
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 REPEATS = 5
 """Number of repetitions with the last solution as posture, for a given height."""

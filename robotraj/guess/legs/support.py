@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.stance import SHORT, BalancedStance
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.terrain.base import Ground
     from robotraj.dynamics.variable import Variable
 
-Array = NDArray[np.float64]
 
 SHARE = 0.1
 """Least normal force of a standing foot, relative to an equally shared weight."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import ROUND_OFF, SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
@@ -21,7 +22,6 @@ from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 Motion = Callable[[Array], Array]
 """From fractions of a phase (m,) to configurations (m, nq)."""
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import ROUND_OFF
 
-Array = NDArray[np.float64]
 Free = Callable[[Array], NDArray[np.bool_]]
 """From configurations (m, nq) to whether each is free."""
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.problem import Problem
 
-Array = NDArray[np.float64]
 
 _KNOWN: WeakKeyDictionary[Phase, dict[tuple[object, ...], list[TimedMotion]]] = WeakKeyDictionary()
 """Paths that were found for a phase, the quickest first."""

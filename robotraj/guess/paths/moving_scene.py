@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.clearance.sphere_tree import sphere_tree
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from robotraj.robot.collision.robot_spheres import RobotSpheres
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 COPIES = 6
 """Number of times at which copies of obstacles are placed."""

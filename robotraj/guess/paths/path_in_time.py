@@ -12,13 +12,11 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Mask
 from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Free = Callable[[Array, Array], Mask]
 """Function of configurations (n, nq) and times (m,) [s]: whether the robot is free of moving obstacles, (n, m)."""
 

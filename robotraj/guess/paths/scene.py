@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 
 if TYPE_CHECKING:
     from robotraj.guess.paths.moving_scene import MovingScene
     from robotraj.native._native import SphereTree
 
-Array = NDArray[np.float64]
 
 RESOLUTION = 1e-3
 """Distance beyond the margin [m] below which a motion counts as blocked; at most half of that at the ends."""

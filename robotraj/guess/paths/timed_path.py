@@ -9,14 +9,12 @@ largest speeds that the accelerations permit. Source: Bobrow, Dubowsky and Gibso
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import DIFFERENCE, MET, SAME
 from robotraj._util.values import dataclass
 from robotraj.guess.least_time import LineLimits, Trapezoid
-
-Array = NDArray[np.float64]
 
 ROUNDING = 0.05
 """Largest deviation of a motion from a corner [rad, m]."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.guess.ends import guessed_duration
 from robotraj.guess.reaching.open_end import OpenEnd
 from robotraj.guess.reaching.position_rows import of_positions
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase_row import PhaseRow
     from robotraj.problem.problem import Problem
 
-Array = NDArray[np.float64]
 Node = Sequence[tuple["Phase", Where]]
 """The ends of phases that share one configuration."""
 

@@ -15,11 +15,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import PLACE, REST, TURN
 
-Array = NDArray[np.float64]
 Errors = Callable[[Array], tuple[Array, Array]]
 """From configurations (m, nq) to errors (m, rows), by which values should rise, and their slopes (m, rows, nv)."""
 

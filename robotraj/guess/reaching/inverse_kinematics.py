@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import MET, SAME
 from robotraj._util.values import dataclass
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 Target: TypeAlias = "ArrayLike | tuple[ArrayLike, ArrayLike] | pin.SE3"
 """A position in the world [m], or a pose."""
 

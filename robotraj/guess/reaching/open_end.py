@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.phase_row import PhaseRow
 
-Array = NDArray[np.float64]
 
 PULL = 0.1
 """Weight of the distance from the given configuration beside that of rows, which are then met exactly.

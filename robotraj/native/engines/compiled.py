@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
+import subprocess
+import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,9 +20,10 @@ import casadi as ca
 from robotraj._util.checks import is_number, is_whole
 from robotraj._util.errors import InputError, RobotrajError
 from robotraj._util.paths import cache_folder
+from robotraj._util.system.own_python import command
 from robotraj._util.time_left import time_left
 from robotraj._util.values import dataclass
-from robotraj.native.engines import background, source
+from robotraj.native.engines import source
 from robotraj.native.engines.base import Engine, Mapped, StageMapped, VirtualMachine
 from robotraj.native.engines.blocks import StageFunctions, casadi_block
 from robotraj.native.engines.blocks import wanted as wanted_of
@@ -111,7 +115,7 @@ class Compiled(Engine):
                 with suppress(CompilationStopped):
                     build(missing, cache, compiler, self.processes)
         elif missing and cache.writable:
-            background.start(missing, cache, compiler, self.processes)
+            start_compiling(missing, cache, compiler, self.processes)
         found = {i: cache.find(key) for i, key in keys.items()}
         return {
             i: self._load(large[i], keys[i], library, cache, compiler)
@@ -204,3 +208,34 @@ def _mapped(external: ca.Function, wanted: Mapped | StageMapped) -> ca.Function:
 def _writer() -> bytes:
     """Return a digest of the code that writes the C sources."""
     return hashlib.sha256(Path(source.__file__).read_bytes()).digest()
+
+
+def start_compiling(functions: dict[str, ca.Function], cache: Cache, compiler: Compiler, processes: int) -> None:
+    """Start the compilation of functions that no other process compiles already.
+
+    Parameters
+    ----------
+    functions : dict
+        By key.
+    """
+    locks = {key: lock for key in sorted(functions) if (lock := cache.claim(key)) is not None}
+    if not locks:
+        return
+    try:
+        # A file without a name is gone when the last process closes it, however that process ends.
+        with tempfile.TemporaryFile(dir=cache.folder) as job, (cache.folder / "background.log").open("ab") as log:
+            job.write(json.dumps({key: functions[key].serialize() for key in locks}).encode())
+            job.seek(0)
+            # The process inherits the locks; the system releases them when it ends.
+            subprocess.Popen(
+                command("robotraj.native.engines", str(cache.folder), compiler.command, str(processes)),
+                cwd=cache.folder,
+                stdin=job,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+                pass_fds=[lock.fileno() for lock in locks.values()],
+            )
+    finally:
+        for lock in locks.values():
+            lock.close()

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.problem import Problem
 from robotraj.transcription.extract import PhaseTrajectory
-
-Array = NDArray[np.float64]
 
 
 def iterate_charts(problem: Problem, parts: Sequence[PhaseTrajectory], samples: int) -> list[dict[str, object]]:

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import ROUND_OFF
 from robotraj.planning.live.iterate_curves import iterate_charts
@@ -28,7 +28,6 @@ from robotraj.transcription.extract import PhaseTrajectory, extract
 if TYPE_CHECKING:
     from robotraj.replay_page.live.live_scene import LiveScene
 
-Array = NDArray[np.float64]
 SAMPLES = 40
 """Samples of an iterate's motion."""
 FIRST = 60

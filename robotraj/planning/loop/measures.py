@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.teeth import SMOOTH
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import shares_of
@@ -27,8 +27,6 @@ from robotraj.transcription.refinement.path_violations import beyond_limits, bro
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.smoothness.roughness import rough_intervals, roughness
-
-Array = NDArray[np.float64]
 
 ORDER, ORDER_OF_ENDS, ORDER_OF_SWITCHES = 2.0, 1.5, 1.0
 """Orders of convergence of an objective in the number of intervals: with integrals, and of the ends alone.

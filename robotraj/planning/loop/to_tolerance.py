@@ -15,7 +15,6 @@ import numpy as np
 from robotraj._util.precision import MET
 from robotraj.fixed_mesh.between.limits_between import limited_between
 from robotraj.fixed_mesh.solve import solved_at_points
-from robotraj.planning.loop.duality_gap import duality_gap
 from robotraj.planning.loop.finer_meshes import finer_meshes, split_where_broken
 from robotraj.planning.loop.state import Found, PlanEnd, Task, step_of
 from robotraj.planning.loop.tolerance_state import Errors, ToleranceState
@@ -185,3 +184,23 @@ def stagnates(errors: Sequence[float]) -> bool:
     """
     before, last = errors[:-PATIENCE], errors[-PATIENCE:]
     return bool(before) and min(last) > HARDLY * min(before) and min(last) > HARDLY * max(last)
+
+
+def duality_gap(solution: Solution) -> float:
+    """Return the duality gap: multipliers times the distances of rows and variables from their bounds.
+
+    For a convex program it bounds the distance of the objective from the optimum. Source: Nocedal & Wright,
+    Numerical Optimization (2006), section 14.1.
+    """
+    multipliers = solution.multipliers
+    if multipliers is None or multipliers.origin is None:
+        return 0.0
+    nlp, w = multipliers.origin.nlp, multipliers.origin.w
+    gap = 0.0
+    for own, scalars, values in (
+        (multipliers.rows, nlp.rows, nlp.values(w)),
+        (multipliers.bounds, nlp.variables, w),
+    ):
+        distance = np.where(own > 0, scalars.upper - values, values - scalars.lower)
+        gap += float(np.abs(own) @ np.where(np.isfinite(distance), np.maximum(distance, 0.0), 0.0))
+    return gap

@@ -13,8 +13,8 @@ from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.guess.paths.around_itself import Motion
 from robotraj.problem.clearance.own_shapes import MARGIN, least_at_ends
@@ -28,7 +28,6 @@ from robotraj.solution.solution import Solution
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
 
-Array = NDArray[np.float64]
 Bodies = Sequence[OwnBody | None]
 
 SHALLOW = 0.01

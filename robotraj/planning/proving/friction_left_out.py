@@ -22,8 +22,8 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import PLACES, WEIGHTS, shares_of
 from robotraj.planning.proving.soft_friction import has_friction
@@ -36,8 +36,6 @@ from robotraj.solution.proof import FRICTION
 from robotraj.solution.sample import Sample
 from robotraj.solution.solution import Solution
 from robotraj.transcription.refinement.objective_quadrature import rate_of
-
-Array = NDArray[np.float64]
 
 SHARE = 0.1
 """Least size of a joint's impulse relative to that of its motor: a slow joint has hardly any inertia."""

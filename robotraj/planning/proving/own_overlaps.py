@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import MET, SAMPLES
 from robotraj.guess.least_time import LineLimits
 from robotraj.guess.paths.around_itself import Motion, Route, route_around
@@ -18,8 +19,6 @@ from robotraj.robot.limits import Limits
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
-
-Array = NDArray[np.float64]
 
 OVERLAPS = "links that overlap"
 RESERVE = 1.2

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.convex_mesh import ConvexMesh
@@ -17,8 +17,6 @@ from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
 from robotraj.robot.collision.robot_spheres import RobotSpheres, capsule_spheres
 from robotraj.robot.collision.tessellation import box_triangles, cylinder_triangles, hull_triangles
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def with_carried_obstacles(

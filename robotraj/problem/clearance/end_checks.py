@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import InputError
 from robotraj.dynamics.row import Row
@@ -17,8 +17,6 @@ from robotraj.problem.constraints.collision_free import CollisionFree
 from robotraj.problem.feasibility import Ends
 from robotraj.robot.loading.geometry import ShapesUnread
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 PLACES = 513
 """Number of places of a path at which distances are checked."""

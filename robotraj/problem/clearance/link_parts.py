@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.problem.constraints.base import Constraint
@@ -17,8 +17,6 @@ from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.collision.support import core, support
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
-
-Array = NDArray[np.float64]
 
 
 class LinkPart(NamedTuple):

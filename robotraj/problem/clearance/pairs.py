@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
@@ -29,9 +30,6 @@ from robotraj.robot.robot import Robot
 
 if TYPE_CHECKING:
     from robotraj.native._native import SphereTree
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.system import SystemDynamics
@@ -27,8 +27,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.rows import RowTable, phase_symbols
 from robotraj.robot.size.state_sizes import state_sizes
-
-Array = NDArray[np.float64]
 
 STEP = 1e-4
 """Step of the differences relative to the size of a variable."""

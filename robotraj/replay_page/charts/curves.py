@@ -7,8 +7,8 @@ from dataclasses import field, replace
 from typing import Any, TypedDict, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.mobility import AXES
@@ -22,7 +22,6 @@ from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample, GaitCycles
 from robotraj.solution.sample import Sample
 
-Array = NDArray[np.float64]
 SAME = {"rad": "rad", "m": "m", "": ""}
 RATE = {"rad": "rad/s", "m": "m/s"}
 EFFORT = {"rad": "N m", "m": "N"}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
@@ -15,8 +15,6 @@ from robotraj.robot.collision.robot_spheres import RobotSpheres, robot_spheres
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import CyclePhase, CycleSample
 from robotraj.solution.sample import Sample
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

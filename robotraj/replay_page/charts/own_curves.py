@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import FailedExpression, InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solution.cycles.gait_cycles import CyclePhase
 
-Array = NDArray[np.float64]
 Expressions: TypeAlias = Mapping[str, Callable[[Any], object]]
 """Functions of a ``Point`` by the title of their chart; a unit may stand in brackets at the end of the title."""
 Measured: TypeAlias = Mapping[str, tuple[ArrayLike, ArrayLike]]

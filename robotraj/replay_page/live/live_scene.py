@@ -8,17 +8,15 @@ from collections.abc import Sequence
 import meshcat
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from robotraj._util.arrays import Array
 from robotraj.replay_page.colors import css
 from robotraj.replay_page.scene.hull import hull_of, stature_of
 from robotraj.replay_page.scene.scene import tip_frame
 from robotraj.replay_page.scene.visuals import visuals_of
 from robotraj.replay_page.scene.window import RecordingWindow, draw
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 class LiveScene:

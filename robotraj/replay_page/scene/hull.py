@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from trimesh import creation
 
+from robotraj._util.arrays import Array
 from robotraj.replay_page.scene.visuals import Visual
 
-Array = NDArray[np.float64]
 INSTANTS = 80
 """Largest number of instants at which points are collected."""
 

@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -16,7 +17,6 @@ from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.planned import Planned
 
-Array = NDArray[np.float64]
 FINEST = 8
 """Largest number of keys in a frame, a power of two."""
 MOST = 1_000_000

@@ -9,8 +9,8 @@ import meshcat
 import numpy as np
 import pinocchio as pin
 from meshcat.animation import AnimationClip
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.obstacles.coal_shapes import coal_shape
 from robotraj.problem.constraints.collision_free import CollisionFree
@@ -21,7 +21,6 @@ from robotraj.replay_page.scene.window import PackedTrack, draw
 from robotraj.robot.robot import Robot
 from robotraj.solution.cycles.gait_cycles import GaitCycles
 
-Array = NDArray[np.float64]
 COLOR = (0.85, 0.55, 0.30, 1.0)
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
+
 MOST = 200_000
 """Largest number of triangles of a mesh that is not simplified, above that of any robot of the catalogue."""
 CELLS = 512
@@ -17,7 +19,6 @@ CELLS = 512
 COARSER = 1.25
 """Least growth of the cells from one grid to the next."""
 
-Array = NDArray[np.float64]
 Faces = NDArray[np.integer]
 
 

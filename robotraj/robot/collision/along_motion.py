@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
@@ -19,8 +20,6 @@ from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.solids import Placed, depth, distance, hull_distance, one_inside, touch
 from robotraj.robot.robot import Robot
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int_]
 Motion = Callable[[Array], Array]
 """From times (m,) [s] to configurations (m, nq)."""
 

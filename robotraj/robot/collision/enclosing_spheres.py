@@ -10,12 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from robotraj._util.arrays import Array, Indices
 from robotraj.robot.collision.tessellation import sphere_points, subdivided
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int_]
 
 EXCESS = 0.01
 """Distance beyond the surface that a sphere may protrude [m]."""

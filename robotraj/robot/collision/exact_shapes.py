@@ -6,14 +6,11 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import coal
-import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.robot.collision.link_pairs import candidate_pairs, sampled_configurations
 from robotraj.robot.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 class ExactShape(NamedTuple):

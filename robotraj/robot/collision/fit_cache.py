@@ -6,15 +6,13 @@ import hashlib
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.paths import cache_folder
 from robotraj._util.system.cached_arrays import keep, packed_arrays, unpacked_arrays
 from robotraj._util.system.regular_files import contents
 from robotraj.robot.collision.enclosing_spheres import MOST, Fit, enclose
-
-Array = npt.NDArray[np.float64]
 
 VERSION = 2
 """Version of the cached files; increment it when ``enclose`` changes, so that earlier files are not read."""

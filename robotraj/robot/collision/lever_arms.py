@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 UNLIMITED = 10.0
 """Assumed range of a prismatic joint without limits [m]; the bounds hold inside it."""

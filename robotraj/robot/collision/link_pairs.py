@@ -19,12 +19,12 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.paths import input_path
 from robotraj.robot.robot import Robot
 from robotraj.robot.urdf.xml import read_xml
 
-Array = npt.NDArray[np.float64]
 Pairs = tuple[tuple[str, str], ...]
 
 SAMPLES = 300

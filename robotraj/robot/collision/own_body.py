@@ -12,8 +12,8 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import ROUND_OFF
 from robotraj._util.printing import OneLine
@@ -32,9 +32,6 @@ from robotraj.robot.collision.unguarded import unguarded_links
 from robotraj.robot.neutral import inside
 from robotraj.robot.per_robot import PerRobot
 from robotraj.robot.robot import Robot
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int_]
 
 SAMPLED = 60
 """Number of configurations in which pairs that overlap in the neutral one are compared."""

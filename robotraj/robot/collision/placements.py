@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.robot.coupling.mimics import mimics_of
 from robotraj.robot.robot import Robot
 
-Array = npt.NDArray[np.float64]
 _TINY = 1e-12
 
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -20,9 +20,6 @@ from robotraj.robot.collision.link_pairs import always_touching, candidate_pairs
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.tessellation import HALF_SPACES, triangles_of
 from robotraj.robot.robot import Robot
-
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int_]
 
 
 class ShapeFit(NamedTuple):

@@ -12,6 +12,7 @@ import coal
 import numpy as np
 import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -23,7 +24,6 @@ from robotraj.robot.meshes.winding import Winding
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
-Array = npt.NDArray[np.float64]
 
 MOST_BALLS = 8
 """Largest number of balls around a shape."""

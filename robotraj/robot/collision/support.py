@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj.robot.collision.solids import Solid
-
-Array = npt.NDArray[np.float64]
 
 
 def support(solid: Solid, directions: Array) -> Array:

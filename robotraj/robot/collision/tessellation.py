@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.robot.meshes.convex_hull import thickened
 
 if TYPE_CHECKING:
     import coal
 
-Array = npt.NDArray[np.float64]
 
 SIDES = 24
 """Sides of the prism around a cylinder."""

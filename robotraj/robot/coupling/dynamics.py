@@ -6,10 +6,9 @@ Pinocchio's ABA and energies do not accept mimic joints; its RNEA and centre of 
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
-Array = npt.NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 
 def accelerations(model: pin.Model, data: pin.Data, q: Array, v: Array, applied: Array) -> Array:

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj.robot.coupling.mimics import Mimic
 from robotraj.robot.limits import BOUNDS, Limits
-
-Array = npt.NDArray[np.float64]
 
 CARRIED = ("position", "velocity", "acceleration", "jerk")
 """Quantities whose limits followers pass on. The motor is the leader's, so efforts of followers are no limits."""

@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import names
 from robotraj._util.errors import InputError, unknown_name, warn
 from robotraj.robot.coupling.coupled_model import coupled
@@ -43,8 +43,6 @@ from robotraj.robot.neutral import inside, outside, reference
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import Root, carried, root_of, units_of, with_root
 from robotraj.robot.sides.unlike_limits import sides_note
-
-Array = npt.NDArray[np.float64]
 
 FRICTION_SHARE, FRICTION_SHARE_OF_LEGS = 1 / 640, 1 / 64
 """``friction_speed`` in shares of the highest speed limit of joints with friction.

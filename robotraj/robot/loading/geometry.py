@@ -7,8 +7,9 @@ receives the robot reads them again on first use.
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from copy import deepcopy
@@ -17,22 +18,20 @@ from typing import Protocol
 from xml.etree.ElementTree import Element
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, warn
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.robot.loading.mesh_units import doubted_sizes, scale_by, unit_of
 from robotraj.robot.loading.packages import find_mesh, is_inside, search_folders
 from robotraj.robot.meshes.placed import unread, with_meshes
 from robotraj.robot.meshes.reading import read_meshes
+from robotraj.robot.size.reach import reach
 from robotraj.robot.urdf.balls import without_balls
-from robotraj.robot.urdf.primitives import impossible_size
+from robotraj.robot.urdf.numbers import LARGEST, numbers
 from robotraj.robot.urdf.xml import read_xml
-
-Array = npt.NDArray[np.float64]
 
 TAGS = {pin.GeometryType.VISUAL: "visual", pin.GeometryType.COLLISION: "collision"}
 
@@ -199,3 +198,66 @@ class NoGeometry:
     def stated(self, kind: pin.GeometryType) -> Counter[str]:
         """Return no shapes."""
         return Counter()
+
+
+HEAD = 65_536
+"""Bytes at the beginning of a file in which the unit stands."""
+UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']\s*([0-9.eE+-]+)\s*[\"']")
+LARGE, SMALL = 30.0, 1e-3
+"""Sizes of a mesh relative to the reach of the robot above and below which it is doubted."""
+
+
+def unit_of(path: Path) -> float:
+    """Return the length of the unit of a mesh file [m]: that of COLLADA files, 1 for others."""
+    if path.suffix.lower() != ".dae":
+        return 1.0
+    with path.open("rb") as stream:
+        found = UNIT.search(stream.read(HEAD))
+    try:
+        unit = float(found.group(1)) if found else 1.0
+    except ValueError:
+        return 1.0
+    return unit if 0.0 < unit < np.inf else 1.0
+
+
+def scale_by(mesh: Element, unit: float) -> None:
+    """Multiply the scale of a ``<mesh>`` by a unit [m]."""
+    factors = numbers(mesh.get("scale", "1 1 1"), 3)
+    if unit != 1.0 and factors is not None:
+        mesh.set("scale", " ".join(repr(factor * unit) for factor in factors))
+
+
+def doubted_sizes(model: pin.Model, shapes: pin.GeometryModel) -> list[str]:
+    """Return links whose mesh is far larger or far smaller than the robot, each with the size of the mesh."""
+    span = reach(model)
+    found = []
+    for shape in shapes.geometryObjects if span > 0.0 else ():
+        if not shape.meshPath or type(shape.geometry).__name__ in ("Box", "Sphere", "Cylinder", "Capsule"):
+            continue
+        shape.geometry.computeLocalAABB()
+        size = float(np.max(shape.geometry.aabb_local.max_ - shape.geometry.aabb_local.min_))
+        if np.isfinite(size) and not SMALL * span <= size <= LARGE * span:
+            found.append(f"{model.frames[shape.parentFrame].name} ({size:.3g} m)")
+    return found
+
+
+SIZES: Mapping[str, Sequence[tuple[str, int]]] = {
+    "box": (("size", 3),),
+    "sphere": (("radius", 1),),
+    "cylinder": (("radius", 1), ("length", 1)),
+    "capsule": (("radius", 1), ("length", 1)),
+}
+"""Attributes that are sizes [m], and the number of their numbers."""
+
+
+def impossible_size(shape: Element) -> str | None:
+    """Return what is wrong with the sizes of a <visual> or <collision>; None for a mesh and for sizes of a shape."""
+    for kind, keys in SIZES.items():
+        for element in shape.findall(f"geometry/{kind}"):
+            for key, count in keys:
+                text = element.get(key, "")
+                sizes = numbers(text, count)
+                if sizes is None or not all(0.0 <= size <= LARGEST for size in sizes):
+                    what = "numbers" if count > 1 else "number"
+                    return f"{key}={text[:40]!r} of its {kind} is not {count} {what} from 0 to {LARGEST:g} m"
+    return None

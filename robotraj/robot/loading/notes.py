@@ -6,13 +6,11 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.robot.coupling.mimics import Mimic
 from robotraj.robot.limits import Limits
 from robotraj.robot.size.reach import reach
-
-Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 THINNEST = 1e-4

@@ -8,12 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
-
-Array = npt.NDArray[np.float64]
 
 ALIGNED = {
     "JointModelRUBX": pin.JointModelRX,

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
 from robotraj.robot.loading.chain_names import Chains
 from robotraj.robot.loading.planning_model import PER_VELOCITY, has_free_flyer
 
-Array = npt.NDArray[np.float64]
 Part = tuple[str, pin.JointModel, pin.SE3]
 """Ending of the name, kind, and placement after the part before."""
 

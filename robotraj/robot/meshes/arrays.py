@@ -6,12 +6,11 @@ import coal
 import numpy as np
 import numpy.typing as npt
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.system.cached_arrays import packed_arrays, unpacked_arrays
 from robotraj._util.values import dataclass
 from robotraj.robot.meshes.convex_hull import convex_hull
-
-Array = npt.NDArray[np.float64]
 
 MOST_TRIANGLES = 1_000_000
 FARTHEST = 1e6

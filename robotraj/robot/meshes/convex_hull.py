@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 FLAT = 1e-6
 """Extent along a direction, relative to the largest one, below which points are flat. Qhull's hulls need 1e-7."""

@@ -11,12 +11,10 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.robot.meshes.arrays import MeshArrays
-
-Array = npt.NDArray[np.float64]
 
 FIRST = 1e9
 """Radius of the sphere that stands for the first mesh [m]; that of the next one is 1 larger."""

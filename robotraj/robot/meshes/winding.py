@@ -10,10 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.robot.meshes.arrays import distinct
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

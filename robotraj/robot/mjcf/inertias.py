@@ -14,15 +14,13 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.robot.collision.tessellation import hull_triangles
 from robotraj.robot.meshes.arrays import MeshArrays
 from robotraj.robot.mjcf.defaults import Attributes
 from robotraj.robot.mjcf.placement import Placement
-
-Array = NDArray[np.float64]
 
 DENSITY = 1000.0
 """Of shapes that state neither mass nor density [kg/m^3]."""

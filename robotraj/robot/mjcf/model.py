@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -16,16 +17,15 @@ from robotraj._util.system.regular_files import contents
 from robotraj._util.values import dataclass
 from robotraj.robot.coupling.mimics import Mimic, resolved
 from robotraj.robot.loading.chain_names import Chains
-from robotraj.robot.mjcf.chains import with_single_axes
+from robotraj.robot.loading.single_axes import single_axes
 from robotraj.robot.mjcf.checks import check_names, check_numbers
 from robotraj.robot.mjcf.couplings import active, couplings
-from robotraj.robot.mjcf.defaults import with_defaults
+from robotraj.robot.mjcf.defaults import Attributes, with_defaults
 from robotraj.robot.mjcf.includes import with_includes
 from robotraj.robot.mjcf.inertias import with_inertias
 from robotraj.robot.mjcf.meshes import PlainCopy
 from robotraj.robot.mjcf.motors import motors_of
 from robotraj.robot.mjcf.placement import with_plain_poses
-from robotraj.robot.mjcf.springs import joint_springs
 from robotraj.robot.mjcf.trees import with_names, with_one_tree
 from robotraj.robot.mjcf.unread import check_bodies, without_height_fields
 from robotraj.robot.urdf.lenient import parsed
@@ -165,3 +165,72 @@ def _built(
 
 def _root(path: Path) -> Element:
     return parsed(contents(path, MAX_BYTES, "The MJCF file"))
+
+
+COMPOSITE = "Composite_"
+"""Pinocchio's name of the joints of a body is this and the name of the first one."""
+
+
+def with_single_axes(
+    root: Element, model: pin.Model, shapes: tuple[pin.GeometryModel, pin.GeometryModel]
+) -> tuple[pin.Model, Chains]:
+    """Return the model with joints of one degree of freedom, and the names of balls' parts; move the shapes along.
+
+    The joints of a body keep the names that the file gives them.
+    """
+    chained, chains = single_axes(model)
+    if chained is model:
+        return model, chains
+    for group in shapes:
+        for shape in group.geometryObjects:
+            frame = model.frames[shape.parentFrame]
+            shape.parentFrame = chained.getFrameId(frame.name, frame.type)
+            shape.parentJoint = chained.frames[shape.parentFrame].parentJoint
+    for old, new in _names(root):
+        if chained.existJointName(old):
+            frame = chained.frames[chained.getFrameId(old, pin.FrameType.JOINT)]
+            frame.name = new
+            chained.names[chained.getJointId(old)] = new
+    return chained, {joint: parts for joint, parts in chains.items() if not joint.startswith(COMPOSITE)}
+
+
+def _names(root: Element) -> Iterator[tuple[str, str]]:
+    """Yield the names of the parts of each body's joints, and those of the file."""
+    for body in root.iter("body"):
+        names = [joint.get("name", "") for joint in body.findall("joint")]
+        if len(names) > 1 and all(names):
+            yield from ((f"{COMPOSITE}{names[0]}_{k}", name) for k, name in enumerate(names, 1))
+
+
+def joint_springs(
+    root: Element, joints: Iterable[Attributes], names: Iterable[str]
+) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
+    """Return stiffness and position without torque by joint [N m/rad, rad; N/m, m], and the springs that are not read.
+
+    Springs of ball joints, several stiffnesses at one joint, and springs that are given by their natural frequency or
+    beside another reference than zero are not read.
+
+    Parameters
+    ----------
+    root : Element
+    joints : iterable of attributes
+        Of every joint of the file.
+    names : iterable of str
+        The joints of the model.
+    """
+    compiler, known = root.find("compiler"), set(names)
+    degrees = compiler is None or compiler.get("angle", "degree") == "degree"
+    found: dict[str, tuple[float, float]] = {}
+    unread = []
+    for joint in joints:
+        name, kind = joint.get("name", ""), joint.get("type", "hinge")
+        stiffness, rest = numbers(joint.get("stiffness", "0"), 1), numbers(joint.get("springref", "0"), 1)
+        if "springdamper" not in joint and stiffness is not None and not stiffness[0] > 0.0:
+            continue
+        plain = kind in ("hinge", "slide") and "springdamper" not in joint and name in known
+        zero = numbers(joint.get("ref", "0"), 1)
+        if not plain or stiffness is None or rest is None or zero is None or zero[0] != 0.0:
+            unread.append(name or "a joint without a name")
+            continue
+        found[name] = (stiffness[0], math.radians(rest[0]) if degrees and kind == "hinge" else rest[0])
+    return found, tuple(unread)

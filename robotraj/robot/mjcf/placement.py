@@ -9,11 +9,10 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.robot.mjcf.defaults import Attributes
 
-Array = NDArray[np.float64]
 PLACED = ("body", "geom", "site", "inertial")
 AXES = dict(zip("xyz", np.eye(3), strict=True))
 

@@ -8,14 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.robot.coupling.dynamics import joint_axes
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 from robotraj.robot.sides.other_side import other_side
-
-Array = NDArray[np.float64]
 
 PARALLEL = 1e-3
 """Largest component, off the y axis of the root, of the unit axis of a joint that turns in the plane x-z."""

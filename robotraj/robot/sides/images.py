@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.robot.robot import Robot
 from robotraj.robot.sides.other_side import other_side
-
-Array = npt.NDArray[np.float64]
 
 REFLECTION = np.array([1.0, -1.0, 1.0])
 NEAR = 0.1

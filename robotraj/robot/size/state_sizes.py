@@ -16,9 +16,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
+from robotraj.robot.robot import Robot
+from robotraj.robot.size.reach import reach
 
 SHARE = 0.1
 """Least size of a state relative to the largest range among states of its unit."""
@@ -53,3 +54,16 @@ def state_sizes(units: Sequence[str], values: Array) -> Array:
         alike = np.array([each == unit for each in units], dtype=bool)
         sizes[alike] = np.maximum(sizes[alike], SHARE * ranges[alike].max())
     return np.where(sizes > NOTHING, sizes, 1.0)
+
+
+WINDOW = 0.05
+"""Window of robots of ``SIZE`` or larger [s]: long enough to show an error, too short for gravity to amplify it."""
+WINDOWS = 40
+"""Number of windows of the whole motion of a System."""
+SIZE = 0.35
+"""Reach below which windows are shorter [m]."""
+
+
+def error_window(robot: Robot) -> float:
+    """Return the length of a window [s]; nothing amplifies the errors of a body without reach."""
+    return WINDOW * float(np.sqrt(min(1.0, (reach(robot.model) or SIZE) / SIZE)))

@@ -22,16 +22,14 @@ from typing import Any, Protocol
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.point import AnyPoint
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.phase import Phase
 from robotraj.problem.rows import phase_symbols
 from robotraj.problem.sizes.motion_sizes import controls_that_matter
 from robotraj.robot.size.state_sizes import state_sizes
-
-Array = NDArray[np.float64]
 
 SHARE = 1e-4
 """Least size of an objective relative to what a motion costs that is one size away."""

@@ -28,8 +28,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import integrals, lobatto_sites
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.lazy_values import cached_property
@@ -42,8 +42,6 @@ from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.collocation import Collocation
-
-Array = NDArray[np.float64]
 
 
 def covectors(nlp: Nlp, w: Array, multipliers: Multipliers) -> tuple[PhaseDuals, ...]:

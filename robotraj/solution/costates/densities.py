@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-
-Array = NDArray[np.float64]
 
 STANDS_OUT = 4.0
 """Ratio to the larger density beside it above which a multiplier is an impulse."""

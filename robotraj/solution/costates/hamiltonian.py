@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -20,8 +20,6 @@ from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.row import Row
 from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 ARGUMENTS = ("t", "x", "z", "u", "p", "costate", "nu", "eta")
 

@@ -16,15 +16,13 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solvers.base import LazyMultipliers, Multipliers
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.collocation import Collocation
-
-Array = NDArray[np.float64]
 
 
 def transfer(duals: Sequence[PhaseDuals], nlp: Nlp) -> Multipliers | None:

@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.problem.phase import Phase
@@ -26,8 +26,6 @@ from robotraj.solvers.base import Multipliers
 from robotraj.solvers.kept_multipliers import KeptMultipliers
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Scalars
-
-Array = NDArray[np.float64]
 
 STEP = 1e-4
 """Step of the differences, relative to the number and at least to 1; their error is some 1e-9 of a third derivative."""

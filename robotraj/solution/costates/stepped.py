@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import integrals
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.solution.costates.duals import PhaseDuals
@@ -29,8 +29,6 @@ from robotraj.transcription.extract import PhaseTrajectory, extract
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.lobatto import LobattoIIIA
 from robotraj.transcription.schemes.onestep import OneStep
-
-Array = NDArray[np.float64]
 
 ADJOINT = LobattoIIIA(points=4)
 """Collocates the adjoint equation between the knots: order 6."""

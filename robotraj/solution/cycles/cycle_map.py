@@ -12,8 +12,8 @@ from dataclasses import field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
@@ -23,8 +23,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.root import QUATERNION
 from robotraj.solution.sample import Sample
-
-Array = NDArray[np.float64]
 
 
 class PhaseMotion(Protocol):

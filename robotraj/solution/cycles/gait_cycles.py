@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
@@ -21,8 +22,6 @@ from robotraj.solution.cycles.cycle_map import CycleMap, cycle_map_of
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.sample import Sample
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 MOST = 1_000
 """Largest number of periods."""

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError, unknown_name
@@ -24,7 +23,6 @@ from robotraj.solution.proof import Goals
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
 
-Array = NDArray[np.float64]
 
 HELD = 3
 """Number of periods at rest before and after the motion: a jerk needs four positions."""

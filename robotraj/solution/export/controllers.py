@@ -16,7 +16,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.paths import output_path
 from robotraj._util.system.whole_files import WholeFile
 from robotraj.solution.export.set_points import SetPoints, set_points
-from robotraj.solution.export.texts import cell, yaml_text
+from robotraj.solution.export.times import cell, yaml_text
 
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of
@@ -14,8 +14,6 @@ from robotraj.solution.export.times import sample_times
 
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

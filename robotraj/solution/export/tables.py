@@ -10,20 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.paths import output_path
 from robotraj._util.printing import OneLine
 from robotraj._util.system.whole_files import WholeFile
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
-from robotraj.solution.export.texts import cell
-from robotraj.solution.export.times import sample_times
+from robotraj.solution.export.times import cell, sample_times
 
 if TYPE_CHECKING:
     from robotraj.solution.planned import Planned
 
-Array = NDArray[np.float64]
 TEXTS = (".csv", ".tsv", ".txt", ".dat")
 """Suffixes of tables of CSV: a file of another kind would not open."""
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import number, whole
 from robotraj._util.errors import InputError
 from robotraj._util.printing import brief
-
-Array = NDArray[np.float64]
 
 MOST = 2_000_000
 """Largest number of samples of a file: half an hour of a controller at 1 kHz."""
@@ -48,3 +46,25 @@ def sample_times(start: float, end: float, samples: int | Sequence[float], rate:
             raise InputError(f"samples= is a number of samples or a list of times [s]; got {brief(samples)}.")
         return times
     return np.linspace(start, end, whole("samples", samples, 2, MOST))
+
+
+FORMULAS = ("=", "+", "-", "@", "\t", "\r")
+"""First letters at which a spreadsheet takes a cell for a formula, which may start programs."""
+
+
+def cell(text: str) -> str:
+    """Return the text of a cell of a CSV file; an apostrophe keeps a spreadsheet from computing it."""
+    safe = text.encode("utf-8", "backslashreplace").decode("utf-8")
+    return f"'{safe}" if safe.lstrip(" ").startswith(FORMULAS) else safe
+
+
+def yaml_text(text: str) -> str:
+    """Return a double-quoted text of YAML that reads back as the same text.
+
+    JSON's own escapes write letters beyond U+FFFF as two, which YAML does not join.
+    """
+    letters = (
+        f"\\{letter}" if letter in '"\\' else letter if letter.isprintable() else f"\\U{ord(letter):08x}"
+        for letter in text
+    )
+    return f'"{"".join(letters)}"'

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -17,8 +17,6 @@ from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.solution.feedback.riccati import backwards, transition
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.sample import Times
-
-Array = NDArray[np.float64]
 
 BANDWIDTH = 20.0
 """Bandwidth of the feedback [1/s]: above the rate at which a small robot falls, below the bandwidth of drives."""

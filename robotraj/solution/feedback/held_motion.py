@@ -7,14 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 LOCAL = pin.ReferenceFrame.LOCAL

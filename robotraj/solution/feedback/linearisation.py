@@ -13,16 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.robot.coupling.coupled_model import uncoupled
 from robotraj.robot.coupling.dynamics import accelerations, mass_matrix
 from robotraj.robot.robot import Robot
 from robotraj.solution.feedback.held_motion import HeldRows, held_rows
 from robotraj.symbolic.followers import coordinates
-
-Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
 """Singular values below this, relative to the largest, belong to redundant rows of contacts."""

@@ -12,9 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 
 def transition(rate: Array, push: Array, duration: float) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 KINDS = ("cone", "sole", "torque", "speed")
 PLACES = 9

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, Contact, Wrench
@@ -16,8 +16,6 @@ from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.variable import Scalar, Variable
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

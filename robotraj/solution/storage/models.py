@@ -7,13 +7,12 @@ from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.robot.coupling.mimics import mimics_of
 from robotraj.robot.loading.planning_model import independent_joint
 from robotraj.solution.storage.plain_data import Json
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 JOINTS = 1000

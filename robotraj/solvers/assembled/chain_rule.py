@@ -9,17 +9,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.matrices import entries, summed
 from robotraj.transcription.assembly.block import Block, Chain
 
 if TYPE_CHECKING:
     from robotraj.native import Csr
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

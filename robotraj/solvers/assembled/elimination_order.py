@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Indices
 from robotraj.solvers.stagewise.order import EVER, allowed_stages, with_stages
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
-
-Indices = NDArray[np.int_]
 
 
 def elimination_groups(nlp: Nlp, free: Indices, rows: Indices, columns: Indices, count: int) -> NDArray[np.int32]:

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.solvers.assembled import chain_rule
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     from robotraj.native import Csr
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
-Mask = NDArray[np.bool_]
 
 PUSH = 1e-2
 """Distance of the start from its bounds, relative to the bound and to the range.

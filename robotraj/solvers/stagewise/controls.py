@@ -19,10 +19,10 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.sparse import csr_array
-from robotraj.solvers.stagewise.form import Eliminated, Form, Mask, with_empty_rows, with_rows
+from robotraj.solvers.stagewise.form import Eliminated, Form, with_empty_rows, with_rows
 from robotraj.solvers.stagewise.matrices import array, entries, entries_of, native, summed
 from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
@@ -32,8 +32,6 @@ from robotraj.transcription.assembly.point_functions import PointFunctions
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 _SOLVED: StageCache[PointFunctions] = StageCache()
 

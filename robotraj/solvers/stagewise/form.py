@@ -13,8 +13,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.matrices import below, native, same
@@ -24,10 +24,6 @@ from robotraj.transcription.assembly.triplets import scaled
 if TYPE_CHECKING:
     from robotraj.native import Csr
     from robotraj.transcription.nlp import Nlp
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

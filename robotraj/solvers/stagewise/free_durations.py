@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.sparse import csr_array, vstack
 from robotraj._util.values import dataclass
 from robotraj.dynamics.dae import TimeOrders
@@ -33,8 +33,6 @@ from robotraj.transcription.schemes.mesh import MovingMesh
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 _STRETCHED: StageCache[PointFunctions] = StageCache()
 

@@ -10,8 +10,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
 from robotraj.native.stage_tapes import Pattern, plain
@@ -25,9 +25,6 @@ from robotraj.transcription.assembly.point_functions import PointFunctions
 if TYPE_CHECKING:
     from robotraj.native import Csr
     from robotraj.native._native import Recipe
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

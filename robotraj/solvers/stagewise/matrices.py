@@ -8,16 +8,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.sparse import csr_array
 from robotraj.native.build import load_native
 
 if TYPE_CHECKING:
     from robotraj.native import Csr
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 Entries: TypeAlias = tuple[Indices, Indices, Array]
 """Rows, columns and values."""
 

@@ -11,11 +11,9 @@ with as many equations as unknowns. Multipliers of the bounds of fixed columns f
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.solvers.stagewise.reduction import Reduction
-
-Array = NDArray[np.float64]
 
 
 def recover(reduction: Reduction, y: Array, multipliers: Array) -> tuple[Array, Array]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Indices
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
@@ -24,7 +25,6 @@ from robotraj.transcription.layout import PhaseLayout
 if TYPE_CHECKING:
     from robotraj.native import Csr
 
-Indices = NDArray[np.int_]
 EVER = np.iinfo(np.int32).max
 """Number beyond all stages."""
 

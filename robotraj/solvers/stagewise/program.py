@@ -15,19 +15,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.values import dataclass
 from robotraj.native.build import load_native
-from robotraj.solvers.stagewise.form import Form, Mask
+from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import Entries, array, entries, entries_of, native, summed
 from robotraj.solvers.stagewise.order import Order
 from robotraj.solvers.stagewise.slots import Slots
-from robotraj.transcription.assembly.block import Block, Indices
+from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import scaled
 
 if TYPE_CHECKING:
     from robotraj.native import Chain, Csr, Stacked
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

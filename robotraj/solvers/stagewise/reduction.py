@@ -10,11 +10,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Mask
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.controls import eliminate_controls
-from robotraj.solvers.stagewise.form import Form, Mask
+from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.free_durations import Stretch, stretch
 from robotraj.solvers.stagewise.linear import extract_linear
 from robotraj.solvers.stagewise.order import Order, allowed_stages, order
@@ -27,8 +27,6 @@ from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
-
-Array = NDArray[np.float64]
 
 
 class NotStagewise(Exception):

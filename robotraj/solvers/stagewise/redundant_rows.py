@@ -12,17 +12,15 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Mask
 from robotraj._util.precision import MET, SAME
-from robotraj.solvers.stagewise.form import Form, Mask
+from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import entries
 from robotraj.transcription.assembly.block import Block
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
-
-Array = NDArray[np.float64]
 
 
 def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.values import dataclass
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import entries_of, summed
@@ -21,10 +21,6 @@ from robotraj.solvers.stagewise.order import Order
 
 if TYPE_CHECKING:
     from robotraj.native import Csr
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.solvers.stagewise.reduction import Reduction
 
-Array = NDArray[np.float64]
 Keys = NDArray[np.int64]
 KINDS = 8
 """Keys are KINDS * number + kind."""

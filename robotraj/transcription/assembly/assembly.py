@@ -16,11 +16,12 @@ from threading import Lock
 import casadi as ca
 import numpy as np
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.sparse import csr_array
 from robotraj._util.time_left import used_time
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine, StageMapped
-from robotraj.transcription.assembly.block import Array, Block, Chain, Indices
+from robotraj.transcription.assembly.block import Block, Chain
 from robotraj.transcription.assembly.callbacks import NlpFunction
 from robotraj.transcription.assembly.evaluation import Places, stacked
 

@@ -12,16 +12,13 @@ from collections.abc import Sequence
 from dataclasses import field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.printing import OneLine
 from robotraj._util.sparse import csr_array, expand
 from robotraj._util.values import dataclass
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import scaled
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

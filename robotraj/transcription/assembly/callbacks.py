@@ -7,9 +7,8 @@ from threading import Lock
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from robotraj._util.arrays import Array
 
 
 class NlpFunction(ca.Callback):

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from robotraj._util.arrays import Array, Indices
 from robotraj.native.build import load_native
-from robotraj.transcription.assembly.block import Array, Block, Chain, Indices
+from robotraj.transcription.assembly.block import Block, Chain
 
 if TYPE_CHECKING:
     from robotraj.native import Csr

@@ -6,12 +6,8 @@ from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj.transcription.assembly.point_functions import PointFunctions
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def restricted(stage: PointFunctions, kept: Sequence[int]) -> PointFunctions:

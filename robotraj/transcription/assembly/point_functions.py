@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.time_left import LimitReached, is_limited
 from robotraj.dynamics.contact_terms import SymbolicAddend, extract_addends, insert_graphs
@@ -32,7 +33,6 @@ from robotraj.transcription.assembly.differentiation_cost import (
 if TYPE_CHECKING:
     from robotraj.native._native import RigidTree, StageGraph
 
-Array = NDArray[np.float64]
 Pattern = tuple[NDArray[np.int_], NDArray[np.int_]]
 Symbols: TypeAlias = ca.SX | ca.MX
 

@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.problem.clearance.end_checks import clearances_of
 from robotraj.problem.clearance.pairs import ClearancePairs
@@ -31,9 +31,6 @@ from robotraj.transcription.collocation.ends import widen
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Entry, ScalarTable
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 SIDE = 2e-3
 """Distance beyond the margin that a known motion must keep from the plane of another place [m]."""

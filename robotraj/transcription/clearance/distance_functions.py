@@ -16,8 +16,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.dynamics.point import symbolic_model
@@ -26,8 +26,6 @@ from robotraj.robot.collision.placements import joint_tree
 from robotraj.robot.robot import Robot
 from robotraj.transcription.assembly.point_functions import PointFunctions
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 Clocks = tuple[bool, bool]
 
 _FUNCTIONS: WeakKeyDictionary[Robot, dict[Hashable, DistanceFunction]] = WeakKeyDictionary()

@@ -7,7 +7,6 @@ have some in the next one. All rows are fixed along the known motion, which meet
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.problem.clearance.own_shapes import MARGIN, least_at_ends, own_shapes
@@ -15,8 +14,6 @@ from robotraj.problem.phase import Phase
 from robotraj.robot.collision.along_motion import Motion, pairs_along
 from robotraj.transcription.clearance.supporting_planes import motion_of
 from robotraj.transcription.clearance.surface_rows import FRACTIONS, NearPair, NearSurfaces
-
-Array = NDArray[np.float64]
 
 
 class LinksAlong:

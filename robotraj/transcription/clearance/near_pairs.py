@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.transcription.clearance.proof import Shortfalls
 from robotraj.transcription.clearance.supporting_planes import Motion
 from robotraj.transcription.layout import PhaseLayout
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 SAMPLES = 5
 """Number of places of an interval at which a known motion is evaluated."""

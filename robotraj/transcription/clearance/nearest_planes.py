@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj.dynamics.obstacles.primitives import primitives_of
 from robotraj.native.build import load_native
 from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.robot.collision.placements import joint_tree, placements
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 class Planes(NamedTuple):

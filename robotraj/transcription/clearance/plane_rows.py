@@ -14,8 +14,8 @@ from collections.abc import Hashable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
@@ -33,8 +33,6 @@ from robotraj.transcription.scalar_table import Entry, ScalarTable
 if TYPE_CHECKING:
     from robotraj.transcription.layout import PhaseLayout
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 NEAREST = 2
 """Number of pairs of a joint's shapes, with obstacles or shapes of another joint, that have rows at a knot."""

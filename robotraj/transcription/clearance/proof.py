@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
 from robotraj.problem.clearance.pairs import ClearancePairs
@@ -22,8 +22,6 @@ from robotraj.transcription.interval_limits.bernstein_bounds import coefficients
 if TYPE_CHECKING:
     from robotraj.native._native import SphereTree
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 HALVINGS = 16
 """Number of halvings after which a piece that is not proved counts as a shortfall."""

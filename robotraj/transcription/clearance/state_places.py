@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.onestep import OneStep
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

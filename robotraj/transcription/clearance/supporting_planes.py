@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.clearance.pairs import ClearancePairs
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 Motion = Callable[[Array], tuple[Array, Array]]
 """From fractions of a phase (m,) to positions (m, nq) and times (m,) [s]."""
 

@@ -9,15 +9,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.collision.placements import placements
 from robotraj.robot.collision.solids import Placed, hull_points, surface_points
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 NEAR = 0.03
 """Height above the other surface up to which a point has a row [m]."""

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.robot.robot import Robot
@@ -24,9 +24,6 @@ from robotraj.transcription.clearance.state_places import StateBetween, states_b
 from robotraj.transcription.clearance.surface_points import SurfacePoints, points_between
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Entry, ScalarTable
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 ENDS = 0.1
 """Fraction of a phase in which the margin grows from its value at a fixed end."""

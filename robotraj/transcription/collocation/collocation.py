@@ -22,6 +22,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
+from robotraj._util.curves.polynomials import basis
 from robotraj._util.sparse import csr_array
 from robotraj.dynamics.contact_terms import separate_contact_terms
 from robotraj.dynamics.expression_values import as_rows
@@ -35,20 +37,19 @@ from robotraj.transcription.collocation.index_reduction import (
     rates_of,
 )
 from robotraj.transcription.collocation.invariants import impose_invariants
-from robotraj.transcription.collocation.joined import join_accelerations
 from robotraj.transcription.collocation.symbols import interval_scalars, point_symbols
+from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.interval_limits.bernstein_bounds import impose_on_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
+from robotraj.transcription.layout import PhaseLayout, Run, Scalar, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Collocation
+from robotraj.transcription.schemes.gauss import GaussLegendre
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.smoothness.smoothing import smoothing_rate
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 
 def taus(layout: PhaseLayout) -> Array:
@@ -256,3 +257,27 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
     most = add("greatest length of interval", fractions, -np.inf, mesh.most * shares * total)
     linear.add(most, spans, 1.0)
     subtract(most, layout.duration, mesh.most * shares)
+
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+
+
+def join_accelerations(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
+    """Add the rows of the knots between intervals of joined schemes."""
+    joined = [run for run in layout.runs if _is_joined(run)]
+    if not joined or not is_exact(phase, [run.scheme for run in layout.runs]):
+        return
+    joints = [i for i, variable in enumerate(phase.dae.algebraic) if variable.name.startswith("a.")]
+    variables = [phase.dae.algebraic[i] for i in joints]
+    entries = [Entry(index, "continuity", variable.name, variable.unit) for variable in variables]
+    for run in joined:
+        before, after = basis(run.scheme.nodes, np.array([1.0, 0.0]))
+        at = rows.add(entries, run.start[1:], 0.0, 0.0)
+        for node, (last, first) in enumerate(zip(before, after, strict=True)):
+            linear.spread(at, run.algebraic[:-1, node][:, joints], last)
+            linear.spread(at, run.algebraic[1:, node][:, joints], -first)
+
+
+def _is_joined(run: Run) -> bool:
+    return isinstance(run.scheme, GaussLegendre) and run.scheme.joined

@@ -9,8 +9,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.problem.links.base import BoundLink
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -19,9 +19,6 @@ from robotraj.transcription.layout import PhaseLayout
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.row import Row
@@ -48,9 +49,6 @@ from robotraj.transcription.scalar_table import Entry, ScalarTable
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.phase_row import PhaseRow
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 
 def mayer_block(phase: Phase, layout: PhaseLayout, as_tapes: bool) -> Block | None:

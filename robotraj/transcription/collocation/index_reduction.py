@@ -22,8 +22,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Bounds
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.layout import PhaseLayout
     from robotraj.transcription.schemes.collocation import Scheme
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 HIGHEST = 4
 """Highest order that is reduced. Expressions of higher rates grow, and robots have no such equalities."""

@@ -12,8 +12,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Mask
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.links.base import BoundLink
 from robotraj.problem.rows import RowTable
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.constraints.bounds import Bounds
     from robotraj.problem.phase import Phase
-
-Mask = NDArray[np.bool_]
 
 
 def impose_invariants(

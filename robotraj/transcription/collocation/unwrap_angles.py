@@ -10,12 +10,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from robotraj._util.arrays import Array
 
 if TYPE_CHECKING:
     from robotraj.transcription.nlp import Nlp
 
-Array = NDArray[np.float64]
 
 TURN = 2.0 * np.pi
 SAME = 1e-9

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.ends import widen
@@ -22,9 +22,6 @@ from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.scaling import row_scale
 from robotraj.transcription.schemes.onestep import OneStep
-
-Array = NDArray[np.float64]
-
 
 SWINGS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
 """Extrema of t (t - 1/2) (t - 1)."""

@@ -20,24 +20,21 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.curves.polynomials import basis, integrals
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.feasibility import SLACK
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.layout import Indices, PhaseLayout, Run
+from robotraj.transcription.layout import PhaseLayout, Run
 from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def impose_on_states(

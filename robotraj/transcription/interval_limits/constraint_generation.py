@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import casadi as ca
 import numpy as np
 
+from robotraj._util.arrays import Indices
 from robotraj._util.curves.polynomials import integrals
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.block import Block
@@ -24,7 +25,7 @@ from robotraj.transcription.collocation.symbols import interval_scalars, point_s
 from robotraj.transcription.extract import correction_basis
 from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
-from robotraj.transcription.scalar_table import Entry, Indices, ScalarTable
+from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:

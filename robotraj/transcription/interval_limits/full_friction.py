@@ -17,8 +17,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
@@ -26,11 +26,10 @@ from robotraj.problem.objectives.base import Integral
 from robotraj.transcription.driven_motion import DrivenInputs
 
 if TYPE_CHECKING:
+    from robotraj._util.arrays import Indices
     from robotraj.problem.phase import Phase
-    from robotraj.transcription.driven_motion import Indices
     from robotraj.transcription.extract import PhaseTrajectory
 
-Array = NDArray[np.float64]
 
 STILL = 1e-3
 """Speed below which a joint rests, relative to the speed of the smooth friction."""

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.problem.augmentation import FRICTIONLESS
 from robotraj.problem.constraints.motors.rates import RateLimit
@@ -32,7 +33,6 @@ from robotraj.transcription.interval_limits.row_values import (
     Curve,
     DrivenCurve,
     Expressions,
-    Indices,
     Rates,
     RowValues,
 )
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.variable import Variable
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 PLACES = np.linspace(0.0, 1.0, 49)
 """Places of an interval at which rows are evaluated.

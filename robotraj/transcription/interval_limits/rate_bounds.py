@@ -17,21 +17,19 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.curves.polynomials import basis, differentiation
 from robotraj._util.errors import InputError
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.bernstein_bounds import from_values
-from robotraj.transcription.layout import Indices, PhaseLayout, Run
+from robotraj.transcription.layout import PhaseLayout, Run
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.problem.phase_row import PhaseRow
-
-Array = NDArray[np.float64]
 
 
 def impose_on_rates(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:

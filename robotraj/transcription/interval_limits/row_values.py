@@ -13,6 +13,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.problem.phase_row import PhaseRow
@@ -22,9 +23,6 @@ from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, In
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.interval_limits.full_friction import FullFriction
 from robotraj.transcription.point_values import sampled
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 STEP = 1e-3
 """Step of the differences of torques, relative to the length of the interval."""

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis
 from robotraj._util.precision import SAME
-from robotraj.robot.size.error_window import WINDOWS, error_window
+from robotraj.robot.size.state_sizes import WINDOWS, error_window
 from robotraj.transcription.driven_motion import inputs_of, is_driven
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
@@ -24,8 +24,6 @@ from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-import numpy as np
-from numpy.typing import NDArray
-
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -14,8 +12,6 @@ from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.schemes.shooting import Shooting
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ Persson, Mesh size functions for implicit geometries and PDE-based gradient limi
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
@@ -28,8 +28,6 @@ from robotraj.transcription.refinement.base import Assessment, Refinement, error
 from robotraj.transcription.refinement.split_and_merge import SplitAndMerge
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh
-
-Array = NDArray[np.float64]
 
 SAFETY = 0.25
 """Share of the tolerance that the next mesh should reach."""

@@ -29,8 +29,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.curves.polynomials import gauss
 from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj.dynamics.rigid_body import InverseRigidBody
@@ -42,8 +42,6 @@ from robotraj.transcription.extract import PhaseTrajectory
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int_]
 
 NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies.

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.extract import PhaseTrajectory
@@ -25,7 +25,6 @@ from robotraj.transcription.schemes.collocation import Collocation, Scheme
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 MORE = 8
 """Number of points of the finer rule beyond those of the scheme, for integrands of controls that alternate."""

@@ -17,8 +17,8 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.rows import phase_symbols
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.extract import PhaseTrajectory
     from robotraj.transcription.schemes.collocation import Scheme
 
-Array = NDArray[np.float64]
 
 MORE = 3
 """Number of points of Gauss's rule beyond those of the scheme."""

@@ -16,15 +16,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.path_body import ACCELERATION, SPEED
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.transcription.extract import PhaseTrajectory
 
-Array = NDArray[np.float64]
 
 LASTING = 20.0
 """Number of intervals for which a missing s'' lasts, chosen so that the loss is not underestimated."""

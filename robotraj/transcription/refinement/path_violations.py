@@ -9,8 +9,8 @@ from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.contacts.force_measure import FORCE_SAMPLES, GRAVITY, measure
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.phase_row import PhaseRow
@@ -27,7 +27,6 @@ from robotraj.transcription.interval_limits.row_values import Expressions
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 FORCE_PLACES = 0.5 * (1.0 + np.cos(np.linspace(-np.pi, 0.0, FORCE_SAMPLES)))
 """Places of an interval at which forces of held contacts are measured."""

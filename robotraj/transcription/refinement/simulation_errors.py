@@ -26,12 +26,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss, integrals
 from robotraj._util.precision import SAME
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.error import Residuals
-
-Array = NDArray[np.float64]
 
 SHARE = 0.2
 """Factor on the error of a window to compare it with the error of an interval.

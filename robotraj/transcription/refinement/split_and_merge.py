@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_whole
 from robotraj._util.errors import InputError
 from robotraj._util.precision import ROUND_OFF
@@ -17,8 +18,6 @@ from robotraj.transcription.schemes.integrators import Adaptive
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.schemes.shooting import Shooting
-
-Array = NDArray[np.float64]
 
 BULK = 0.8
 """Share of the controls' coarseness that one refinement removes."""

@@ -18,8 +18,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.transcription.extract import PhaseTrajectory
 
-Array = NDArray[np.float64]
 
 FLAT, JUMP = 1e-3, 0.02
 """Largest change of a constant rate on an interval, and least jump, relative to the limit.

@@ -13,8 +13,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss, legendre_sum
 from robotraj.transcription.refinement.objective_quadrature import MORE, rate_of
 from robotraj.transcription.schemes.collocation import Collocation
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.driven_motion import Inputs
     from robotraj.transcription.extract import PhaseTrajectory
     from robotraj.transcription.schemes.collocation import Scheme
-
-Array = NDArray[np.float64]
 
 
 def unresolved(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], inputs: Inputs) -> Array:

@@ -15,16 +15,14 @@ from abc import ABC, abstractmethod
 from dataclasses import field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, integrals
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.control import Control, PolynomialControl
 from robotraj.transcription.schemes.quadrature import OwnQuadrature, Quadrature
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

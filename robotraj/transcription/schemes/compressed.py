@@ -13,14 +13,12 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import integrals
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.lobatto import HermiteSimpson, legendre_lobatto
 from robotraj.transcription.schemes.onestep import OneStep
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

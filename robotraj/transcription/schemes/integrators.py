@@ -10,14 +10,12 @@ from abc import ABC, abstractmethod
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-
-Array = NDArray[np.float64]
 
 
 class Integrator(OneLine, ABC):

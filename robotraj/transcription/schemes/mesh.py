@@ -7,8 +7,8 @@ from dataclasses import field
 from textwrap import shorten
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_number, is_whole, whole
 from robotraj._util.curves.polynomials import lobatto_sites
 from robotraj._util.errors import InputError
@@ -16,8 +16,6 @@ from robotraj._util.printing import WIDTH, OneLine, as_call
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
-
-Array = NDArray[np.float64]
 
 MOST = 100_000
 """Largest number of intervals; larger problems fill the memory of any machine."""

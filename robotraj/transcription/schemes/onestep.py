@@ -6,14 +6,12 @@ from abc import abstractmethod
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Scheme
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,11 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.collocation import Collocation
-
-Array = NDArray[np.float64]
 
 
 @lru_cache(maxsize=64)

@@ -16,15 +16,13 @@ from dataclasses import field
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.transcription.schemes.control import ConstantControl, Control
 from robotraj.transcription.schemes.integrators import Integrator, RungeKutta4
 from robotraj.transcription.schemes.onestep import OneStep
-
-Array = NDArray[np.float64]
 
 CALLS = {"max_num_dir": 4}
 """Options of functions that are called, not expanded: directions of a derivative function. With CasADi's 64, single

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, lobatto_sites
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
@@ -24,7 +25,6 @@ from robotraj.transcription.shooting.shooting import IntervalSymbols, Rate, inte
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 Added = tuple[int, float, int]
 """Interval, tau and row number."""
 

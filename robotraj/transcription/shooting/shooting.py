@@ -17,6 +17,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
@@ -35,7 +36,6 @@ from robotraj.transcription.schemes.onestep import OneStep
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 Symbols: TypeAlias = ca.SX | ca.MX
 
 

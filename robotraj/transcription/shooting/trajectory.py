@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import lobatto_sites
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj.transcription.layout import PhaseLayout
@@ -15,8 +15,6 @@ from robotraj.transcription.shooting.shooting import Rate
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
-
-Array = NDArray[np.float64]
 
 
 def shot_polynomials(

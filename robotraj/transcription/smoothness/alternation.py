@@ -23,8 +23,8 @@ from weakref import WeakKeyDictionary
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.augmentation import free_of
 from robotraj.transcription.assembly.block import Block
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from robotraj.transcription.extract import PhaseTrajectory
     from robotraj.transcription.layout import PhaseLayout
 
-Array = NDArray[np.float64]
 
 ALTERNATING = 1.0
 """Weight of squares of alternating torques relative to that of squares of torques.

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.teeth import WINDOW, heights
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.transcription.driven_motion import Inputs
     from robotraj.transcription.extract import PhaseTrajectory
-
-Array = NDArray[np.float64]
 
 
 def roughness(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs) -> Array:

@@ -24,15 +24,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.phase_row import Kind
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 STARTS = 12.0
 """Accelerations of a speed in units of its square, over 1 rad or 1 m."""

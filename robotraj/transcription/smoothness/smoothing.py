@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.objectives.duration import Duration
 from robotraj.transcription.smoothness.shared_limits import acceleration_sizes
 from robotraj.transcription.smoothness.sticking import acceleration_weights
@@ -26,7 +26,6 @@ from robotraj.transcription.smoothness.sticking import acceleration_weights
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
 
-Array = NDArray[np.float64]
 
 SMOOTHING = 5e-3
 """The weight epsilon of a proved plan. The loss is of second order: see benchmarks/smoothness.md."""

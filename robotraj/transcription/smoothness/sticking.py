@@ -23,15 +23,14 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.robot.limits import Limits
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
     from robotraj.robot.robot import Robot
 
-Array = NDArray[np.float64]
 
 PRICE = 0.01
 """Cost of the accelerations of the plain motion, relative to ``epsilon`` of that of dry friction.

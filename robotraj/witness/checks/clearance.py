@@ -16,6 +16,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.obstacles.base import Obstacle
@@ -28,7 +29,7 @@ from robotraj.robot.collision.solids import Placed, Solid, depth, one_inside
 from robotraj.robot.robot import Robot
 from robotraj.solution.violation import Violation
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 
 RESOLUTION = 1e-3
 """Longest time between evaluations near contact [s]."""

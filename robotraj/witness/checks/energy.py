@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.coupling.dynamics import kinetic_energy, potential_energy
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
+from robotraj.witness.protocols import PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 QUADRATURE_POINTS = 16

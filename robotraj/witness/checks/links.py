@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
@@ -21,7 +22,7 @@ from robotraj.witness.checks.points import end_of
 from robotraj.witness.checks.watch import Watch
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.plants.sizes import named_sizes
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 
 
 def link_violations(solution: SolutionLike) -> tuple[Violation, ...]:

@@ -8,6 +8,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.point import Point
@@ -20,7 +21,7 @@ from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import RobotSample, robot_sample, system_of
 from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import NumericPoint, system_point
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 
 STEP = 1e-3
 """Step of central differences for rates, relative to the length of the interval."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
@@ -19,7 +20,7 @@ from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import RATE_UNITS
 from robotraj.witness.plants.system_plant import columns
 from robotraj.witness.point import system_point
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples, time_derivative
 
 TORQUE_UNITS = {"rad": "N m", "m": "N"}

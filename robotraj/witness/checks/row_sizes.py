@@ -7,13 +7,14 @@ from functools import reduce
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.problem.sizes.motion_sizes import MotionSizes, same_variables
 from robotraj.witness.checks.watch import Watch
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 
 
 @dataclass(frozen=True, eq=False)

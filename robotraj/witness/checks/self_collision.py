@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.collision_free import disabled_pairs
 from robotraj.problem.phase import Phase
@@ -18,7 +19,7 @@ from robotraj.robot.collision.along_motion import deepest_overlap, least_distanc
 from robotraj.robot.collision.own_body import own_body
 from robotraj.witness.checks.clearance import Clearance, speeds_of
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 
 SWITCHED_OFF = "self_collision=False"
 DESIGN = "its design may move the shapes"

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.curves.teeth import teeth
 from robotraj.witness.planned import limits_of, robot_sample, system_of
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 
 
 class Teeth(NamedTuple):

@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.design.binding import realised
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 
 
 def stored_off(planned: PhaseSolutionLike) -> Array:

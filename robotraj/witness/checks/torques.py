@@ -30,10 +30,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.polynomial import chebyshev
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
-from robotraj.robot.size.error_window import error_window
+from robotraj.robot.size.state_sizes import error_window
 from robotraj.robot.tangent import velocities
 from robotraj.witness.checks.joint_error import JointError
 from robotraj.witness.checks.residual import TORQUE_UNITS
@@ -41,7 +42,7 @@ from robotraj.witness.checks.stored_inputs import stored_off
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.plants.plant import RATE_UNITS
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples, time_derivative
 
 SAMPLES = 17

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.objectives.base import Integral
@@ -18,7 +19,7 @@ from robotraj.witness.checks.watch import Watch
 from robotraj.witness.contacts.soles import sole_watches
 from robotraj.witness.planned import RobotSample, limits_of, robot_sample, system_of
 from robotraj.witness.plants.plant import RATE_UNITS
-from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
+from robotraj.witness.protocols import PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 FEW_SAMPLES = 9

@@ -6,10 +6,10 @@ from dataclasses import field
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.solution.violation import Violation, violated
-from robotraj.witness.protocols import Array
 
 SOLVER_NOISE = 1e-6
 """Largest violation, relative to the size or limit of the row, that is a solver's tolerance and is not listed."""

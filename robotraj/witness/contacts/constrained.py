@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.robot.coupling.dynamics import mass_matrix
-from robotraj.witness.protocols import Array
 
 RANK_TOLERANCE = 1e-5
 """Singular values below this, relative to the largest, belong to redundant rows.

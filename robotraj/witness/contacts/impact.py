@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import of_impulses
@@ -20,7 +21,7 @@ from robotraj.witness.contacts.stance import Instant, Stance
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.plants.of_phase import plant_of
-from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike, SolutionLike
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s", "N^2": "N^2 s^2"}
 

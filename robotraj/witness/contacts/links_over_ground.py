@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
@@ -26,7 +27,7 @@ from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reach
 from robotraj.witness.contacts.ground import SwingingFoot, feet_of_plan
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike, SolutionLike
 from robotraj.witness.sampling import interval_samples
 
 OVERSIZED = "its shape lies below the feet in the neutral configuration and throughout"

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact
@@ -20,7 +21,7 @@ from robotraj.witness.contacts.stance import Instant, Stance, forces_in
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.peak import Peak
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array, PhaseSolutionLike, RobotLike
+from robotraj.witness.protocols import PhaseSolutionLike, RobotLike
 from robotraj.witness.sampling import interval_samples
 
 FORCE_NOISE = 1e-6

@@ -12,6 +12,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.point import FramePoint, Point
 from robotraj.dynamics.row import Row
@@ -22,7 +23,7 @@ from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import ClearancePoint, spots_of
 from robotraj.witness.checks.points import points_of
 from robotraj.witness.checks.watch import Watch
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 from robotraj.witness.sampling import interval_samples
 
 PLACES = np.linspace(0.0, 1.0, 41)[1:-1]

@@ -8,10 +8,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.witness.contacts.constrained import RANK_TOLERANCE, Held, accelerate, impact, project
 from robotraj.witness.numbers import as_numbers
-from robotraj.witness.protocols import Array, RobotLike
+from robotraj.witness.protocols import RobotLike
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

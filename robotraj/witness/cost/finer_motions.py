@@ -12,9 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from robotraj._util.arrays import Array
 from robotraj.guess.from_solution import FromSolution
 from robotraj.native.engines.native import Native
 from robotraj.solution.phase_solution import PhaseSolution, alike
@@ -42,7 +40,6 @@ from robotraj.transcription.transcribe import transcribe
 if TYPE_CHECKING:
     from robotraj.transcription.clearance.clearance_rows import Clearances
 
-Array = NDArray[np.float64]
 
 FINER = 2.0
 """Growth of the number of intervals."""

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from robotraj.witness.protocols import Array
+from robotraj._util.arrays import Array
 
 if TYPE_CHECKING:
     import mujoco

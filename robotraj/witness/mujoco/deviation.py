@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.robot.robot import Robot
 from robotraj.witness.mujoco.roots import RootCoordinates
 from robotraj.witness.plants.plant import RATE_UNITS
-from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.drift import VELOCITY_SCALE, Drift, DriftRow
 
 FLYING_POSITIONS = ("root_x", "root_y", "root_z", "root_rx", "root_ry", "root_rz")

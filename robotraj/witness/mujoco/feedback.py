@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 import scipy
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
@@ -20,7 +21,6 @@ from robotraj.witness.mujoco.feet import landing_feet
 from robotraj.witness.mujoco.linear import LinearPhase
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
 from robotraj.witness.planned import robot_sample
-from robotraj.witness.protocols import Array
 
 PIECE = 0.005
 """Longest time [s] for which gains are constant."""

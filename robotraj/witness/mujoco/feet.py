@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
@@ -30,7 +31,6 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.witness.mujoco.model import wxyz
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.reference_motion import ReferenceMotion
-from robotraj.witness.protocols import Array
 
 if TYPE_CHECKING:
     import mujoco

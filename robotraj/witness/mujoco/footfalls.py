@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj.witness.mujoco.feet import Foot
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.report import FootReport
-from robotraj.witness.protocols import Array
 
 if TYPE_CHECKING:
     import mujoco

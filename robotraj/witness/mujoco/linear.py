@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
 from robotraj.robot.coupling.dynamics import accelerations
@@ -22,7 +23,6 @@ from robotraj.witness.contacts.constrained import Held, accelerate, impact
 from robotraj.witness.mujoco.feet import Foot, place
 from robotraj.witness.mujoco.roots import RootCoordinates
 from robotraj.witness.numbers import as_numbers
-from robotraj.witness.protocols import Array
 
 STEP = 1e-6
 """Finite difference of positions [rad, m] and velocities [rad/s, m/s]."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.robot.coupling.mimics import Mimic, mimics_of
@@ -20,7 +21,7 @@ from robotraj.robot.limits import Limits
 from robotraj.robot.loading.planning_model import independent_joint
 from robotraj.witness.mujoco.coordinates import Coordinates
 from robotraj.witness.mujoco.package import load_mujoco
-from robotraj.witness.protocols import Array, RobotLike
+from robotraj.witness.protocols import RobotLike
 
 if TYPE_CHECKING:
     import mujoco

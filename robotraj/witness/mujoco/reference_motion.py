@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.implicit import BoundImplicitContact
@@ -19,7 +20,7 @@ from robotraj.solution.cycles.cycle_map import CycleMap, cycle_map_of
 from robotraj.solution.cycles.gait_cycles import MOST
 from robotraj.witness.mujoco.roots import QUATERNION, RootCoordinates
 from robotraj.witness.planned import limits_of, robot_sample
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 
 AXES = ("x", "y", "z")
 

@@ -6,11 +6,11 @@ import html
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.witness.colours import coloured
 from robotraj.witness.peak import Peak
-from robotraj.witness.protocols import Array
 from robotraj.witness.report_tables import table, worst_of, wrapped
 from robotraj.witness.simulation.drift import Drift
 from robotraj.witness.simulation.simulate import Simulation

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.witness.mujoco.coordinates import rotation
-from robotraj.witness.protocols import Array
 
 QUATERNION = slice(3, 7)
 """Entries of the quaternion of a floating root in q."""

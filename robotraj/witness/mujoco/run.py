@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.mujoco.deviation import Fall, deviation_of
@@ -27,7 +28,6 @@ from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.mujoco.reference_motion import PeriodPhase, ReferenceMotion
 from robotraj.witness.mujoco.report import SecondOpinion
 from robotraj.witness.peak import peaks
-from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.simulate import Simulation
 
 DIVERGED = 1e6

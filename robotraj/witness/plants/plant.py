@@ -7,9 +7,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.witness.protocols import Array, Settle
+from robotraj.witness.protocols import Settle
 
 RATE_UNITS = {"rad": "rad/s", "m": "m/s"}
 

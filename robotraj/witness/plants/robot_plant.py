@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.coupling.dynamics import accelerations
 from robotraj.robot.robot import Robot
@@ -18,7 +19,7 @@ from robotraj.solution.feedback.linearisation import Linearisation
 from robotraj.witness.contacts.stance import Stance, forces_in
 from robotraj.witness.planned import robot_sample
 from robotraj.witness.plants.plant import RATE_UNITS, Landing
-from robotraj.witness.protocols import Array, PhaseSolutionLike, Settle
+from robotraj.witness.protocols import PhaseSolutionLike, Settle
 
 Feedback = Callable[[Array], Array]
 """``feedback(times)`` returns gains (m, nu, 2 nv) at times (m,)."""

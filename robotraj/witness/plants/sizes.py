@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj.robot.size.state_sizes import state_sizes
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Plant
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 
 PLACES = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Places of every interval at which the motion is sampled for its range."""

@@ -8,13 +8,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj.robot.size.state_sizes import state_sizes
 from robotraj.witness.numbers import as_numbers
 from robotraj.witness.planned import system_of
 from robotraj.witness.plants.plant import Landing
 from robotraj.witness.point import system_point
-from robotraj.witness.protocols import Array, PhaseSolutionLike, Settle, SystemLike
+from robotraj.witness.protocols import PhaseSolutionLike, Settle, SystemLike
 
 ALGEBRAIC_TOLERANCE = 1e-9
 """Largest residual of a solved algebraic equation, in units of 1 + the largest planned |z|."""

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, require_solution
 from robotraj.witness.mujoco.model import mujoco_robot
 from robotraj.witness.mujoco.package import load_mujoco
 from robotraj.witness.planned import limits_of, robot_sample
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.robustness.disturbances import PUSH_TIME, Disturbances
 
 SUBSTEPS = 2

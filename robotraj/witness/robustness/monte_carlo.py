@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine, wrapped
 from robotraj._util.values import dataclass
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.robustness.control_loop import Loop, above_zero, generators, whole
 from robotraj.witness.robustness.disturbances import Disturbances
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -18,7 +19,7 @@ from robotraj.dynamics.design.binding import realised
 from robotraj.solution.feedback.gains import PhaseGains
 from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.plants.sizes import sizes_of
-from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike, SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.open_loop import handed_on

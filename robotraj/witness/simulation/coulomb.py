@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.coupling.dynamics import mass_matrix
@@ -31,7 +32,7 @@ from robotraj.witness.contacts.stance import Stance
 from robotraj.witness.planned import limits_of, robot_sample
 from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.plants.sizes import sizes_of
-from robotraj.witness.protocols import Array, PhaseSolutionLike, SolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike, SolutionLike
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of, merge
 from robotraj.witness.simulation.spans import Motion
 

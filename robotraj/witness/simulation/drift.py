@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.witness.plants.plant import Plant
-from robotraj.witness.protocols import Array
 from robotraj.witness.simulation.spans import Motion
 
 

@@ -17,7 +17,8 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from robotraj.witness.protocols import Array, Settle
+from robotraj._util.arrays import Array
+from robotraj.witness.protocols import Settle
 from robotraj.witness.simulation.spans import Motion, Stopped
 
 Rates = Callable[[float, Array, int], Array]

@@ -15,13 +15,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.design.binding import realised
-from robotraj.robot.size.error_window import WINDOWS, error_window
+from robotraj.robot.size.state_sizes import WINDOWS, error_window
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Plant
 from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.plants.sizes import sizes_of
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.simulation.drift import Drift, DriftRow, merge
 from robotraj.witness.simulation.mirror_image import MIRRORED, mirror_image, mirror_of
 from robotraj.witness.simulation.open_loop import handed_on

@@ -13,10 +13,11 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from robotraj._util.arrays import Array
 from robotraj.problem.links.periodic import Mirror
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.robot.robot import Robot
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 
 REFLECTION = np.diag([1.0, -1.0, 1.0])
 """Reflection in the x-z plane of the world."""

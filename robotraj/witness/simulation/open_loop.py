@@ -7,11 +7,12 @@ from functools import partial
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.witness.plants.of_phase import plant_of
 from robotraj.witness.plants.plant import Landing, Plant
 from robotraj.witness.plants.sizes import sizes_of
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.spans import Span, spans_of

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import DOP853
 
-from robotraj.witness.protocols import Array
+from robotraj._util.arrays import Array
 from robotraj.witness.simulation.spans import Driven, Span
 
 STAGES = DOP853.n_stages

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from robotraj.witness.protocols import Array
+from robotraj._util.arrays import Array
 from robotraj.witness.simulation.spans import Driven, Span, Stopped
 
 GAMMA = 0.25

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.problem.phase import Phase
 from robotraj.problem.rows import phase_symbols
 from robotraj.witness.plants.system_plant import arguments
-from robotraj.witness.protocols import Array, PhaseSolutionLike
+from robotraj.witness.protocols import PhaseSolutionLike
 from robotraj.witness.simulation.spans import Span
 
 TIMES = 2**13

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -16,7 +17,7 @@ from robotraj.robot.coupling.dynamics import accelerations
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import floats, normalised
 from robotraj.robot.tangent import rates as rates_of
-from robotraj.witness.protocols import Array, RobotLike
+from robotraj.witness.protocols import RobotLike
 from robotraj.witness.simulation.integration import Rates, integrate
 from robotraj.witness.simulation.spans import Motion
 

@@ -7,8 +7,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
-from robotraj.witness.protocols import Array
 
 INSIDE = 1e-9
 """Distance from its ends, relative to its length, at which a span is sampled: controls may jump at knots."""

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from robotraj.witness.protocols import Array, Settle
+from robotraj._util.arrays import Array
+from robotraj.witness.protocols import Settle
 from robotraj.witness.simulation import runge_kutta, sdirk
 from robotraj.witness.simulation.spans import Driven, Motion, Span, Stopped
 

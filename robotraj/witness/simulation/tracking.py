@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, require_solution
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -18,7 +19,7 @@ from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.peak import Peak, largest, peaks
 from robotraj.witness.plants.robot_plant import RobotPlant
 from robotraj.witness.plants.sizes import sizes_of
-from robotraj.witness.protocols import Array, SolutionLike
+from robotraj.witness.protocols import SolutionLike
 from robotraj.witness.simulation import drift as drifts
 from robotraj.witness.simulation.drift import Drift, DriftRow, drift_of
 from robotraj.witness.simulation.integration import integrate

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.fixed_mesh.diagnosis.blocked_ends import blocked_ends
+from robotraj.fixed_mesh.diagnosis.explain import blocked_ends
 from robotraj.guess.reaching.branches import nodes_of
 from robotraj.solvers.status import Status
 

@@ -11,14 +11,13 @@ import casadi as ca
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.native.engines.base import Engine, StageMapped
 from robotraj.transcription.assembly.function_parts import solved_for
 from robotraj.transcription.assembly.point_functions import PointFunctions
 
-Array = NDArray[np.float64]
 COUNT = 11
 """Points: more than a pack of eight, and no multiple of it."""
 

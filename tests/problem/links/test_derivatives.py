@@ -7,12 +7,10 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from tests.programs import nlp_of
-
-Array = NDArray[np.float64]
 
 CART = rt.System(
     ["x", "v"], ["u"], lambda point: [point.x["v"], point.u["u"] / point.p["m"] - ca.sin(point.x["x"]) * point.t]

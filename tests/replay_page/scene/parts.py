@@ -1,6 +1,6 @@
 """Parts of one mesh file, as the page reads them."""
 
-from robotraj.replay_page.scene.meshes import Parts, read_meshes
+from robotraj.replay_page.scene.visuals import Parts, read_meshes
 
 
 def read_mesh(path: str) -> Parts:

@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.robot.size.error_window import WINDOW, error_window
 from robotraj.robot.size.reach import reach
+from robotraj.robot.size.state_sizes import WINDOW, error_window
 
 
 def chain(*lengths: float) -> rt.Robot:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import robotraj as rt
-from robotraj.solution.export.texts import FORMULAS, cell, yaml_text
+from robotraj.solution.export.times import FORMULAS, cell, yaml_text
 
 NAMES = ["=cmd|' /C calc'!A0", "+1+1", "-2", "@SUM(A1)", "\tx", "\r=1", " =1", "q", "joint 1", "é", "\U0001f916"]
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.solvers.stagewise.program import StageProgram
 from robotraj.solvers.stagewise.reduction import NotStagewise, Reduction, reduce
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
@@ -17,7 +18,6 @@ from robotraj.transcription.interval_limits.row_places import AddedRow
 from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
-Array = NDArray[np.float64]
 MESHES = {
     "HermiteSimpson": rt.Mesh(3, rt.HermiteSimpson()),
     "Trapezoidal": rt.Mesh(4, rt.schemes.Trapezoidal()),

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.solvers.stagewise.reduction import reduce
 from robotraj.transcription.reuse import transcribed_again
 from tests.programs import nlp_of
 
-Array = NDArray[np.float64]
 HEIGHT = 0.3
 LEVEL = rt.FramePosition("tool0", {"z": HEIGHT})
 MESH = rt.Mesh(12)

@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 import robotraj as rt
 from robotraj.solvers.stagewise.reduction import reduce
 from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import EVERY
 
-Array = NDArray[np.float64]
 EQUAL = rt.Mesh(24)
 TWO_LENGTHS = rt.Mesh(np.append(np.arange(12) / 64, np.arange(3, 17) / 16))
 ONE_APART = rt.Mesh(np.append(np.linspace(0, 0.5, 12), np.linspace(0.52, 1, 12)))

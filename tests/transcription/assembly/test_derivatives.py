@@ -8,13 +8,12 @@ from threading import Lock
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.transcription.assembly.callbacks import NlpFunction
 from tests.programs import nlp_of
 
-Array = NDArray[np.float64]
 STEP = 1e-5
 
 

@@ -9,16 +9,14 @@ import cloudpickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.transcription.collocation.index_reduction import path_equalities
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import transcribed_again
 from tests.programs import nlp_of
-
-Array = NDArray[np.float64]
 
 SCHEMES: list[tuple[Any, int]] = [
     (rt.HermiteSimpson(), 20),

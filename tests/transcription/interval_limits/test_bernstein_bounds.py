@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis
 from robotraj.fixed_mesh.between.nlp_violations import violations
 from robotraj.solvers.base import Solver
@@ -21,7 +21,6 @@ from tests.programs import nlp_of
 from tests.solvers.stagewise.problems import block, hurried_arm
 from tests.transcription.assembly.test_derivatives import assert_close, differences, somewhere
 
-Array = NDArray[np.float64]
 SCHEMES: dict[str, Scheme] = {
     "Hermite-Simpson": rt.HermiteSimpson(),
     "fifth degree": rt.schemes.FifthDegree(),

@@ -7,16 +7,14 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import robotraj as rt
+from robotraj._util.arrays import Array
 from robotraj.transcription.extract import extract
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.row_places import AddedRow
 from tests.programs import nlp_of
-
-Array = NDArray[np.float64]
 
 SCHEMES = {
     "multiple, constant": rt.schemes.MultipleShooting(rt.schemes.RungeKutta4(2)),

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from robotraj.applications.many.options import GuessedChoices
 
-Array = NDArray[np.float64]
 Posed = Problem | Phase
 Make = Callable[[Any], Posed | Sequence[Posed]]
 

@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from robotraj._util.arrays import Array
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from robotraj.applications.many.options import Choices, GuessedChoices
     from robotraj.applications.replanning.replan import Replan
 
-Array = NDArray[np.float64]
 Case = Mapping[str, float]
 
 ANSWERED = 16

@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.applications.many.one_of_many import continued, planned
 from robotraj.guess.from_solution import FromSolution
@@ -29,7 +29,6 @@ from robotraj.transcription.transcribe import start_of
 if TYPE_CHECKING:
     from robotraj.applications.many.options import GuessedChoices
 
-Array = NDArray[np.float64]
 Case = Mapping[str, float]
 
 RESERVE = 4.0

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.applications.studies.rows import CASE, CURVES, KNOTS
 from robotraj.applications.studies.store import Store
 from robotraj.solvers.checks import above_zero
-
-Array = NDArray[np.float64]
 
 QUATERNION = slice(3, 7)
 """Place of the root's quaternion in q of a floating robot."""

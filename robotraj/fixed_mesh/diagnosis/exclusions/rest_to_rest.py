@@ -21,8 +21,8 @@ from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj.dynamics.terrain.flat import Flat
 from robotraj.fixed_mesh.diagnosis.exclusions.slipping import PRESERVING, margin_text
 from robotraj.problem.constraints.base import Where
@@ -30,8 +30,6 @@ from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
 from robotraj.solution.conflict import Conflict, with_room
-
-Array = NDArray[np.float64]
 
 
 def slipping_motions(problem: Problem) -> tuple[Conflict, ...]:

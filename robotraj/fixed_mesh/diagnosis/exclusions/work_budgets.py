@@ -26,8 +26,8 @@ from typing import cast
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.precision import MET, SAMPLES
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import ForwardRigidBody, InverseRigidBody
@@ -41,8 +41,6 @@ from robotraj.robot.coupling.dynamics import kinetic_energy, potential_energy
 from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import difference
 from robotraj.solution.conflict import NOTICED, ROOM_OF_DURATION, Conflict, with_room
-
-Array = NDArray[np.float64]
 
 SIZES = (1e-2, 1.0, 1e2)
 """Sizes of the speeds and torques that are drawn [SI]."""

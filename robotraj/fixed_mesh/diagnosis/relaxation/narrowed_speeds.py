@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robotraj._util.errors import RobotrajError
 from robotraj.fixed_mesh.coarse import CoarseSolves
@@ -24,8 +23,6 @@ from robotraj.robot.limits import Limits
 from robotraj.solution.conflict import NOTICED, Conflict, with_room
 from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.solution import Solution
-
-Array = NDArray[np.float64]
 
 WIDTHS = (np.inf, 4.0, 2.0, 1.5, 1.2, 1.1, 1.05, 1.0)
 """Factors on the speed limits, one after the other."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Angle, Row
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from robotraj.dynamics.dae import Dynamics
     from robotraj.dynamics.point import RobotPoint
     from robotraj.problem.scalars import Scalar
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
