@@ -71,7 +71,7 @@ class OpenEnd:
         low, high = np.maximum(self.lower, near - np.pi), np.minimum(self.upper, near + np.pi)
         low, high = np.minimum(low, self.upper), np.maximum(high, self.lower)
         seeds = np.vstack([near, rng.uniform(low, np.maximum(low, high), (SEEDS - 1, len(near)))])
-        q, missed = self._descended(seeds)
+        q, missed = self._met(seeds)
         found = q[missed < MET]
         if not len(found):
             return found
@@ -115,7 +115,7 @@ class OpenEnd:
             away = pulls[:, None] * np.eye(len(near))
             return np.hstack([missed, PULL * time * np.abs(time)]), np.concatenate([slopes, away], axis=1)
 
-        moved, left = self._descended(descended(errors, q, (self.lower, self.upper))[0])
+        moved, left = self._met(descended(errors, q, (self.lower, self.upper))[0])
         better = (left < MET) & (self.seconds(near, moved) < self.seconds(near, q))
         return np.where(better[:, None], moved, q)
 
@@ -131,6 +131,19 @@ class OpenEnd:
         missed = np.clip(values, lower, upper) - values
         active = (missed != 0.0) | (lower == upper)
         return missed, np.array(slopes).reshape(len(every), len(q), -1).swapaxes(0, 1) * active[..., None]
+
+    def _met(self, q: Array) -> tuple[Array, Array]:
+        """Return configurations (m, nq) where equations hold, and then all rows, and their largest violations (m,).
+
+        Bounds that hold where the equations do would hold back the steps to them, such as those of narrow angles.
+        """
+        equations = [row.lower == row.upper or row.selects_root for _, rows in self.parts for row in rows]
+
+        def errors(at: Array) -> tuple[Array, Array]:
+            missed, slopes = self._errors(at)
+            return missed[:, equations], slopes[:, equations]
+
+        return self._descended(descended(errors, q, (self.lower, self.upper))[0])
 
     def _descended(self, q: Array, steps: int = STEPS) -> tuple[Array, Array]:
         """Return configurations (m, nq) where the rows hold as far as possible, and their largest violations (m,)."""

@@ -99,6 +99,17 @@ def test_an_unreachable_pose_keeps_the_line_of_its_bounds(arm):
     assert np.isnan(last).all() and np.allclose(first, 0.1)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_narrow_angle_about_the_pose_leaves_the_fastest_branch(arm, seed):
+    """Its row is some hundred times as steep as those of the pose."""
+    phase, _, q1 = _reach(arm, seed)
+    along = _pose(arm, q1).rotation[:, 2]
+    narrow = rt.AtEnd(rt.constraints.FrameAxis("tool0", axis=(0, 0, 1), direction=along, angle=np.deg2rad(0.1)))
+    both = phase.with_(constraints=[*phase.constraints, narrow])
+    (_, last), (_, same) = (reached_ends(rt.Problem([each]))[0] for each in (phase, both))
+    np.testing.assert_allclose(same, last, atol=1e-4)
+
+
 def test_a_branch_at_which_links_overlap_is_left_for_another_one():
     """The wrist reaches into the upper arm at the fastest branch; another branch has the same pose without that."""
     arm = rt.load("ur5")
