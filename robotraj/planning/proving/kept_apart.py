@@ -23,13 +23,15 @@ from robotraj.planning.proving.among_spheres import among_spheres
 from robotraj.planning.proving.correction import STOPPED, PlanAttempt, short_of
 from robotraj.planning.proving.free_solution import GAIN, SHALLOW, FreeSearch
 from robotraj.planning.proving.held_back import held_back
-from robotraj.planning.proving.own_overlaps import OVERLAPS, Overlap, OwnOverlaps, motion_of
+from robotraj.planning.proving.own_overlaps import OVERLAPS, OwnOverlaps, motion_of
+from robotraj.planning.proving.search_settings import PUSHES, SearchSettings, coarsely
 from robotraj.planning.proving.soft_friction import softest
 from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.solution.claims.objective_size import objective_size
 from robotraj.solution.records import Lack
-from robotraj.solution.settings import Restarts, Settings
+from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 
 if TYPE_CHECKING:
@@ -40,8 +42,6 @@ SEEDS = 4
 way around the overlaps; one that keeps spheres around the links apart; and another between its ends."""
 SOLVES = 6
 """Largest number of solves on the coarse mesh along one such motion."""
-PUSHES = 2
-"""The same along a motion that overlaps, which share the iterations of the plan without rows."""
 NONE_YET = (np.inf, np.inf)
 """Depths of overlaps, in sum, of the last two plans with rows.
 
@@ -86,12 +86,12 @@ class KeptApart:
     """
 
     def __init__(self, problem: Problem, settings: Settings) -> None:
-        self._problem, self._settings = problem, settings
+        self._problem, self._search = problem, SearchSettings(settings)
         self._overlaps = OwnOverlaps(problem)
         self._stage: _Coarse | _Plan | _AmongSpheres | _Closer | None = None
         self._rows: Sequence[NearSurfaces | None] = ()
         self._open: list[dict[int, float]] = [{} for _ in problem.phases]
-        self._seed = self._patience = 0
+        self._seed = 0
         self._was_proved = False  # the plan before, but for its overlaps
 
     def from_guess(self, guess: InitialGuess | Solution | None) -> PlanAttempt | None:
@@ -101,20 +101,15 @@ class KeptApart:
         """
         if not isinstance(guess, Solution) or guess.proof is None or not guess.proof.holds:
             return None
-        phases = self._problem.phases
-        if len(guess.phases) != len(phases) or any(
-            part.phase.robot is None
-            or phase.robot is None
-            or part.phase.robot.position_names != phase.robot.position_names
-            for part, phase in zip(guess.phases, phases, strict=True)
-        ):
+        names = [_positions_of(part.phase) for part in guess.phases]
+        if None in names or names != [_positions_of(phase) for phase in self._problem.phases]:
             return None
         motions = [motion_of(part) for part in guess.phases]
         pairs = [self._overlaps.touching(number, motion) for number, motion in enumerate(motions)]
         if not any(pairs):
             return None
         search = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, pairs, guess)
-        return self._planned(_Plan(search, NONE_YET), guess, self._plainly, "", "rows of the guess")
+        return self._planned(_Plan(search, NONE_YET), guess, self._search.from_known, "", "rows of the guess")
 
     def next_attempt(self, found: Solution, dropped: Solution | None) -> PlanAttempt | None:
         """Return the next plan where links overlap along a solution; None where none is left to try.
@@ -125,7 +120,8 @@ class KeptApart:
             return None
         stage, self._stage = self._stage, None
         self._was_proved = found.proof is not None and found.proof.holds
-        self._patience = self._patience or max(PATIENCE, found.iterations)
+        if self._seed == 0:
+            self._search = replace(self._search, patience=max(PATIENCE, found.iterations))
         if isinstance(stage, _Closer) and dropped is None:
             self._rows = stage.search.surfaces
         if dropped is None:
@@ -174,7 +170,7 @@ class KeptApart:
             return found
         stopped = found.status in STOPPED
         overlaps = self._overlaps.at_known_times(found, self._open) if stopped else self._overlaps.deepest(found)
-        movable = any(self._is_movable(each) for each in overlaps)
+        movable = any(self._overlaps.is_movable(each) for each in overlaps)
         depth = max((each.depth for each in overlaps), default=0.0)
         return short_of(found, depth, list(map(self._overlaps.violation, overlaps)), is_met=not movable)
 
@@ -190,11 +186,10 @@ class KeptApart:
     def _on_coarse(self, stage: _Coarse, lacked: str, why: str) -> PlanAttempt:
         """Return the next solve on the coarse mesh."""
         self._stage, search = stage, stage.search
-        own = self._coarsely(self._on_way(stage.from_routes))
+        own = coarsely(self._search.nearby(stage.from_routes))
         if isinstance(search.start, Solution):
             own = replace(own, solver=own.solver.from_nearby())
-        soft = softest(self._problem)
-        return PlanAttempt(soft, search.start, own, search.surfaces, lacked, why, is_single=True)
+        return PlanAttempt(softest(self._problem), search.start, own, search.surfaces, lacked, why, is_single=True)
 
     def _after_coarse(self, solution: Solution, stage: _Coarse) -> PlanAttempt | None:
         """Return what follows from a solve on the coarse mesh: a further one, or the plan from the best of them."""
@@ -208,13 +203,9 @@ class KeptApart:
                 return self._on_coarse(further, OVERLAPS if any(hit) else "", "rows along the free motion")
         if search.best is None:
             return None
-        own = self._plainly if stage.from_routes else self._on_way(False)
+        own = self._search.from_known if stage.from_routes else self._search.nearby(False)
         plan = self._planned(_Plan(search, NONE_YET), search.best, own, "", "the plan from the free motion")
         return plan._replace(is_brief=not stage.from_routes)
-
-    def _on_way(self, from_routes: bool) -> Settings:
-        """Return settings of solves along routes, or along the motion that overlaps."""
-        return self._briefly(self._patience if from_routes else self._patience // PUSHES)
 
     def _planned(self, stage: _Plan, guess: Solution, settings: Settings, lacked: str, why: str) -> PlanAttempt:
         """Return the plan with the rows of a search."""
@@ -229,7 +220,8 @@ class KeptApart:
             return further
         # The rows at which the best free solution ended keep a finer one near it.
         last = _Plan(replace(behind, best=None, behind=None), NONE_YET)
-        return self._planned(last, best, self._plainly, OVERLAPS, "the rows before it")._replace(is_brief=False)
+        attempt = self._planned(last, best, self._search.from_known, OVERLAPS, "the rows before it")
+        return attempt._replace(is_brief=False)
 
     def _further(self, found: Solution, plan: _Plan) -> PlanAttempt | None:
         """Return the plan with further rows along a plan that overlaps, on its meshes; None where they do not help."""
@@ -238,21 +230,8 @@ class KeptApart:
         if deep > (1.0 - GAIN) * max(plan.deep):
             return None
         search = plan.search.overlapped([motion_of(part) for part in found.phases], depths)
-        settings = replace(self._briefly(self._patience), mesh=tuple(part.mesh for part in found.phases))
-        return self._planned(_Plan(search, (plan.deep[1], deep)), found, settings, OVERLAPS, "further rows")
-
-    def _coarsely(self, settings: Settings) -> Settings:
-        """Return settings of a solve whose solution is a guess."""
-        return replace(settings, interval_limits=replace(settings.interval_limits, rounds=0))
-
-    @property
-    def _plainly(self) -> Settings:
-        """Settings of a plan from a known motion."""
-        return replace(self._settings, restarts=Restarts(0))
-
-    def _briefly(self, iterations: int) -> Settings:
-        """Return settings of a plan near a known one."""
-        return replace(self._plainly, solver=self._settings.solver.at_most(iterations))
+        own, further = self._search.on_meshes_of(found, True), _Plan(search, (plan.deep[1], deep))
+        return self._planned(further, found, own, OVERLAPS, "further rows")
 
     def _from_seed(self, found: Solution) -> PlanAttempt | None:
         """Return the first solve from the next motion; None without one."""
@@ -273,7 +252,7 @@ class KeptApart:
         if problem is None:
             return None
         self._stage = _AmongSpheres()
-        own = self._coarsely(self._plainly)
+        own = coarsely(self._search.from_known)
         return PlanAttempt(problem, None, own, (), OVERLAPS, "spheres around the links", is_single=True)
 
     def _after_spheres(self, solution: Solution) -> PlanAttempt | None:
@@ -291,17 +270,17 @@ class KeptApart:
 
     def _closer(self, found: Solution, search: FreeSearch) -> PlanAttempt | None:
         """Return the plan with rows along the one before it; None where its own rows hardly hold it back."""
-        assert self._settings.goals is not None
-        goal = self._settings.goals.objective
+        goals = self._search.own.goals
+        assert goals is not None
         size = objective_size(found.phases, found.objective)
         cost = held_back(found, self._overlaps.bodies) / size
-        if cost <= goal:
+        if cost <= goals.objective:
             return None
         motions = [motion_of(part) for part in found.phases]
         along = FreeSearch.begin(self._problem, self._overlaps.bodies, motions, True, search.pairs, found)
-        self._stage = _Closer(along, found.objective - goal * size)
-        own = replace(self._on_way(False), mesh=tuple(part.mesh for part in found.phases))
-        lacked = str(Lack("objective that rows between links may cost", cost, goal))
+        self._stage = _Closer(along, found.objective - goals.objective * size)
+        own = self._search.on_meshes_of(found, False)
+        lacked = str(Lack("objective that rows between links may cost", cost, goals.objective))
         return PlanAttempt(self._problem, found, own, along.surfaces, lacked, "rows along the plan")
 
     def _has_routes(self, found: Solution) -> bool:
@@ -316,6 +295,7 @@ class KeptApart:
             depth <= SHALLOW for own, known in zip(lined, depths, strict=True) if own for depth in known.values()
         )
 
-    def _is_movable(self, each: Overlap) -> bool:
-        phase = self._problem.phases[each.phase]
-        return phase.path is None and phase.robot is not None and phase.robot.root == "fixed"
+
+def _positions_of(phase: Phase) -> tuple[str, ...] | None:
+    """Return the names of the positions of a phase's robot; None for a System."""
+    return None if phase.robot is None else tuple(phase.robot.position_names)

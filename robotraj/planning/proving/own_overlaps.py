@@ -127,6 +127,11 @@ class OwnOverlaps:
         assert body is not None
         return Violation(phase.name, "clearance", body.label(each.pair), each.time, each.depth, "m", 0.0, "under", 1.0)
 
+    def is_movable(self, each: Overlap) -> bool:
+        """Whether rows may move the links of an overlap: those of an arm that is on no given path."""
+        phase = self._problem.phases[each.phase]
+        return phase.path is None and phase.robot is not None and phase.robot.root == "fixed"
+
     def _near(self, number: int, part: PhaseSolution, every: bool) -> list[Near]:
         body, robot = self.bodies[number], part.phase.robot
         if body is None or robot is None:

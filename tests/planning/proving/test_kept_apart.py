@@ -161,7 +161,6 @@ def test_rows_that_gain_nothing_but_rounding_are_not_fixed_anew(monkeypatch: pyt
     phase = rt.Phase(rt.load("ur5"), 1.0, wrist(0.6), wrist(2.4), rt.Effort(), self_collision=False)
     solution, problem = rt.plan(phase), rt.Problem([phase.with_(self_collision=True)])
     apart = KeptApart(problem, solution.settings)
-    apart._patience = PATIENCE
     pairs, motion = apart._overlaps.of(0, solution.phases[0]), motion_of(solution.phases[0])
     search = FreeSearch.begin(problem, apart._overlaps.bodies, [motion], False, [pairs], solution)
     depths = iter([0.03 * (1.0 - 1e-12) ** k for k in range(9)])
