@@ -107,3 +107,47 @@ def check_ground_repeats(
                     f"{'higher' if off > 0 else 'lower'} under {foot!r} than the gait. Gaits repeat on level ground, "
                     "on slopes and on regular stairs; write other motions with rt.gait.sequence."
                 )
+
+
+def check_free_root(robot: Robot) -> None:
+    """Refuse a robot that is fixed in the world.
+
+    Raises
+    ------
+    InputError
+        Its root is fixed.
+    """
+    if robot.root == "fixed":
+        raise InputError(
+            f"{robot.name!r} is fixed in the world; load it with root='floating', or root='planar' for motion in the "
+            "x-z plane."
+        )
+
+
+def step_timing(
+    length: float | None, duration: TimeSpan | None, speed: float | None, what: str
+) -> tuple[float, TimeSpan]:
+    """Return step length [m] and duration [s] from two of length, duration and speed.
+
+    Raises
+    ------
+    InputError
+        Not exactly two of them are given, or they are no numbers.
+    """
+    if sum(value is not None for value in (length, duration, speed)) != 2:
+        raise InputError(f"rt.gait.{what} needs two of step_length=, duration= and speed=; give exactly two.")
+    if length is not None:
+        advice = "A free length is a displacement: repeat=rt.Periodic(displacement={'q.root_x': rt.between(...)})."
+        length = number(length, f"rt.gait.{what}(step_length)", advice=advice)
+    if speed is None:
+        assert length is not None and duration is not None
+        return length, duration
+    speed = number(speed, f"rt.gait.{what}(speed)", "m/s")
+    if length is None:
+        if isinstance(duration, Sequence):
+            raise InputError(f"rt.gait.{what}: duration= is {duration!r} beside speed=; give one number [s].")
+        time = number(duration, f"rt.gait.{what}(duration)", "s")
+        return speed * time, time
+    if not speed > 0.0:
+        raise InputError(f"rt.gait.{what}: speed= is {speed!r} beside a step length; give a positive speed [m/s].")
+    return length, length / speed

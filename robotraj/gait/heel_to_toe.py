@@ -16,10 +16,10 @@ from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.gait.bounds.margins import MARGIN
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
-from robotraj.gait.checks import TimeSpan, positive
+from robotraj.gait.checks import TimeSpan, positive, step_timing
 from robotraj.gait.feet import FootKind, foot_contact
 from robotraj.gait.phase_sequence import split_duration
-from robotraj.gait.repetition import checked_feet, on_ground, repeating, step_timing
+from robotraj.gait.repetition import checked_feet, on_ground, repeating
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective

@@ -16,7 +16,7 @@ from robotraj.gait.bounds.margins import checked_margin, contact_with, limits_wi
 from robotraj.gait.bounds.swing_clearance import partners_of, swing_clearance
 from robotraj.gait.bounds.turning import Turning
 from robotraj.gait.capability.leg_reach import check_swing
-from robotraj.gait.checks import TimeSpan, check_options, number
+from robotraj.gait.checks import TimeSpan, check_free_root, check_options, number
 from robotraj.gait.dependent_feet import held_attitude
 from robotraj.gait.feet import foot_contact
 from robotraj.gait.posture import gait_objective, haste, posture_objective
@@ -69,11 +69,7 @@ def sequence(
     InputError
         The root of the robot is fixed, or the clearance is negative.
     """
-    if robot.root == "fixed":
-        raise InputError(
-            f"{robot.name!r} is fixed in the world; load it with root='floating', or root='planar' for motion in the "
-            "x-z plane."
-        )
+    check_free_root(robot)
     check_options(repeat, terms.upright)
     if not supports or not all(isinstance(support, Support) for support in supports):
         raise InputError(

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact, copied, has_field
@@ -18,7 +21,7 @@ from robotraj.gait.capability.leg_samples import greatest_friction
 from robotraj.gait.capability.leg_speed import check_speed, standing_shares
 from robotraj.gait.capability.swing_time import check_swing_time
 from robotraj.gait.capability.weight import check_weight
-from robotraj.gait.checks import TimeSpan, check_ground_repeats, check_options, number
+from robotraj.gait.checks import check_free_root, check_ground_repeats, check_options
 from robotraj.gait.feet import FootKind, feet_of, foot_contact
 from robotraj.gait.mirroring.common_limits import joint_without_common_limits
 from robotraj.gait.mirroring.heading import check_heading, check_up, leg_pairs
@@ -34,6 +37,8 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
+
+Array = NDArray[np.float64]
 
 
 def repeating(
@@ -72,15 +77,16 @@ def repeating(
         reach.
     """
     check_options(repeat, terms.upright)
-    check_step(robot, phases, length, steps)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
+    stands = _standing(robot, terms, sides)
+    check_step(robot, phases, length, steps, terms, stands[1])
     if repeat is None:
         repeat = _symmetric_repeat(robot, sides)
     if isinstance(repeat, Periodic):
         other = [Support(tuple(sides[f] for f in p.feet), p.duration, f"{p.name}, other side", p.kinds) for p in phases]
         moved = _moved(robot, sides, repeat, 2.0 * length, terms.ground)
         problem = sequence(robot, [*phases, *other], terms, moved, passes=sides)
-        _check_legs(robot, problem, phases, parts, sides, terms, length, steps)
+        _check_legs(robot, problem, phases, parts, sides, terms, length, steps, stands)
         return _in_shares(problem, [*parts, *parts])
     both = repeat.partner_of
     for foot in sides:
@@ -90,8 +96,15 @@ def repeating(
                 "rt.gait.mirror(robot, partners=...)."
             )
     problem = sequence(robot, phases, terms, _moved(robot, sides, repeat, length, terms.ground))
-    _check_legs(robot, problem, phases, parts, sides, terms, length, steps)
+    _check_legs(robot, problem, phases, parts, sides, terms, length, steps, stands)
     return _in_shares(problem, parts)
+
+
+def _standing(robot: Robot, terms: GaitTerms, feet: Iterable[str]) -> tuple[BalancedStance, Array]:
+    """Return the inverse kinematics of all feet, and the standing configuration (nq,)."""
+    check_free_root(robot)
+    stance = BalancedStance(robot, tuple(foot_contact(terms.contact, foot).bound_to(robot) for foot in feet))
+    return stance, standing(stance)
 
 
 def _check_legs(
@@ -103,14 +116,14 @@ def _check_legs(
     terms: GaitTerms,
     length: float,
     steps: int,
+    stands: tuple[BalancedStance, Array],
     whole: bool = False,
 ) -> None:
     """Refuse a gait whose phases in one half are too fast for the legs, or in which they cannot carry the robot.
 
     The phases, the length and the steps are those of a ``whole`` stride where no half is mirrored.
     """
-    stance = BalancedStance(robot, tuple(foot_contact(terms.contact, foot).bound_to(robot) for foot in sides))
-    posture, margin = standing(stance), checked_margin(terms.margin)
+    (stance, posture), margin = stands, checked_margin(terms.margin)
     spans = [phase.duration_bounds for phase in problem.phases[: len(phases)]]
     half, time = 0.5 if whole else 1.0, sum(longest for _, longest in spans)
     friction, feet = greatest_friction(stance), sorted(sides)
@@ -151,12 +164,13 @@ def whole_stride(
             "repeat= is a mirror, but the second half of groups= is not the first half on the other side; give "
             "rt.Periodic(), or groups of which it is."
         )
-    check_step(robot, phases, length, steps)
     terms = replace(terms, contact=on_ground(terms.contact, terms.ground))
     feet = dict.fromkeys(foot for phase in phases for foot in phase.feet)
+    stands = _standing(robot, terms, feet)
+    check_step(robot, phases, length, steps, terms, stands[1])
     moved = _moved(robot, feet, repeat or Periodic(), length, terms.ground)
     problem = sequence(robot, phases, terms, moved, passes={})
-    _check_legs(robot, problem, phases, parts, {foot: foot for foot in feet}, terms, length, steps, whole=True)
+    _check_legs(robot, problem, phases, parts, {foot: foot for foot in feet}, terms, length, steps, stands, whole=True)
     return _in_shares(problem, parts)
 
 
@@ -269,32 +283,3 @@ def checked_feet(robot: Robot, feet: Sequence[str] | None, count: int, what: str
             + (f", or use {other}, which moves {len(names)} feet." if other else ".")
         )
     return names
-
-
-def step_timing(
-    length: float | None, duration: TimeSpan | None, speed: float | None, what: str
-) -> tuple[float, TimeSpan]:
-    """Return step length [m] and duration [s] from two of length, duration and speed.
-
-    Raises
-    ------
-    InputError
-        Not exactly two of them are given, or they are no numbers.
-    """
-    if sum(value is not None for value in (length, duration, speed)) != 2:
-        raise InputError(f"rt.gait.{what} needs two of step_length=, duration= and speed=; give exactly two.")
-    if length is not None:
-        advice = "A free length is a displacement: repeat=rt.Periodic(displacement={'q.root_x': rt.between(...)})."
-        length = number(length, f"rt.gait.{what}(step_length)", advice=advice)
-    if speed is None:
-        assert length is not None and duration is not None
-        return length, duration
-    speed = number(speed, f"rt.gait.{what}(speed)", "m/s")
-    if length is None:
-        if isinstance(duration, Sequence):
-            raise InputError(f"rt.gait.{what}: duration= is {duration!r} beside speed=; give one number [s].")
-        time = number(duration, f"rt.gait.{what}(duration)", "s")
-        return speed * time, time
-    if not speed > 0.0:
-        raise InputError(f"rt.gait.{what}: speed= is {speed!r} beside a step length; give a positive speed [m/s].")
-    return length, length / speed

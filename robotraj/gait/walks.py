@@ -14,11 +14,11 @@ from robotraj.dynamics.terrain.function import GroundFunction
 from robotraj.gait.bounds.margins import MARGIN
 from robotraj.gait.bounds.own_sides import OwnSides
 from robotraj.gait.bounds.upright import Upright
-from robotraj.gait.checks import TimeSpan, fraction
+from robotraj.gait.checks import TimeSpan, fraction, step_timing
 from robotraj.gait.feet import FootKind, feet_of
 from robotraj.gait.mirroring.foot_groups import foot_groups, halves
 from robotraj.gait.phase_sequence import split_duration
-from robotraj.gait.repetition import checked_feet, repeating, step_timing, whole_stride
+from robotraj.gait.repetition import checked_feet, repeating, whole_stride
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.objectives.base import Objective

@@ -1,8 +1,9 @@
 """Steps that are longer than the legs reach.
 
 A foot that stands during a whole step stays in place while the root moves on by the step. Its distance from the first
-joint of the leg is at most the length l of the leg, so that the step is at most 2 l long. Where the root also turns
-about that joint's place, the bound holds for the mean of the standing feet.
+joint of the leg is at most the length l that the position limits allow. By the bounds of ``Upright`` that joint is at
+least at the height z above the foot, so that the step is at most 2 sqrt(l^2 - z^2) long. Where the root also turns,
+the bound holds for the means of the standing feet and of their first joints.
 """
 
 from __future__ import annotations
@@ -10,20 +11,37 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
-from robotraj.gait.supports import Support
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.terrain.function import as_ground
+from robotraj.gait.bounds.upright import Upright, root_link
+from robotraj.gait.capability.leg_samples import CONFIGURATIONS, sample_legs
+from robotraj.gait.feet import foot_contact
+from robotraj.gait.supports import GaitTerms, Support
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 
+Array = NDArray[np.float64]
+
+LONGER = 1.02
+"""Ratio of the length of a leg to the greatest one of its samples, at most."""
 MODEST = 0.5
 """Part of the greatest step that a message names as one that would do."""
 LOW = 0.1
 """Part of the length of a leg that a message names as a clearance that would do."""
 
 
-def check_step(robot: Robot, phases: Sequence[Support], length: float, steps: float = 1.0) -> None:
-    """Refuse a step during which a foot stands, but whose leg is shorter than half the step.
+def check_step(
+    robot: Robot,
+    phases: Sequence[Support],
+    length: float,
+    steps: float,
+    terms: GaitTerms,
+    posture: Array,
+) -> None:
+    """Refuse a step during which a foot stands, but for which its leg is too short.
 
     Parameters
     ----------
@@ -34,6 +52,9 @@ def check_step(robot: Robot, phases: Sequence[Support], length: float, steps: fl
         Displacement of the root in these phases [m].
     steps : float
         Number of ``step_length=`` in it.
+    terms : GaitTerms
+    posture : ndarray (nq,)
+        Standing configuration.
 
     Raises
     ------
@@ -41,17 +62,56 @@ def check_step(robot: Robot, phases: Sequence[Support], length: float, steps: fl
         The message has the length of the leg and a step length that would do.
     """
     standing = [foot for foot in phases[0].feet if all(foot in phase.feet for phase in phases)]
-    lengths = {foot: leg_length(robot, foot) for foot in standing}
-    if not lengths or abs(length) <= 2.0 * max(lengths.values()):
+    straight = np.array([leg_length(robot, foot) for foot in standing])
+    if not standing or not np.isfinite(straight).all():
         return
-    foot = max(lengths, key=lambda each: lengths[each])
-    most, step = 2.0 * lengths[foot] / steps, abs(length) / steps
+    below = np.array([_below(foot_contact(terms.contact, foot).bound_to(robot)) for foot in standing])
+    high, upright = 0.0, terms.upright
+    if isinstance(upright, Upright):
+        ground = as_ground(terms.ground)
+        # The ground under the root is at most half a step's rise above or below the foot.
+        slope = 0.5 * abs(float(ground.height(length, 0.0)) - float(ground.height(0.0, 0.0)))
+        least = upright.heights(robot, posture, ground)[0] - slope
+        high = max(least + _least_rise(robot, standing, upright.tilt), 0.0)
+    lengths, far = straight, np.inf
+    # Steps that the standing leg is long enough for need no samples.
+    for configurations in (0, CONFIGURATIONS):
+        samples = sample_legs(robot, standing, posture, 0.0, 0.0, configurations)
+        if samples is None:
+            return
+        lengths = np.minimum(LONGER * samples.lengths.max(axis=1), straight) + below
+        far = 2.0 * float(np.sqrt(max(np.max(lengths) ** 2 - high**2, 0.0)))
+        if abs(length) <= far:
+            return
+    foot, leg = standing[int(np.argmax(lengths))], float(np.max(lengths))
+    most, step = far / steps, abs(length) / steps
     meanwhile = "meanwhile" if steps == 1 else f"for {steps:g} of them"
+    bounded = f" and its root is as high as {upright} bounds it" if high else ""
     raise InputError(
         f"The step is {step:.3g} m long, but {foot!r} stands in place {meanwhile}, and the leg of {robot.name!r} "
-        f"is {lengths[foot]:.3g} m long: a step is {most:.3g} m at most. "
+        f"is at most {leg:.3g} m long{bounded}: a step is {most:.3g} m at most. "
         f"step_length={np.sign(length) * MODEST * most:.2g} would do, at a duration= that the joint speeds allow."
     )
+
+
+def _below(contact: BoundContact) -> float:
+    """Return how far from the frame of a foot it touches the ground at most [m]; a ball rolls by up to half a turn."""
+    return max(float(np.linalg.norm(spot.offset)) + 2.0 * spot.radius for spot in contact.outline())
+
+
+def _least_rise(robot: Robot, feet: Sequence[str], tilt: float) -> float:
+    """Return the least height of the mean of the legs' first joints above the root link [m], at tilts up to a bound.
+
+    A floating root may tilt by it about x and y at once.
+    """
+    model, first = robot.model, len(root_of(robot.root).velocities)
+    root = model.frames[robot.frame(root_link(robot))].placement
+    chains = [model.supports[model.frames[robot.frame(foot)].parentJoint] for foot in feet]
+    hips = [next(model.jointPlacements[i] for i in chain if i and model.joints[i].idx_v >= first) for chain in chains]
+    x, y, z = np.mean([hip.translation for hip in hips], axis=0) - root.translation
+    angles = np.linspace(0.0, tilt if robot.root == "planar" else np.sqrt(2.0) * tilt, 20)
+    aside = abs(x) if robot.root == "planar" else np.hypot(x, y)
+    return float(np.min(z * np.cos(angles) - aside * np.sin(angles)))
 
 
 def check_swing(robot: Robot, supports: Sequence[Support], clearance: float | None) -> None:
