@@ -60,6 +60,8 @@ def output_path(path: str | os.PathLike[str], suffixes: Sequence[str], what: str
     try:
         target = Path(path).expanduser().absolute()
         name = os.fsencode(target.name)
+        if b"\0" in name:
+            raise ValueError("it holds a null character")
         if suffixes and target.suffix.lower() not in suffixes:
             raise InputError(f"{what} is {str(path)!r}; let it end in {' or '.join(suffixes)}.")
         if len(name) > LONGEST:

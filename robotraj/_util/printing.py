@@ -116,7 +116,11 @@ NARROWEST = 8
 
 
 def plain(text: str) -> str:
-    """Return a text in which letters that control a terminal, or the direction of others, are written as escapes."""
+    """Return a text in which letters that control a terminal, or the direction of others, are written as escapes.
+
+    Words of more than 2,000 letters are cut.
+    """
+    text = re.sub(r"(\S{1000})\S{1000,}", r"\1...", text)
     if text.isprintable():
         return text
     return "".join(each if each.isprintable() or each in "\n\t" else repr(each)[1:-1] for each in text)

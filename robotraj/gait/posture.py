@@ -125,6 +125,7 @@ def haste(robot: Robot, standing: NDArray[np.float64]) -> Objective:
 
 def _sizes(robot: Robot, standing: NDArray[np.float64]) -> tuple[float, float]:
     """Return w [N^2 m^2], the cost of 1 rad from the posture per second, and h / g [s^2]."""
+    standing = robot.configuration(standing, "standing")
     height = abs(float(pin.centerOfMass(robot.model, robot.model.createData(), standing)[2]))
     gravity = float(np.linalg.norm(robot.model.gravity.linear))
     return (SHARE * pin.computeTotalMass(robot.model) * gravity * height) ** 2, height / gravity

@@ -120,6 +120,8 @@ class Limits(OneLine):
 
     def sides(self, quantity: str) -> tuple[Array, Array]:
         """Return the lower and the upper limits (nv,) of ``"position"``, ``"velocity"`` and so on."""
+        if quantity not in QUANTITIES:
+            raise unknown_name("limited quantity", quantity, QUANTITIES)
         return getattr(self, f"{quantity}_lower"), getattr(self, f"{quantity}_upper")
 
     def largest(self, quantity: str) -> Array:

@@ -7,12 +7,14 @@ presses Ctrl-C.
 from __future__ import annotations
 
 import argparse
+import os
 import tempfile
 import time
 import warnings
 from pathlib import Path
 
 import judge
+from calls import Calls, fault
 from guard import Guard
 from interrupts import faults
 from mjcf_files import hostile_mjcf
@@ -49,7 +51,8 @@ def main() -> None:
         return
     end, seed, wrong, unsolved = time.monotonic() + 3600.0 * given.hours, given.first, 0, 0
     with tempfile.TemporaryDirectory() as folder, Guard() as guard:
-        good = good_files(Path(folder))
+        os.chdir(folder)  # calls may write files
+        good, calls = good_files(Path(folder)), Calls()
         while time.monotonic() < end and seed < given.first + given.seeds:
             for kind, suffix, data in (
                 ("saved", "npz", hostile_file(seed, good)),
@@ -67,6 +70,9 @@ def main() -> None:
                     print(f"{kind} {seed}: {verdict.kind} {verdict.text[:500]}", flush=True)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
+                if found := fault(seed, calls):
+                    wrong += 1
+                    print(f"call {seed}: {found[:500]}", flush=True)
                 end_of = judge.verdict(*judge.planned(random_case(seed)))
             unsolved += end_of == "unsolved"
             wrong += end_of not in ("solved", "unsolved")

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from robotraj._util.checks import unusable
-from robotraj._util.errors import InputError, unknown_name
+from robotraj._util.errors import InputError, RobotrajError, unknown_name
 from robotraj._util.names.elsewhere import elsewhere
+from robotraj._util.names.kinds import misfit
 from robotraj._util.names.near_words import near_names
 from robotraj._util.printing import brief
 
@@ -27,7 +28,7 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
 
     Signature, documentation and annotations are those of the given function. A call that fits costs one more frame.
     A constructor also refuses text where its annotations state numbers, and lists where they state text: every value
-    has a hash. Other kinds are compared where a call fails, since what binds a value often knows a better remedy.
+    has a hash. All kinds are compared where a call fails, since what binds a value often knows a better remedy.
 
     Parameters
     ----------
@@ -35,26 +36,25 @@ def guarded(function: Callable[..., Any], package: str = "") -> Callable[..., An
     package : str
         Public package of the function, by which pickles refer to it; "" keeps the function's own module.
     """
-    fields = [each for each in _plain_fields(function) if each[2] in _EAGER] if function.__name__ == "__init__" else []
+    fields = _plain_fields(function) if function.__name__ == "__init__" else []
 
     @wraps(function)
     def call(*arguments: object, **keywords: object) -> object:
         try:
             found = function(*arguments, **keywords)
-        except TypeError as error:
-            try:
-                signature(function).bind(*arguments, **keywords)
-            except TypeError as misfit:
-                raise _refusal(function, keywords, misfit, package) from None
-            inner = _passed_on(error, keywords)
-            if inner is not None:
-                raise _refusal(function, keywords, error, package, inner) from None
+        except RobotrajError:
+            raise
+        except Exception as error:  # of Python, NumPy, CasADi or Pinocchio, whose cause may be an argument
+            if isinstance(error, TypeError):
+                try:
+                    signature(function).bind(*arguments, **keywords)
+                except TypeError as unfit:
+                    raise _refusal(function, keywords, unfit, package) from None
+                inner = _passed_on(error, keywords)
+                if inner is not None:
+                    raise _refusal(function, keywords, error, package, inner) from None
             _refuse_values(function, arguments, keywords, package)
-            raise error
-        except (ValueError, ArithmeticError, MemoryError) as error:
-            if not isinstance(error, InputError):
-                _refuse_values(function, arguments, keywords, package)
-            raise error
+            raise
         for place, name, kind, misfits in fields:
             if place < len(arguments) or name in keywords:
                 value = arguments[place] if place < len(arguments) else keywords[name]
@@ -77,8 +77,13 @@ def guard(cls: type) -> None:
     if not _is_ours(cls) or issubclass(cls, BaseException):
         return
     for name, method in list(vars(cls).items()):
-        if isfunction(method) and (name == "__init__" or not name.startswith("_")):
+        if name != "__init__" and name.startswith("_"):
+            continue
+        if isfunction(method):
+            method.__module__ = method.__module__ or cls.__module__  # constructors that Python writes have none
             setattr(cls, name, guarded(method))
+        elif isinstance(method, classmethod | staticmethod):
+            setattr(cls, name, type(method)(guarded(method.__func__)))
     for base in cls.__bases__:
         guard(base)
 
@@ -125,7 +130,7 @@ def _refusal(
 
     ``inner`` is a further function whose keywords are those of the call.
     """
-    known = [each for each in signature(function).parameters.values() if each.name != "self"]
+    known = [each for each in signature(function).parameters.values() if each.name not in ("self", "cls")]
     name = _public(function, package)
     # The first parameter of a function that options are passed on to is what the outer one made.
     more = list(signature(inner).parameters.values())[1:] if inner is not None else []
@@ -139,11 +144,8 @@ def _refusal(
     return WrongArguments(f"{name} is called as {name}({call}); this call is wrong: {error}.")
 
 
-_KINDS = {"str": "text", "float": "a number", "int": "a whole number", "bool": "True or False", "numbers": "numbers"}
-"""What a message calls the kinds of annotations that are compared with the values given."""
-_EAGER = frozenset({"str", "float", "numbers"})
-"""Kinds that constructors compare at once."""
-_ONE = frozenset({"float", "int", "bool"})
+_KINDS = {"str": "text", "float": "a number", "numbers": "numbers"}
+"""What a message calls the kinds of annotations that constructors compare at once."""
 _SEVERAL = frozenset(
     {"Quaternion", "Sequence[float]", "Triple", "tuple[float,...]", "tuple[float,float]", "tuple[float,float,float]"}
 )
@@ -154,7 +156,7 @@ Field = tuple[int, str, str, Callable[[object], bool]]
 
 
 def _plain_fields(function: Callable[..., Any]) -> list[Field]:
-    """Return the parameters that take text, numbers or a truth value; their annotations are texts."""
+    """Return the parameters that take text or numbers; their annotations are texts."""
     code = function.__code__
     fields: list[Field] = []
     for i, name in enumerate(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]):
@@ -164,8 +166,8 @@ def _plain_fields(function: Callable[..., Any]) -> list[Field]:
         kinds.discard("None")
         if kinds == {"str"}:
             fields.append((i, name, "str", partial(_no_text, optional)))
-        elif len(kinds) == 1 and kinds <= _ONE:
-            fields.append((i, name, kinds.pop(), partial(_no_number, optional)))
+        elif kinds == {"float"}:
+            fields.append((i, name, "float", partial(_no_number, optional)))
         elif kinds and kinds <= _SEVERAL | {"float"}:
             fields.append((i, name, "numbers", _holds_text))
     return fields
@@ -204,9 +206,8 @@ def _refuse_values(
     This names the cause of an error that Python or NumPy raised in a call that fits.
     """
     given = signature(function).bind(*arguments, **keywords).arguments
-    for _, argument, kind, misfits in _plain_fields(function) if isfunction(function) else ():
-        if argument in given and misfits(given[argument]):
-            raise _another_kind(argument, kind, given[argument], function, package)
+    if wrong := misfit(function, _public(function, package), given):
+        raise WrongArguments(wrong)
     for argument, value in given.items():
         wrong = unusable(value)
         if wrong:

@@ -54,7 +54,8 @@ def joint_axes(model: pin.Model, data: pin.Data, q: Array) -> Array:
 
     Followers are left out. ``pin.computeJointJacobians`` returns columns of all joints in the order of the tree.
     """
-    columns = np.asarray(pin.computeJointJacobians(model, data, q))
+    # One column comes back without a second dimension.
+    columns = np.asarray(pin.computeJointJacobians(model, data, q)).reshape(6, -1)
     if not len(model.mimicking_joints):
         return columns
     own = [joint for joint in model.joints.tolist()[1:] if joint.nv]

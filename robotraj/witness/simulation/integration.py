@@ -140,7 +140,7 @@ def _interval(
         if not np.isfinite(x).all() or not np.isfinite(rates(begin, x, k)).all():
             raise Stopped(begin, "the state or its rates are not finite")
         done = scipy.integrate.solve_ivp(counted, (begin, end), x, method=method, t_eval=sampled, rtol=rtol, atol=atol)
-    found = done.y.T
+    found = np.reshape(done.y, (len(x), -1)).T  # a list without entries where the first step fails
     # LSODA continues after NaN.
     whole = int(np.isfinite(found).all(axis=1).cumprod().sum())
     if not done.success or whole < len(found):

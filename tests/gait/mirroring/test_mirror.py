@@ -56,6 +56,11 @@ def test_a_floating_root_negates_roll_yaw_and_sideways() -> None:
     assert "FL_HAA" in repeat.negated and "FL_HFE" not in repeat.negated
 
 
+@pytest.mark.parametrize(("name", "negated"), [("pendulum", ()), ("two_link_arm", ("shoulder", "elbow"))])
+def test_axes_across_the_plane_keep_their_sign(name: str, negated: tuple[str, ...]) -> None:
+    assert mirror(rt.load(name)).negated == negated
+
+
 def test_a_planar_robot_only_swaps() -> None:
     repeat = mirror(rt.load("five_link", root="planar"), {"q.root_x": 0.5})
     assert repeat.negated == ()

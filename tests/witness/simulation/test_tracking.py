@@ -59,6 +59,11 @@ def test_gains_that_do_not_fit_are_refused(make, swinging, kp, kd, message):
         track(make.solution(swinging()), kp, kd)
 
 
+def test_gains_without_a_step_that_fits_end_the_motion(make, swinging):
+    tracking = track(make.solution(swinging()), kp=1.0, kd=1e308)
+    assert tracking.failure is not None and "t = 0 s" in tracking.failure
+
+
 def test_systems_have_no_joints_to_feed_back(make):
     block = System(states=["x"], controls=["u"], dynamics=lambda point: [point.u["u"]])
     planned = make.plan(make.phase(system=block), [0, 1], x=lambda t, k: t, u=lambda t, k: 1.0)
