@@ -215,7 +215,10 @@ def _after_switches(state: PlanState, found: Found) -> PlanState | PlanEnd:
     assert best is not None
     if motion is not None and motion.solution.objective < best.solution.objective:
         state = _replaced(state, best, motion)
-    return _polished(state, Task.SMOOTHER)
+    if state.best is best or state.number == MOST_MESHES - 1:
+        return _polished(state, Task.SMOOTHER)
+    # With knots at some jumps, the rate is constant beside others.
+    return _polished(replace(state, number=state.number + 1), Task.SWITCHES)
 
 
 def _after_smoother(state: PlanState, found: Found) -> PlanState | PlanEnd:

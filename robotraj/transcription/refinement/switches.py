@@ -57,25 +57,37 @@ def _jumps(knots: Array, values: Array, rates: Array, limit: float) -> Iterator[
 
     ``values`` are those at ``SITES`` of every interval, ``rates`` those at its ends.
     """
-    flat = np.flatnonzero(np.abs(rates[:, 1] - rates[:, 0]) < FLAT * limit)
-    levels = rates.mean(axis=1)
-    for i, j in zip(flat[:-1], flat[1:], strict=True):
-        if not 1 < j - i <= 1 + WIDEST:
-            continue
-        length = knots[j] - knots[i + 1]
-        jump, changed = levels[i] - levels[j], values[j, 0] - values[i, -1] - levels[j] * length
+    at = np.append(values[:, 0], values[-1, -1])
+    for i, j, first, last in _flat_pairs(rates, limit):
+        length = knots[j] - knots[i]
+        jump, changed = first - last, at[j] - at[i] - last * length
         if abs(jump) >= JUMP * limit:
             places = [changed / jump]
         elif abs(changed) > JUMP * limit * length:
-            between = slice(i + 1, j)
-            mean = np.diff(knots[i + 1 : j + 1]) @ (values[between] @ SIMPSON) / length
+            mean = np.diff(knots[i : j + 1]) @ (values[i:j] @ SIMPSON) / length
             # An arc in the middle of the intervals changes the mean by half of what it changes the value.
-            after = length * (mean - values[i, -1] - 0.5 * levels[j] * length) / changed
-            half = 0.5 * abs(changed / (np.copysign(limit, changed) - levels[j]))
+            after = length * (mean - at[i] - 0.5 * last * length) / changed
+            half = 0.5 * abs(changed / (np.copysign(limit, changed) - last))
             places = [length - after - half, length - after + half]
         else:
             continue
-        yield from (float(knots[i + 1] + place) for place in places if 0.0 <= place <= length)
+        yield from (float(knots[i] + place) for place in places if 0.0 <= place <= length)
+
+
+def _flat_pairs(rates: Array, limit: float) -> Iterator[tuple[int, int, float, float]]:
+    """Yield the knots between which a rate changes, on few intervals, and the constants before and after.
+
+    It is constant on intervals, or 0 at a knot between two others: an arc at 0 as short as an interval.
+    """
+    is_flat = np.abs(rates[:, 1] - rates[:, 0]) < FLAT * limit
+    flat = np.flatnonzero(is_flat)
+    zero = np.abs(rates) < FLAT * limit
+    resting = 1 + np.flatnonzero(zero[:-1, 1] & zero[1:, 0] & ~is_flat[:-1] & ~is_flat[1:])
+    levels = rates.mean(axis=1)
+    arcs = sorted([*((i, i + 1, levels[i]) for i in flat), *((k, k, 0.0) for k in resting)])
+    for (_, i, first), (j, _, last) in zip(arcs[:-1], arcs[1:], strict=True):
+        if 0 < j - i <= WIDEST:
+            yield int(i), int(j), float(first), float(last)
 
 
 def with_knots_at(mesh: Mesh, fractions: Array) -> Mesh:

@@ -36,9 +36,12 @@ def test_a_plan_takes_the_least_time_of_the_closed_form(phase):
     assert rt.plan(phase).duration == pytest.approx((32.0 / JERK) ** (1 / 3), rel=2e-5)
 
 
-def test_arcs_at_a_limit_that_are_shorter_than_the_intervals_get_knots(phase):
-    """From full acceleration to full speed the jerk is at its limit for A / J: T = d / v + v / A + A / J."""
-    speed, acceleration, jerk, way = 4.0, 5.5, 100.0, 13.0
+@pytest.mark.parametrize(
+    ("way", "speed", "acceleration", "jerk"),
+    [(13.0, 4.0, 5.5, 100.0), (6.482, 3.016, 82.95, 4778.0)],
+)
+def test_arcs_that_are_as_short_as_the_intervals_get_knots(phase, way, speed, acceleration, jerk):
+    """From rest to full speed by full acceleration: T = d / v + v / A + A / J. The jerk is at its limit for A / J."""
     limits = phase.limits.with_(velocity=speed, acceleration=acceleration)
     rows = [rt.constraints.JointJerk(jerk)]
     short = phase.with_(start=rt.State(q=0.0, v=0.0), end=rt.State(q=way, v=0.0), limits=limits, constraints=rows)
