@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.point import ContactTerms, RobotPoint
 from robotraj.dynamics.variable import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 ROOT_FREEDOMS = {"fixed": (0, 0), "planar": (2, 3), "floating": (3, 6)}
 """How many of the first velocities of a root translate, and how many there are."""

@@ -7,25 +7,20 @@ leg, its forces and its foothold. This function is differentiated once for all p
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_expressions import ContactExpressions, anchors, pinned, transposed_jacobian_product
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.dae import Dynamics
-from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.point import Point, RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.native.shared_terms import Added, Addend, positions_in
 from robotraj.robot.per_robot import PerRobot
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.dynamics.point import Point
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)

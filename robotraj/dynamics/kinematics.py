@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import refuse_contacts
+from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts
+from robotraj.dynamics.design.binding import Design
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Named, Variable
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.dynamics.design.binding import Design
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -19,15 +19,11 @@ and below c = 1 with c s times sqrt((c s)^2 + 1) over the mean of that root at s
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 import numpy as np
 
 from robotraj.dynamics.variable import Column
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 def joint_forces(

@@ -15,7 +15,6 @@ Source: Bobrow, Dubowsky and Gibson, International Journal of Robotics Research 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -29,11 +28,7 @@ from robotraj.dynamics.dae import TimeOrders
 from robotraj.dynamics.motors_and_friction import joint_forces
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody, RigidBody
-from robotraj.dynamics.variable import Named, Variable
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Scalar
-
+from robotraj.dynamics.variable import Named, Scalar, Variable
 
 PARAMETER, SPEED, ACCELERATION = "path.s", "path.speed", "path.acceleration"
 """Names of the states and of the control."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,11 +11,9 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import BoundContact, refuse_contacts
+from robotraj.dynamics.design.binding import Design
 from robotraj.dynamics.rigid_body import ForwardRigidBody, InverseRigidBody
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.design.binding import Design
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Scalar
+from robotraj.dynamics.variable import Scalar
 
 LEAST_SIZE = 1e-2
 """Least size of a row with one bound, in its unit: smaller bounds, such as 1e-6 kg, mostly stand for 0."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,7 @@ from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
 class AtPoints(NamedTuple):

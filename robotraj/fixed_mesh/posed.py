@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from robotraj._util.arrays import Array
 from robotraj.fixed_mesh.between.clearing import Clearing
@@ -21,6 +21,7 @@ from robotraj.problem.problem import Problem
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Multipliers
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 from robotraj.transcription.interval_limits.added_rows import rows_against_swings, with_added_rows
 from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.row_places import AddedRow, Margins
@@ -28,9 +29,6 @@ from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import continued_at
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.transcribe import transcribe
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
 class Posed(NamedTuple):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj.fixed_mesh.at_points import AtPoints, solved_once
 from robotraj.fixed_mesh.between.limits_between import limited_between
@@ -16,9 +15,7 @@ from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
 def solve(

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj._util.values import dataclass
 from robotraj.native.engines.base import Engine
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Multipliers
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.reuse import started_at
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.transcribe import meshes_of, transcribe
-
-if TYPE_CHECKING:
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
 
 
 class Shared:

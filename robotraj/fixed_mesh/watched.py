@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj.fixed_mesh.at_points import AtPoints, solved_once
 from robotraj.fixed_mesh.diagnosis.exclusions.work_budgets import exceeded_budgets
@@ -14,9 +13,7 @@ from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
 def watched_attempt(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,15 +12,11 @@ from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
 from robotraj._util.values import dataclass
 from robotraj.dynamics.path_body import ACCELERATION, PARAMETER, SPEED
+from robotraj.dynamics.variable import Variable
 from robotraj.guess.ends import default_parameters
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
-from robotraj.problem.phase_row import Kind
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
-
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import Kind, PhaseRow
 
 SHORTEST, LONGER, TRIES = 1e-3, 1.5, 36
 """Least duration of a phase [s], the factor by which it grows while rows are violated, and how often at most.

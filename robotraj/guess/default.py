@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -16,10 +15,8 @@ from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.simulated import Simulated
 from robotraj.guess.straight_line import StraightLine
 from robotraj.problem.initial_guess import InitialGuess
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 
 
 def default_guess(problem: Problem, branch: int = 0) -> InitialGuess:

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.guess.least_time import fastest_line
 from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.phase import Phase
 from robotraj.robot.chart import coordinate_difference
 from robotraj.robot.limits import Limits
 from robotraj.robot.root import QUATERNION
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
 
 MARGIN = 1.5
 """Ratio of a guessed duration to the least time of a straight line, so that smooth motions keep their speed limits."""

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol, TypeGuard
+from typing import Protocol, TypeGuard
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Variable
 from robotraj.guess.ends import default_parameters
 from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
 
 
 class SolvedPhase(Protocol):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Variable
 from robotraj.guess.along_path import check_no_path
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.robot_samples import RobotSamples
@@ -20,13 +21,9 @@ from robotraj.guess.samples import Samples, ascending_times, check_samples, name
 from robotraj.guess.straight_line import StraightLine
 from robotraj.problem.initial_guess import Curve, PhaseGuess
 from robotraj.problem.initial_guess import InitialGuess as InitialGuess
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 
 ROBOT = ("q", "v", "a", "tau", "forces")
 SYSTEM = ("states", "controls", "algebraic")

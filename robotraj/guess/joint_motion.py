@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol, TypeAlias, cast
+from typing import Protocol, TypeAlias, cast
 
 import numpy as np
 import pinocchio as pin
@@ -11,13 +11,11 @@ import pinocchio as pin
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.precision import SAME
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.initial_guess import Curve, PhaseGuess
+from robotraj.problem.phase import Phase
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.phase import Phase
 
 Motion: TypeAlias = Callable[[Array], tuple[Array, ...]]
 """From fractions of the phase (m,) to positions (m, nq), velocities and accelerations (m, nv) [SI]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,11 +15,9 @@ from robotraj.guess.along_path import check_no_path
 from robotraj.guess.ends import default_parameters, guessed_duration, middle_of, normalised_state
 from robotraj.guess.samples import check_samples, named_samples
 from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess, zeros
+from robotraj.problem.phase import Phase
 from robotraj.problem.state import State
 from robotraj.robot.chart import Chart
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True)

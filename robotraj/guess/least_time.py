@@ -15,8 +15,6 @@ of s'' along a path).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pinocchio as pin
 
@@ -24,11 +22,8 @@ from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.robot.robot import Robot
-
+from robotraj.problem.phase import Phase
+from robotraj.robot.robot import Robot
 
 PLACES = 9
 """Number of points of the line at which torques are evaluated."""

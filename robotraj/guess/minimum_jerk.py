@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +13,8 @@ from robotraj.guess.along_path import check_no_path
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.joint_motion import fractions_of, joint_motion, quintic, speeds_of
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess, zeros
+from robotraj.problem.phase import Phase
 from robotraj.robot.chart import Chart
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True)

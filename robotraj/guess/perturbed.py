@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -14,17 +13,14 @@ from robotraj._util.errors import InputError
 from robotraj._util.precision import SAMPLES
 from robotraj._util.printing import brief
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
 from robotraj.robot.tangent import normalised
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-    from robotraj.robot.robot import Robot
-
 
 MODES = 4
 """Sines in a perturbation; the k-th has k half waves and an amplitude that falls with k."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -12,19 +11,17 @@ from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.guess.joint_motion import designed
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.support import support
 from robotraj.guess.samples import named_samples
 from robotraj.problem.initial_guess import Curve
+from robotraj.problem.phase import Phase
 from robotraj.robot.chart import Chart
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.problem.phase import Phase
 
 Checked = Array | Mapping[str, Array] | None
 """Samples that ``check_samples`` returned; None where they are not given."""

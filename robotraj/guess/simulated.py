@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -16,9 +15,7 @@ from robotraj._util.values import dataclass
 from robotraj.guess.ends import default_parameters, ends_of, guessed_duration, middle_of
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
+from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True)

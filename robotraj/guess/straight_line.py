@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field
 from numbers import Real
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,11 +14,9 @@ from robotraj.guess.ends import default_parameters, ends_of, guessed_duration
 from robotraj.guess.least_time import fastest_line
 from robotraj.guess.reaching.branches import reached_ends
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess, zeros
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 from robotraj.robot.chart import Chart
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
 
 
 @dataclass(frozen=True)

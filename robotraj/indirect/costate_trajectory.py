@@ -6,8 +6,6 @@ H = l + lambda' f and dlambda/dt = -dH/dx.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
@@ -18,12 +16,10 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.variable import Named
 from robotraj.solution.costates.duals import PhaseDuals
 from robotraj.solution.costates.hamiltonian import Hamiltonian
+from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solution.sample import Times
+from robotraj.solution.solution import Solution
 from robotraj.transcription.collocation.index_reduction import path_equalities
-
-if TYPE_CHECKING:
-    from robotraj.solution.phase_solution import PhaseSolution
-    from robotraj.solution.solution import Solution
 
 
 @dataclass(frozen=True, eq=False)

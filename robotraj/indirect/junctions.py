@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -24,6 +23,7 @@ from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.point import AnyPoint
 from robotraj.dynamics.row import Row
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import AtEnd, AtStart
 from robotraj.problem.constraints.path import PathConstraint
 from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
@@ -33,12 +33,8 @@ from robotraj.problem.objectives.base import EndCost
 from robotraj.problem.objectives.duration import Duration
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.solution.phase_solution import PhaseSolution
-    from robotraj.solution.solution import Solution
-
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
 
 BOUND_TOLERANCE = 1e-3
 """Distance from a bound, relative to the range of the state over the motion, below which the state is at it."""

@@ -10,14 +10,13 @@ Optimal Control (2010), chapter 4.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import integrals
 from robotraj._util.errors import InputError, require_solution
+from robotraj.dynamics.variable import Variable
 from robotraj.indirect.arcs import control_bounds
 from robotraj.indirect.boundary import end_data, potential
 from robotraj.indirect.checks import ACTIVE_DISTANCE, ThroughoutRows
@@ -25,9 +24,6 @@ from robotraj.indirect.costate_trajectory import PhaseCostates, costates
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.indirect.report import ConditionsReport, NecessaryCondition
 from robotraj.problem.phase_row import Kind
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
 from robotraj.solution.solution import Solution
 
 SMALL = 1e-12

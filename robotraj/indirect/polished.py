@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
@@ -20,13 +18,11 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.tangent import normalised
 from robotraj.solution.errors import NoSolutionFound
 from robotraj.solution.sample import Times
+from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.lobatto import LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from robotraj.solution.solution import Solution
 
 
 class PolishFailed(NoSolutionFound):

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -29,14 +28,11 @@ from robotraj.indirect.polished import Polished, PolishFailed
 from robotraj.indirect.pontryagin import Pontryagin
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.phase import Phase
+from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory, extract
 from robotraj.transcription.schemes.lobatto import LobattoIIIA
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.transcribe import transcribe
-
-if TYPE_CHECKING:
-    from robotraj.solution.solution import Solution
-
 
 POINTS = 7
 """Lobatto points of an interval: order 12."""

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint
+from robotraj.problem.constraints.task_space.candidates import OneOf
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import added_times
+from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.problem.constraints.task_space.candidates import OneOf
-    from robotraj.solution.solution import Solution
 
 MOST = 64
 """Largest number of combinations of candidates."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from robotraj._util.errors import warn
 from robotraj.planning.settings import GIVEN
-from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.differential_drive import DifferentialDrive
 from robotraj.problem.links.continuity import TIME
 from robotraj.problem.objectives.base import Integral
@@ -48,16 +47,12 @@ def warn_of_oscillation(problem: Problem) -> None:
     UserWarning
     """
     for phase in problem.phases:
-        limit = next((type(each).__name__ for each in phase.constraints if _is_shared(each)), None)
+        limit = next((type(each).__name__ for each in phase.constraints if isinstance(each, DifferentialDrive)), None)
         if limit is not None and _takes_least_time(phase):
             warn(
                 f"Phase {phase.name!r}: in least time under {limit}, joints may oscillate, and plans take long. "
                 "Add 1e-3 * rt.objectives.SpeedVariation() to the objective."
             )
-
-
-def _is_shared(constraint: Constraint) -> bool:
-    return isinstance(constraint, DifferentialDrive)
 
 
 def _takes_least_time(phase: Phase) -> bool:

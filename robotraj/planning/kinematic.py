@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.kinematics import Kinematics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
 from robotraj.fixed_mesh.solve import solve
 from robotraj.guess.ends import ends_of, guessed_duration
@@ -32,13 +34,6 @@ from robotraj.solution.phase_solution import PhaseSolution
 from robotraj.solvers.base import Solver
 from robotraj.solvers.ipopt import Ipopt
 from robotraj.transcription.schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from robotraj.dynamics.point import RobotPoint
 
 
 @dataclass(frozen=True)

@@ -5,20 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.problem.augmentation import Augmented
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 
 Curve = Callable[[Array], Array]
 """From fractions of a phase (m,) to values (m, n)."""

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypedDict, TypeVar
+from typing import TypedDict, TypeVar
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
+from robotraj.dynamics.design.quantity import Quantity
+from robotraj.dynamics.kinematics import Kinematics
 from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.dynamics.system import System
 from robotraj.problem.constraints.base import Constraint
+from robotraj.problem.constraints.bounds import Between, Interval
 from robotraj.problem.objectives.base import Integral, Objective
 from robotraj.problem.objectives.expressions import Lagrange
 from robotraj.problem.state import State
+from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.design.quantity import Quantity
-    from robotraj.dynamics.kinematics import Kinematics
-    from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
-    from robotraj.problem.constraints.bounds import Between, Interval
-    from robotraj.robot.limits import Limits
 
 T = TypeVar("T")
 

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.printing import OneLine, table, wrapped
 from robotraj._util.values import dataclass
+from robotraj.dynamics.design.binding import Design
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.feasibility import Ends
 from robotraj.problem.rows import RowTable
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.design.binding import Design
 
 Cells = tuple[str, str, str, str, str]
 """Quantity, joint or variable, time, bounds and unit."""

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import RobotPoint
+from robotraj.dynamics.point import RobotPoint
 
 Scalar: TypeAlias = ca.SX | float
 """A symbol in the NLP, a number in the witness."""

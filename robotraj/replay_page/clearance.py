@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import casadi as ca
 import numpy as np
 
+from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.problem.augmentation import free_of
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.constraints.clearance import GroundClearance
 from robotraj.problem.constraints.clearance_geometry import spots_of
 from robotraj.solution.cycles.gait_cycles import CyclePhase, GaitCycles
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import FramePoint
 
 SAMPLES = 61
 """Samples of a required height over a phase."""

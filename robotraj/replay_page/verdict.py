@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
-from robotraj.solution.claims.claim import Judgement
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from robotraj.solution.claims.claim import Claim
-    from robotraj.solution.phase_solution import PhaseSolution
-    from robotraj.solution.solution import Solution
-    from robotraj.solution.violation import Violation
+from robotraj.solution.claims.claim import Claim, Judgement
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solution.solution import Solution
+from robotraj.solution.violation import Violation
 
 Colour = Literal["good", "unproved", "bad"]
 """Green for a proved or validated plan, amber for a motion that was not proved, red for no motion."""

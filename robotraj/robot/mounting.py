@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -13,10 +13,8 @@ from numpy.typing import ArrayLike
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.robot.configuration import unit_quaternion
 from robotraj.robot.loading.planning_model import has_free_flyer
-
-if TYPE_CHECKING:
-    from robotraj.robot.loading.source import Description
-    from robotraj.robot.robot import Robot
+from robotraj.robot.loading.source import Description
+from robotraj.robot.robot import Robot
 
 Base: TypeAlias = "pin.SE3 | tuple[Sequence[float], Sequence[float]]"
 """A pose, or a position [m] and a quaternion (x, y, z, w)."""

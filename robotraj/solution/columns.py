@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.dynamics.variable import Variable
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.problem.phase import Phase
+from robotraj.solution.phase_solution import PhaseSolution
 
 
 def variables_of(phase: Phase) -> tuple[Variable, ...]:

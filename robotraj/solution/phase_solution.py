@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import casadi as ca
 import numpy as np
@@ -22,6 +22,7 @@ from robotraj.dynamics.variable import Named, Variable
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.phase import Phase
 from robotraj.problem.sizes.motion_sizes import same_variables
+from robotraj.robot.robot import Robot
 from robotraj.robot.tangent import normalised
 from robotraj.solution.sample import JointSample, Sample, Times, as_times, no_forces
 from robotraj.transcription.driven_motion import Inputs, inputs_of
@@ -29,10 +30,6 @@ from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.point_values import PointValues, joints_on_path
 from robotraj.transcription.schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
-
 
 JOINT_SITES = 7
 """Number of places of an interval through which positions and velocities on a path are interpolated."""

@@ -79,7 +79,7 @@ def plot(solution: Planned) -> Figure:
     from matplotlib.figure import Figure  # a third of a second to import: only where something is drawn
 
     traces = [_trace(part) for part in solution.phases]
-    variables = _variables(solution)
+    variables = list(dict.fromkeys(v for part in solution.phases for v in variables_of(part.phase)))
     systems = all(part.phase.robot is None for part in solution.phases)
     panels, columns = _arrange(variables, systems)
     rows = len(panels) // columns
@@ -120,11 +120,6 @@ def _trace(part: PhaseSolution) -> _Trace:
     inner = part.points[gaps > 1e-9 * max(part.duration, 1e-9)]
     at_inner = values_of(part, inner)
     return _Trace(part, np.concatenate(grids), values, knots, values_of(part, knots), inner, at_inner)
-
-
-def _variables(solution: Planned) -> list[Variable]:
-    """Variables of all phases, each once."""
-    return list(dict.fromkeys(v for part in solution.phases for v in variables_of(part.phase)))
 
 
 def _arrange(variables: Sequence[Variable], systems: bool) -> tuple[list[Panel | None], int]:

@@ -6,18 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import is_
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
+from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from robotraj._util.lazy_values import LazySequence
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.costates.duals import PhaseDuals
+from robotraj.solution.phase_solution import PhaseSolution
+from robotraj.solvers.base import Multipliers
+from robotraj.solvers.kept_multipliers import KeptMultipliers
 from robotraj.transcription.shooting.explicit_dynamics import explicit
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-    from robotraj.solution.costates.duals import PhaseDuals
-    from robotraj.solution.phase_solution import PhaseSolution
-    from robotraj.solvers.base import Multipliers
-    from robotraj.solvers.kept_multipliers import KeptMultipliers
 
 
 class _OfProblem(Protocol):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from robotraj._util.printing import wrapped
 from robotraj.dynamics.path_body import ACCELERATION
 from robotraj.problem.objectives.duration import Duration
+from robotraj.problem.phase import Phase
 from robotraj.robot.known_robots.makers import limits_text
 from robotraj.robot.limits import Limits
 from robotraj.robot.size.reach import reaches
@@ -22,9 +23,6 @@ from robotraj.solution.records import ContinuationRecord, MeshStep
 from robotraj.solution.reserves.shares import REMEDIES, Share, used_up
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 CONVERGED = (Status.SOLVED, Status.TOLERANCE_NOT_REACHED, Status.NOT_PROVED)
 """Statuses of motions that satisfy every row. Only for these the text lists violations between the knots."""

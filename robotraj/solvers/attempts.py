@@ -5,17 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, NamedTuple
 
-from numpy.typing import NDArray
-
+from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.solvers.status import STATUSES, Status
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from robotraj.native import Outcome as NativeOutcome
-
-    Array = NDArray[np.float64]
 
 FACTOR = 100.0
 """Error of the problem of one barrier parameter below which the parameter falls, in multiples of the parameter."""

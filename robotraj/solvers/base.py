@@ -5,17 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
-
+from robotraj.transcription.nlp import Nlp
 
 TOLERANCE, MOST_ITERATIONS = 1e-8, 1000
 """Tolerance of the optimality conditions, relative to the unit of the objective, and the largest number of iterations.

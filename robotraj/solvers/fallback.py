@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj.solvers.base import Multipliers, Outcome, Progress, Solver
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.nlp import Nlp
 
 SHORTEST = 1e-3
 """Shortest time limit of a fallback [s]."""

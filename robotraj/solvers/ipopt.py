@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field, replace
 from re import sub
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -33,9 +32,7 @@ from robotraj.solvers.base import (
 from robotraj.solvers.checks import LOOSEST, above_zero, counted, named_options, no_mapping
 from robotraj.solvers.ipopt_callback import IterationCallback
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.nlp import Nlp
 
 PUSHES = ("warm_start_bound_push", "warm_start_mult_bound_push", "warm_start_slack_bound_push")
 """Options that move a known solution away from its bounds."""

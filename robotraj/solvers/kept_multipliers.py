@@ -10,23 +10,19 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
+from robotraj.problem.problem import Problem
 from robotraj.solvers.base import Multipliers, Origin
 from robotraj.solvers.compiled import CompiledOrigin, CompiledProgram
 from robotraj.solvers.formulation import Formulation, assembled, formulate, multipliers
 from robotraj.solvers.stagewise.native import native_program
 from robotraj.solvers.stagewise.reduction import Reduction
+from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.outline import Outline
-
-if TYPE_CHECKING:
-    from robotraj.problem.problem import Problem
-    from robotraj.transcription.nlp import Nlp
-
 
 REBUILT = 2
 """Number of programs that are kept of those that were built again, for warm starts one after the other."""

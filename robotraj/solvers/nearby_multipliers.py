@@ -7,21 +7,17 @@ length of the new interval. The solver estimates the multipliers of the equation
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Hashable
 
 import numpy as np
 
 from robotraj._util.arrays import Array, Indices
 from robotraj._util.precision import MET, ROUND_OFF, SAME
+from robotraj.solvers.formulation import Formulation
 from robotraj.solvers.stagewise.reduction import Reduction
+from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.scalar_table import Scalars
 from robotraj.transcription.schemes.mesh import MovingMesh
-
-if TYPE_CHECKING:
-    from collections.abc import Hashable
-
-    from robotraj.solvers.formulation import Formulation
-    from robotraj.transcription.nlp import Nlp
-    from robotraj.transcription.scalar_table import Scalars
 
 PLACES = round(1.0 / MET)
 """Number of places in an interval that rows of two meshes share or do not."""

@@ -14,7 +14,7 @@ two point contacts. These are an error of the motion, as a - dv/dt is.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -28,15 +28,12 @@ from robotraj.dynamics.contact_terms import separate_contact_terms
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.torque_symbols import separate_torques
 from robotraj.problem.augmentation import FRICTIONLESS
+from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.exact_motion import is_exact
+from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-
 
 RANK = 1e-9
 """Singular values of J_r' below this share of the largest count as zero."""

@@ -12,7 +12,6 @@ friction. Limits and costs of tau(t) remain to be measured.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +19,8 @@ from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, integrals, lobatto_sites
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.augmentation import free_of
+from robotraj.problem.phase import Phase
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
 
 ROUNDING = 1e-12
 """Largest error of an exact quadrature."""

@@ -11,8 +11,6 @@ forces, which are then as planned.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,13 +18,10 @@ from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.problem.phase import Phase
 from robotraj.robot.tangent import normalised
 from robotraj.transcription.driven_motion import Inputs, MotionEquations
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-
+from robotraj.transcription.extract import PhaseTrajectory
 
 REDUNDANT = 1e-5
 """Singular values of J below this share of the largest belong to redundant rows: plans have errors of that size."""

@@ -8,21 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, groupby
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array, Indices
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.problem.phase import Phase
 from robotraj.transcription.layout import PhaseLayout, Run, Scalar, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Scheme
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 def lay_out(phase: Phase, index: int, mesh: Mesh, table: ScalarTable) -> PhaseLayout:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +20,10 @@ from robotraj.problem.problem import Problem
 from robotraj.transcription.interval_limits.added_rows import with_added_rows
 from robotraj.transcription.interval_limits.margins import with_margins
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.interval_limits.row_places import Margins
+from robotraj.transcription.interval_limits.row_places import AddedRow, Margins
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.transcribe import KnownStart, transcribe
-
-if TYPE_CHECKING:
-    from robotraj.transcription.interval_limits.row_places import AddedRow
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,32 +8,28 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
+from robotraj.dynamics.row import Row
 from robotraj.native.engines.base import Engine
 from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.collocation.end_functions import fixed_values
 from robotraj.transcription.collocation.index_reduction import determined_at_ends
 from robotraj.transcription.collocation.invariants import determined_invariants
 from robotraj.transcription.interval_limits.added_rows import with_added_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.layout import Scalar
+from robotraj.transcription.layout import PhaseLayout, Scalar
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Scalars
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.smoothness.sticking import acceleration_weights
 from robotraj.transcription.transcribe import bounds_of, start_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.row import Row
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-    from robotraj.transcription.layout import PhaseLayout
 
 
 def transcribed_again(

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 from scipy import sparse
 
-if TYPE_CHECKING:
-    from robotraj.transcription.assembly.assembly import Functions
-    from robotraj.transcription.scalar_table import Scalars
+from robotraj.transcription.assembly.assembly import Functions
+from robotraj.transcription.scalar_table import Scalars
 
 
 def spy(functions: Functions, named_rows: Scalars, width: int) -> Figure:

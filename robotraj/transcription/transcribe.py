@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from robotraj._util.errors import InputError
 from robotraj.native.engines.base import Engine, VirtualMachine
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess, with_copies
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.collocation.collocation import collocate
@@ -43,11 +45,6 @@ from robotraj.transcription.scaling import scales
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.smoothness.alternation import alternation_block
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-
 
 INSIDE = 1e-9
 """Distance from the ends of an interval at which one-sided values are sampled, as a fraction of its length."""

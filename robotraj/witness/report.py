@@ -12,7 +12,6 @@ from robotraj._util.values import dataclass
 from robotraj.solution.claims.claim import Claim, Judgement
 from robotraj.witness.claims.contract import claims_of
 from robotraj.witness.colours import coloured
-from robotraj.witness.failures import failures_of
 from robotraj.witness.figures import Figures, Tolerances
 from robotraj.witness.report_text import render
 
@@ -88,3 +87,12 @@ class Report(Figures):
         colour = "#1a7f37" if self.passed else "#cf222e"
         text = html.escape(render(self, self.failures(self.tolerances), self.verdict))
         return f'<div><b style="color:{colour}">{self.verdict}</b><pre style="line-height:1.2">{text}</pre></div>'
+
+
+def failures_of(figures: Figures, tolerances: Tolerances) -> tuple[str, ...]:
+    """Return the sentences of all claims that fail, and of checks that could not be made."""
+    found = [f"Not checked: {'; '.join(figures.unchecked)}."] if figures.unchecked else []
+    for claim in claims_of(figures, tolerances):
+        if claim.judgement is Judgement.FAILS:
+            found += claim.notes
+    return tuple(found)

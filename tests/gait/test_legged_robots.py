@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.robot.known_robots.own_robots import folder
+from robotraj.robot.known_robots.catalogue import folder
 
 FEET = {
     "compass_walker": ("left_foot", "right_foot"),

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.robot.known_robots.own_robots import folder, own_robots
+from robotraj.robot.known_robots.catalogue import folder, own_robots
 
 NAMES = ("acrobot", "block", "cartpole", "pendulum", "two_link_arm")
 LEGGED = ("compass_walker", "five_link", "five_link_table", "hopper", "monopod")

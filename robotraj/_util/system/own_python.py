@@ -2,12 +2,16 @@
 
 ``python -m`` and ``python -c``, and so ``multiprocessing``, search the working folder first. A file ``shutil.py`` in it
 would run. These processes are isolated (``-I``): folders in which the parent found the package come last.
+Programs of other packages are looked up in the absolute entries of PATH alone, for the same reason.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -49,3 +53,23 @@ def _folders() -> list[str]:
             file = Path(spec.origin).absolute()
             found[str(file.parents[1] if spec.submodule_search_locations else file.parent)] = None
     return list(found)
+
+
+def absolute_entries() -> str:
+    """Return PATH without entries that depend on the working folder; the system's own ones where none is left."""
+    # An empty PATH would mean the working folder, too.
+    return os.pathsep.join(filter(os.path.isabs, os.get_exec_path())) or os.defpath
+
+
+@contextmanager
+def without_working_folder() -> Iterator[None]:
+    """Let this process look programs up in the absolute entries of PATH alone, as long as the context is open."""
+    before = os.environ.get("PATH")
+    os.environ["PATH"] = absolute_entries()
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PATH"]
+        else:
+            os.environ["PATH"] = before

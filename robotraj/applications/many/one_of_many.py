@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from inspect import Parameter, signature
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
+from robotraj.applications.many.options import GuessedChoices
 from robotraj.planning.plan import plan
 from robotraj.problem.problem import Problem
 from robotraj.solution.records import with_effort_of
 from robotraj.solution.solution import Solution
 from robotraj.solvers.status import Status
 from robotraj.transcription.reuse import sharing
-
-if TYPE_CHECKING:
-    from robotraj.applications.many.options import GuessedChoices
 
 OF_ONE = "check", "progress", "watch", "keep_program"
 """Options of ``rt.plan`` that are for a single plan."""

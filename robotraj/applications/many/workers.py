@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Generic, TypeVar, cast
+from typing import Generic, TypeVar, cast
 
 import cloudpickle
 
@@ -25,10 +25,8 @@ from robotraj.applications.many.case_limits import CaseLimits
 from robotraj.applications.many.failure import Failure, failure_of
 from robotraj.applications.many.processes import WorkerDied, kept, release_kept
 from robotraj.applications.many.task_messages import TaskPacker, unpack
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
-    from robotraj.solution.solution import Solution
+from robotraj.robot.robot import Robot
+from robotraj.solution.solution import Solution
 
 S = TypeVar("S")
 T = TypeVar("T")

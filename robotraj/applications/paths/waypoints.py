@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.base import AtEnd, AtStart, Constraint
+from robotraj.problem.constraints.bounds import Between
 from robotraj.problem.links.base import Link
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.periodic import Periodic
@@ -21,9 +22,6 @@ from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.robot.limits import Limits
 from robotraj.robot.robot import Robot
-
-if TYPE_CHECKING:
-    from robotraj.problem.constraints.bounds import Between
 
 Waypoint: TypeAlias = "ArrayLike | Constraint"
 """Joint positions (nq,) [rad, m], or a constraint such as ``rt.FramePose(frame, pose)``."""

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from robotraj._util.errors import unknown_name
 from robotraj.applications.problem_files.lines import Misplaced
 from robotraj.applications.problem_files.parameters import parameters_of
 from robotraj.applications.problem_files.reader import Reader
 from robotraj.applications.problem_files.toml_file import read_toml
+from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.problem.constraints.collision_free import CollisionFree
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.obstacles.base import Obstacle
 
 TABLE = "obstacles"
 

@@ -9,9 +9,8 @@ import numpy as np
 from robotraj._util.arrays import Array
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.values import dataclass
-from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolBlend, ToolMove
-from robotraj.applications.programs.tool_joints import ToolJoints
+from robotraj.applications.programs.tool_joints import SITES, ToolJoints, hermite
 
 BISECTIONS = 50
 """Number of bisections of the way that a blend replaces."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Collection
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +12,12 @@ from robotraj._util.arrays import Array
 from robotraj._util.checks import whole
 from robotraj._util.errors import InputError
 from robotraj.applications.replanning.deadline import Deadline
-from robotraj.applications.replanning.gait_ticks import Tick, cycle_of, ticks_of
+from robotraj.applications.replanning.gait_ticks import Tick, cycle_of, ticks_of, touching
 from robotraj.applications.replanning.horizon import Horizon
 from robotraj.applications.replanning.replan import Replan
-from robotraj.applications.replanning.touching import touching
 from robotraj.guess.from_solution import FromSolution
 from robotraj.planning.plan import plan
+from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.solution.phase_solution import PhaseSolution
@@ -26,10 +25,6 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from robotraj.problem.initial_guess import InitialGuess
-
 
 INTERVALS = 4
 """Intervals of the longest phase by default."""

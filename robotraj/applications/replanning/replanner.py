@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj.applications.replanning.deadline import Deadline
@@ -12,20 +11,18 @@ from robotraj.applications.replanning.gait_loop import GaitLoop
 from robotraj.applications.replanning.gait_ticks import repeats
 from robotraj.applications.replanning.horizon import Horizon
 from robotraj.applications.replanning.replan import Replan
+from robotraj.dynamics.obstacles.base import Obstacle
 from robotraj.gait.checks import positive
 from robotraj.guess.default import as_guess
 from robotraj.planning.plan import plan
+from robotraj.problem.initial_guess import InitialGuess
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.problem.state import State
 from robotraj.solution.solution import Solution
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.obstacles.base import Obstacle
-    from robotraj.problem.initial_guess import InitialGuess
-    from robotraj.problem.phase import Phase
 
 INTERVALS = 50
 """Number of intervals of the default mesh."""

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, unknown_name
 from robotraj.problem.state import State
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
-
+from robotraj.transcription.nlp import Nlp
 
 PARAMETERS = 2
 """Number of scalars of a phase before its parameters: start time and duration."""

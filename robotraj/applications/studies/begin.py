@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.applications.many.case_limits import CaseLimits
 from robotraj.applications.many.workers import sendable
-from robotraj.applications.studies.cases import Cases, as_cases
+from robotraj.applications.studies.cases import Case, Cases, as_cases
 from robotraj.applications.studies.digest import digest_of
 from robotraj.applications.studies.dispatch import plan_elsewhere, plan_here
 from robotraj.applications.studies.progress import Progress
@@ -20,9 +20,6 @@ from robotraj.applications.studies.rows import arrow, own_version
 from robotraj.applications.studies.store import Store
 from robotraj.applications.studies.study import Study
 from robotraj.applications.studies.work import Recipe
-
-if TYPE_CHECKING:
-    from robotraj.applications.studies.cases import Case
 
 KEPT = "trajectory", "all"
 AGAIN = 20

@@ -8,21 +8,18 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import cloudpickle
 
 from robotraj.applications.many.failure import failure_of
 from robotraj.applications.many.processes import WorkerDied, kept, release_kept
 from robotraj.applications.many.workers import KILLED
+from robotraj.applications.studies.cases import Case
 from robotraj.applications.studies.progress import Progress
 from robotraj.applications.studies.rows import Row, row_of
 from robotraj.applications.studies.store import Store
-from robotraj.applications.studies.work import Recipe, limited, plan_chunk, write
-
-if TYPE_CHECKING:
-    from robotraj.applications.studies.cases import Case
-    from robotraj.applications.studies.work import Keyed
+from robotraj.applications.studies.work import Keyed, Recipe, limited, plan_chunk, write
 
 CHUNK = 20.0
 """Time of work [s] whose rows are one file: what is lost where a machine fails."""

@@ -7,7 +7,7 @@ know of each other, counts once.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
@@ -172,8 +172,4 @@ def _distinct(table: pa.Table) -> pa.Table:
     first: dict[str, int] = {}
     for number, key in enumerate(table.column("key").to_pylist()):
         first.setdefault(key, number)
-    return table if len(first) == table.num_rows else table.take(_indices(first.values()))
-
-
-def _indices(numbers: Iterable[int]) -> pa.Array:
-    return arrow().array(list(numbers))
+    return table if len(first) == table.num_rows else table.take(arrow().array(list(first.values())))

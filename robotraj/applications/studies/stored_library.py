@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, cast, overload
+from typing import Any, cast, overload
 
 from robotraj._util.errors import InputError
 from robotraj.applications.many.libraries.library import Library
+from robotraj.applications.studies.cases import Case
 from robotraj.applications.studies.rows import CASE
 from robotraj.applications.studies.store import Store
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
+from robotraj.solution.solution import Solution
 from robotraj.solution.storage.load import load_solution
-
-if TYPE_CHECKING:
-    from robotraj.applications.studies.cases import Case
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-    from robotraj.solution.solution import Solution
 
 
 class StoredSolutions(Sequence["Solution"]):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -28,9 +28,7 @@ from robotraj.dynamics.contacts.vectors import add, cross, scale, subtract
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.variable import Scalar
 from robotraj.robot.configuration import UNIT
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 Quaternion: TypeAlias = tuple[float, float, float, float]
 

@@ -8,17 +8,13 @@ configurations.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
-
+from robotraj.robot.robot import Robot
 
 AXES = ("x", "y", "z")
 

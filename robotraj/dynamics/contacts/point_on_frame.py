@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -15,9 +14,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.vectors import add, cross, dot, scale, turned
 from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.variable import Column, Scalar
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 Triple = tuple[float, float, float]
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.quantity import Quantity
 from robotraj.dynamics.variable import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 DAMPING_UNITS = {"rad": "N m s/rad", "m": "N s/m"}
 

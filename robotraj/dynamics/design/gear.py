@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.checks import is_number
@@ -12,9 +10,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.design.quantity import Quantity
 from robotraj.dynamics.variable import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

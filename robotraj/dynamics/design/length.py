@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -14,9 +13,7 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity
 from robotraj.dynamics.variable import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 MIN_LENGTH = 1e-6
 """Smallest length [m] that can be scaled."""

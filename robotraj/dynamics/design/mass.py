@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity, body_of_name
 from robotraj.dynamics.variable import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 
 from robotraj._util.values import dataclass
 from robotraj.dynamics.design.bodies import Bodies, Body
 from robotraj.dynamics.design.quantity import Quantity, body_of_name
 from robotraj.dynamics.variable import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

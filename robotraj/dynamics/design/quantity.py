@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
+from robotraj.dynamics.design.bodies import Bodies
 from robotraj.dynamics.variable import Scalar
 from robotraj.robot.loading.planning_model import names_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.design.bodies import Bodies
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 class Quantity(OneLine, ABC):

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robotraj._util.arrays import Array
 from robotraj.guess.from_solution import FromSolution
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.phase import Phase
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
+from robotraj.transcription.clearance.clearance_rows import Clearances
+from robotraj.transcription.clearance.proof import Shortfalls
+from robotraj.transcription.clearance.supporting_planes import Motion
 from robotraj.transcription.nlp import Nlp
-
-if TYPE_CHECKING:
-    from robotraj._util.arrays import Array
-    from robotraj.transcription.clearance.clearance_rows import Clearances
-    from robotraj.transcription.clearance.proof import Shortfalls
-    from robotraj.transcription.clearance.supporting_planes import Motion
 
 ROUNDS = 10
 """Solves with further or raised rows on one mesh."""

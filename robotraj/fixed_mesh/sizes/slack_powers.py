@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +11,10 @@ from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
 from robotraj.fixed_mesh.sizes.shares import is_kinked, shares_of
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 from robotraj.robot.limits import Limits
-
-if TYPE_CHECKING:
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -18,11 +17,9 @@ from robotraj.guess.legs.somersault import Somersault, somersault_of
 from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.standing_posture import pendulum_height, standing
 from robotraj.guess.legs.swing import Swing, swings
+from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.problem import Problem
 from robotraj.robot.root import QUATERNION
-
-if TYPE_CHECKING:
-    from robotraj.problem.constraints.bounds import Bounds
-    from robotraj.problem.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)

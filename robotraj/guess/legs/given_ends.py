@@ -7,7 +7,6 @@ kinematics finds that end, and the posture and the centre of mass move there smo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -18,15 +17,13 @@ from robotraj._util.curves.splines import hermite
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.precision import MET
 from robotraj._util.values import dataclass
+from robotraj.guess.legs.footsteps import Footsteps
+from robotraj.guess.legs.stance import BalancedStance, Errors
 from robotraj.guess.reaching.position_rows import of_positions, values_at_rest
 from robotraj.problem.constraints.base import Where
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.robot.tangent import rate_matrix
-
-if TYPE_CHECKING:
-    from robotraj.guess.legs.footsteps import Footsteps
-    from robotraj.guess.legs.stance import BalancedStance, Errors
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from itertools import accumulate, pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +14,7 @@ from robotraj._util.curves.splines import through
 from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Variable
 from robotraj.guess.ends import default_parameters
 from robotraj.guess.legs.footsteps import Footsteps
 from robotraj.guess.legs.given_ends import GivenEnds
@@ -23,14 +23,10 @@ from robotraj.guess.legs.stance import BalancedStance
 from robotraj.guess.legs.support import support
 from robotraj.problem.initial_guess import Curve, InitialGuess, PhaseGuess
 from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.robot.chart import Chart
 from robotraj.robot.root import QUATERNION
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.phase import Phase
-
 
 KEYS = 11
 """Number of configurations of a phase that inverse kinematics computes; splines interpolate them."""

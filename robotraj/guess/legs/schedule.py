@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.precision import SAME
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import copied
+from robotraj.dynamics.contacts.base import BoundContact, copied
 from robotraj.guess.ends import guessed_duration
 from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.links.base import Link
 from robotraj.problem.links.periodic import Mirror, Periodic
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.problem.links.base import Link
-    from robotraj.problem.problem import Problem
+from robotraj.problem.problem import Problem
 
 PERIODS = 2
 """Number of periods before and after the problem in which its stances may begin or end."""

@@ -10,22 +10,17 @@ with w = 2 pi / (b - a + e). After the middle, angle(t) = 2 pi - angle(a + b - t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.values import dataclass
+from robotraj.guess.legs.schedule import Schedule
 from robotraj.problem.constraints.bounds import as_bounds
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 from robotraj.robot.chart import PITCH
 from robotraj.robot.root import PLANAR, QUATERNION
 from robotraj.robot.tangent import product
-
-if TYPE_CHECKING:
-    from robotraj.guess.legs.schedule import Schedule
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-
 
 EASE = 0.25
 """Time in which the stances accelerate and brake the rotation, relative to that of the flight."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -14,6 +14,7 @@ from robotraj._util.arrays import Array
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_expressions import anchors
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.mobility import AXES
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body_forms import InverseDynamics
@@ -21,13 +22,10 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.reaching.descent import descended
 from robotraj.problem.constraints.base import symbols_of
+from robotraj.robot.robot import Robot
 from robotraj.robot.root import ROOTS
 from robotraj.robot.size.reach import reach
 from robotraj.robot.tangent import rate_matrix
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.robot.robot import Robot
 
 Errors = Callable[[Array], tuple[Array, Array]]
 """Errors (m,) of rows in a configuration (nq,), and their slopes (m, nv)."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -15,11 +14,8 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.guess.legs.singular_legs import BEND, bent, singular_legs
 from robotraj.guess.legs.stance import SHORT, BalancedStance, root_freedoms
 from robotraj.robot.neutral import amid
+from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
-
-if TYPE_CHECKING:
-    from robotraj.robot.robot import Robot
-
 
 REPEATS = 5
 """Number of repetitions with the last solution as posture, for a given height."""

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.arrays import Array
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.mobility import AXES
+from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.function import as_ground
+from robotraj.dynamics.variable import Variable
 from robotraj.guess.legs.stance import SHORT, BalancedStance
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.dynamics.terrain.base import Ground
-    from robotraj.dynamics.variable import Variable
-
 
 SHARE = 0.1
 """Least normal force of a standing foot, relative to an equally shared weight."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.guess.legs.schedule import StanceTime
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ A known motion is followed where it is free. Where it is not, a path from a rand
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,7 @@ from robotraj.guess.ends import default_parameters
 from robotraj.guess.joint_motion import joint_motion
 from robotraj.guess.paths.free_path import TRIES, Free, free_path
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
+from robotraj.problem.phase import Phase
 
 Motion = Callable[[Array], Array]
 """From fractions of a phase (m,) to configurations (m, nq)."""

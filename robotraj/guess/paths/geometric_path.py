@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -23,11 +22,8 @@ from robotraj.guess.paths.timed_path import timed_path
 from robotraj.guess.perturbed import Perturbed
 from robotraj.guess.straight_line import StraightLine
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.problem import Problem
-
+from robotraj.problem.phase import Phase
+from robotraj.problem.problem import Problem
 
 _KNOWN: WeakKeyDictionary[Phase, dict[tuple[object, ...], list[TimedMotion]]] = WeakKeyDictionary()
 """Paths that were found for a phase, the quickest first."""

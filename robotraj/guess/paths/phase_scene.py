@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from robotraj.guess.paths.moving_scene import MovingScene
 from robotraj.guess.paths.scene import PathScene
+from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.clearance.sphere_tree import sphere_tree
 from robotraj.problem.constraints.collision_free import CollisionFree
+from robotraj.problem.phase import Phase
 from robotraj.robot.limits import Limits
-
-if TYPE_CHECKING:
-    from robotraj.problem.clearance.pairs import ClearancePairs
-    from robotraj.problem.phase import Phase
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 _KNOWN: WeakKeyDictionary[Phase, PathScene] = WeakKeyDictionary()
 

@@ -9,7 +9,6 @@ Source: Viterbi, IEEE Transactions on Information Theory 13 (1967), for the chai
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +19,9 @@ from robotraj.guess.reaching.open_end import OpenEnd
 from robotraj.guess.reaching.position_rows import of_positions
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.continuity import Continuity
-from robotraj.problem.phase_row import Kind
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
-    from robotraj.problem.problem import Problem
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import Kind, PhaseRow
+from robotraj.problem.problem import Problem
 
 Node = Sequence[tuple["Phase", Where]]
 """The ends of phases that share one configuration."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -19,12 +19,10 @@ from robotraj.guess.minimum_jerk import through
 from robotraj.guess.reaching.descent import SEEDS, descended
 from robotraj.problem.initial_guess import InitialGuess, PhaseGuess
 from robotraj.problem.objectives.terminal_pose import target_of
+from robotraj.problem.phase import Phase
 from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 from robotraj.robot.root import QUATERNION
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.robot.robot import Robot
 
 Target: TypeAlias = "ArrayLike | tuple[ArrayLike, ArrayLike] | pin.SE3"
 """A position in the world [m], or a pose."""

@@ -6,8 +6,6 @@ violations, from the given configuration and from seeded random ones.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +18,9 @@ from robotraj.guess.reaching.descent import SEEDS, STEPS, descended
 from robotraj.guess.reaching.position_rows import values_at_rest
 from robotraj.problem.clearance.end_checks import clearances_of, distances_at_rest
 from robotraj.problem.clearance.own_shapes import own_shapes
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.robot.collision.along_motion import pairs_within
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
-
 
 PULL = 0.1
 """Weight of the distance from the given configuration beside that of rows, which are then met exactly.

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj.guess.ends import default_parameters
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
 
 
 def of_positions(phase: Phase, rows: Sequence[PhaseRow], nq: int) -> tuple[PhaseRow, ...]:

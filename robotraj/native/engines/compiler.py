@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from robotraj._util.errors import InputError, RobotrajError
-from robotraj._util.system.search_path import absolute_entries
+from robotraj._util.system.own_python import absolute_entries
 from robotraj._util.values import dataclass
 from robotraj.native.engines.source import Source
 

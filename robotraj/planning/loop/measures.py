@@ -17,12 +17,11 @@ from robotraj.solution.phase_solution import PhaseSolution, alike
 from robotraj.solution.proof import Goals, Proof
 from robotraj.solution.solution import Solution
 from robotraj.transcription.extract import PhaseTrajectory
-from robotraj.transcription.refinement.assess import control_jumps, errors_of
+from robotraj.transcription.refinement.assess import control_jumps, errors_of, path_bends
 from robotraj.transcription.refinement.base import Assessment, Refinement
 from robotraj.transcription.refinement.equidistribution import Equidistribute
 from robotraj.transcription.refinement.linear_controls import HARDLY
 from robotraj.transcription.refinement.objective_quadrature import quadrature_errors, surplus
-from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
 from robotraj.transcription.refinement.unresolved_controls import unresolved
 from robotraj.transcription.schemes.mesh import Mesh

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,9 +33,7 @@ from robotraj.solution.solution import Solution
 from robotraj.solvers.base import SMALL_BARRIER, Progress, Solver
 from robotraj.solvers.interior_point import InteriorPoint
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 Surfaces = Sequence["NearSurfaces | None"]
 """For each phase, links of the robot that rows keep apart."""

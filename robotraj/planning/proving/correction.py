@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from robotraj.problem.initial_guess import InitialGuess
 from robotraj.problem.problem import Problem
@@ -12,9 +12,7 @@ from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
 from robotraj.solution.violation import Violation
 from robotraj.solvers.status import Status
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 STOPPED = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.MEMORY_LIMIT)
 """Statuses after which nothing else is tried."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,9 +23,7 @@ from robotraj.problem.problem import Problem
 from robotraj.robot.collision.along_motion import freed
 from robotraj.robot.collision.own_body import OwnBody
 from robotraj.solution.solution import Solution
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearPair, NearSurfaces
 
 Bodies = Sequence[OwnBody | None]
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,9 +33,7 @@ from robotraj.solution.claims.objective_size import objective_size
 from robotraj.solution.records import Lack
 from robotraj.solution.settings import Settings
 from robotraj.solution.solution import Solution
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 SEEDS = 4
 """Number of motions from which solves with rows start: the motion that overlaps, where this is shallow; the same with a

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj.fixed_mesh.solve import solve
 from robotraj.fixed_mesh.warm_start import PATIENCE, separated_form
@@ -20,10 +19,8 @@ from robotraj.solution.records import started_from, with_effort_of
 from robotraj.solution.settings import Restarts, Settings
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Progress
+from robotraj.transcription.clearance.surface_rows import NearSurfaces
 from robotraj.transcription.transcribe import meshes_of
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.surface_rows import NearSurfaces
 
 
 def solved_softer(

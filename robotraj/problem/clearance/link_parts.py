@@ -14,7 +14,7 @@ from robotraj.problem.constraints.base import Constraint
 from robotraj.problem.constraints.collision_free import disabled_pairs
 from robotraj.robot.collision.own_body import OwnBody, own_body
 from robotraj.robot.collision.placements import joint_tree
-from robotraj.robot.collision.support import core, support
+from robotraj.robot.collision.solids import Solid
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
 
@@ -89,3 +89,35 @@ def link_parts(robot: Robot, constraints: Iterable[Constraint] = ()) -> list[Lin
     tree, first = joint_tree(robot), len(root_of(robot.root).joints) + 1
     bare = [j for j in range(first, robot.model.njoints) if tree.turns[j] and j not in shaped]
     return [part for part in found if part.joint] + [LinkPart(robot.model.names[j], j) for j in bare]
+
+
+def support(solid: Solid, directions: Array) -> Array:
+    """Return max over the shape of d . p (m,) [m] for unit directions (m, 3) in the shape's axes.
+
+    It is exact for spheres, capsules, cylinders, cones, ellipsoids, boxes and meshes.
+    """
+    shape, kind = solid.geometry, type(solid.geometry).__name__
+    along, across = directions[:, 2], np.hypot(directions[:, 0], directions[:, 1])
+    if kind == "Cylinder":
+        return np.asarray(np.abs(along) * float(shape.halfLength) + across * float(shape.radius))
+    if kind == "Cone":
+        half = float(shape.halfLength)
+        return np.asarray(np.maximum(along * half, across * float(shape.radius) - along * half))
+    if kind == "Ellipsoid":
+        return np.linalg.norm(directions * np.array(shape.radii), axis=1)
+    points, radius = core(solid)
+    return np.asarray((directions @ points.T).max(axis=1) + radius)
+
+
+def core(solid: Solid) -> tuple[Array, float]:
+    """Return points (n, 3) and the radius of balls about them, whose hull is a sphere, a capsule, a box or a hull [m].
+
+    Around other shapes it is their box.
+    """
+    shape, kind = solid.geometry, type(solid.geometry).__name__
+    if kind == "Sphere":
+        return np.zeros((1, 3)), float(shape.radius)
+    if kind == "Capsule":
+        half = float(shape.halfLength)
+        return np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), float(shape.radius)
+    return solid.extreme_points, 0.0

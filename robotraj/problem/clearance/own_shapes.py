@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj.problem.constraints.collision_free import disabled_pairs
+from robotraj.problem.phase import Phase
 from robotraj.robot.collision.own_body import OwnBody, own_body
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 MARGIN = 1e-3
 """Least height of points of a link's surface that rows keep above that of another link [m]."""

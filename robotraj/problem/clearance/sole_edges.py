@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import FramePoint
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.problem.constraints.clearance_geometry import ClearancePoint
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import FramePoint
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 SPACING, MOST_PLACES = 0.025, 9
 """Largest distance [m] of places on an edge over ground without noses, and their greatest number."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
@@ -24,13 +23,11 @@ from robotraj.dynamics.terrain.function import as_ground
 from robotraj.dynamics.terrain.lowest import Lowest
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.constraints.clearance import GroundClearance
+from robotraj.problem.links.base import Link
 from robotraj.problem.links.periodic import Mirror
+from robotraj.problem.phase import Phase
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
-
-if TYPE_CHECKING:
-    from robotraj.problem.links.base import Link
-    from robotraj.problem.phase import Phase
 
 TOUCH = 1e-4
 """Depth below the ground [m] that clearance permits, so that its rows are not redundant at liftoff and touchdown."""

@@ -9,21 +9,19 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import Enum
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import AnyPoint, Point
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Row as Row
 from robotraj.problem.scalars import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import AnyPoint, Point
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 class Where(Enum):

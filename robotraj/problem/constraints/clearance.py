@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_on_frame import Spot
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.terrain.base import Ground
 from robotraj.dynamics.terrain.flat import Flat
@@ -19,12 +21,8 @@ from robotraj.problem.clearance.sole_edges import edge_places
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of, symbols_of
 from robotraj.problem.constraints.clearance_geometry import PlacesLike, spots_of, with_known_points
 from robotraj.problem.constraints.heights import HeightLike, RequiredHeight, required_height
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, TypeAlias, TypeGuard, cast
+from typing import TypeAlias, TypeGuard, cast
 
 import numpy as np
 import pinocchio as pin
@@ -14,12 +14,10 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.point_on_frame import Spot
+from robotraj.dynamics.point import FrameMotion, FramePoint
 from robotraj.dynamics.terrain.base import Ground
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import FrameMotion, FramePoint
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 
 Vector = tuple[float, float, float]
 Triple: TypeAlias = Sequence[float] | NDArray[np.float64]

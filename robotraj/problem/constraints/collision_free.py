@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 import pinocchio as pin
@@ -14,15 +14,13 @@ from robotraj._util.errors import InputError, warn
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.printing import short
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.obstacles.base import Obstacle
+from robotraj.dynamics.point import RobotPoint
+from robotraj.problem.clearance.pairs import ClearancePairs
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.clearance.pairs import ClearancePairs
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

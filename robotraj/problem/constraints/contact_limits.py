@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from robotraj.dynamics.contact_expressions import anchors
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.scalars import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.dynamics.point import RobotPoint
 
 
 def contact_limits(contact: BoundContact) -> tuple[BoundConstraint, BoundConstraint]:

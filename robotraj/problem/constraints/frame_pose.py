@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -11,16 +11,14 @@ from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 from robotraj.robot.size.reach import reaches
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
 
 Triple: TypeAlias = Sequence[float] | NDArray[np.float64]
 

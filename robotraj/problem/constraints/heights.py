@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,11 +12,9 @@ from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError, called
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.path import flat
 from robotraj.problem.scalars import PointExpression, Scalar
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import RobotPoint
 
 Coordinate: TypeAlias = "float | str | Callable[[RobotPoint], Scalar]"
 """A number [m], the name of a parameter, or a function of the point."""

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RATE_UNITS
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds, as_limits
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 RATES = ("v", "a", "tau")
 """Joint quantities, in the order of their units in ``RATE_UNITS``."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -11,15 +10,13 @@ import numpy as np
 from robotraj._util.errors import InputError
 from robotraj._util.printing import brief
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import rows_of
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, symbols_of
 from robotraj.problem.constraints.bounds import SideLike
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import PointExpression, Scalar, Scalars
+from robotraj.problem.scalars import PointExpression, Scalar, Scalars
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import casadi as ca
 
@@ -13,14 +13,12 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass, own_fields
 from robotraj.dynamics.expression_values import as_rows
+from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import free_of
+from robotraj.problem.phase import Phase
 from robotraj.problem.scalars import Scalar
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import Point
-    from robotraj.problem.phase import Phase
 
 
 class Ends(NamedTuple):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -18,11 +17,8 @@ from robotraj.problem.constraints.base import ends_of
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 from robotraj.problem.links.limited_rates import joined_rates
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar
-
+from robotraj.problem.phase import Phase
+from robotraj.problem.scalars import Scalar
 
 TIME = Row("continuity", "s", 0.0, 0.0, "time")
 """Continuity of time."""

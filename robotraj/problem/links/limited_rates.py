@@ -7,22 +7,20 @@ A jump is an infinite rate. Where both phases rest at the link, the limits fix t
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import casadi as ca
 import numpy as np
 
 from robotraj.dynamics.path_body import ACCELERATION, PLACES, RESTING, SPEED, PathPoint
+from robotraj.dynamics.point import Point, RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.row import Row
 from robotraj.problem.augmentation import has
 from robotraj.problem.constraints.motors.end_accelerations import can_rest, rests
 from robotraj.problem.links.base import Joined
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import Point, RobotPoint
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.phase import Phase
+from robotraj.problem.scalars import Scalar
 
 PATH_ROW = Row("continuity", "1/s^2", 0.0, 0.0, "path acceleration")
 """Continuity of the acceleration along a path."""

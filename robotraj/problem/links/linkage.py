@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
@@ -13,10 +12,8 @@ from robotraj.problem.constraints.base import ends_of
 from robotraj.problem.constraints.bounds import SideLike
 from robotraj.problem.constraints.path import flat, side
 from robotraj.problem.links.base import BoundLink, Ends, Link, normal, phase_at
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar, Scalars
+from robotraj.problem.phase import Phase
+from robotraj.problem.scalars import Scalar, Scalars
 
 
 @dataclass(frozen=True)

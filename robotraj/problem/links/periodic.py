@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
+from robotraj.dynamics.point import Point
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Interval, as_bounds
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, normal, phase_at, same_states
 from robotraj.problem.links.limited_rates import joined_rates
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.point import Point
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar
-
+from robotraj.problem.phase import Phase
+from robotraj.problem.scalars import Scalar
 
 ALONG_THE_GROUND = {"q.root_x", "q.root_y"}
 """Displacements along level ground, after which contact positions still hold."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contact_expressions import anchors, torques
-from robotraj.dynamics.contacts.base import of_impulses
+from robotraj.dynamics.contacts.base import BoundContact, of_impulses
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Row
@@ -19,11 +19,8 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.links.base import STATE, BoundLink, Carry, Ends, Link, check_order, normal, phase_at, same_states
 from robotraj.problem.links.continuity import Continuity
 from robotraj.problem.links.periodic import Mirror, Periodic, Repeat, check_partners
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.phase import Phase
+from robotraj.problem.scalars import Scalar
 
 IMPULSE_UNITS = {"N": "N s", "N m": "N m s"}
 

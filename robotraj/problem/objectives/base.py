@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABCMeta, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
@@ -12,12 +12,10 @@ from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine, short
 from robotraj._util.values import dataclass, own_fields
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import AnyPoint
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.problem.constraints.base import BoundConstraint
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.constraints.base import BoundConstraint
+from robotraj.problem.scalars import Scalar
 
 
 class _Called(ABCMeta):

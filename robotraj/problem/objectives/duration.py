@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import warn
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import Point
 from robotraj.problem.objectives.base import EndCost
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.phase import Phase
+from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

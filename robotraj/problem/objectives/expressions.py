@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import rows_of
+from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import ends_of, symbols_of
 from robotraj.problem.objectives.base import EndCost, Integral
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import EndExpression, PointExpression, Scalar
+from robotraj.problem.scalars import EndExpression, PointExpression, Scalar
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 
@@ -11,7 +11,8 @@ from robotraj._util.errors import InputError
 from robotraj._util.lazy_values import cached_property
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import positive
-from robotraj.dynamics.point import Point
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import Point, RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
@@ -19,11 +20,7 @@ from robotraj.problem.augmentation import Augmented, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Where, robot_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

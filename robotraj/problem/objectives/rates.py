@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.augmentation import body_of
 from robotraj.problem.constraints.base import robot_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
 from robotraj.problem.rates_as_variables import with_control_rates, with_jerks
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.curves.trajectory import PiecewisePolynomial
 from robotraj._util.errors import unknown_name
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
+from robotraj.problem.phase import Phase
 
 
 class ReferencePhase(Protocol):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,14 +10,12 @@ from robotraj._util.checks import is_finite
 from robotraj._util.errors import InputError
 from robotraj._util.printing import short
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import RobotPoint
 from robotraj.problem.constraints.base import robot_of
 from robotraj.problem.constraints.frame_pose import PoseLike, Triple, as_pose, own_pose
 from robotraj.problem.objectives.base import EndCost
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

@@ -4,29 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from robotraj._util.errors import InputError, called
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.expression_values import as_rows
-from robotraj.dynamics.point import RobotPoint, symbolic_model
+from robotraj.dynamics.point import Point, RobotPoint, symbolic_model
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.variable import Column, Scalar
 from robotraj.problem.constraints.base import symbols_of
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.reference_motion import ReferenceSolution, symbolic_states
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import Point
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import RunningIntegral, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, robot_of
 from robotraj.problem.objectives.base import EndCost, Integral
 from robotraj.problem.objectives.work import MechanicalWork
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -11,6 +10,8 @@ import numpy as np
 from robotraj._util.checks import is_number
 from robotraj._util.errors import InputError, unknown_name
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import RigidBody
 from robotraj.dynamics.row import Row
 from robotraj.dynamics.variable import Variable
@@ -18,11 +19,7 @@ from robotraj.problem.augmentation import Slacks, body_of, free_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Where
 from robotraj.problem.objectives.base import Integral
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
+from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import threading
 import webbrowser
 from typing import Protocol
 
-from robotraj._util.system.search_path import without_working_folder
+from robotraj._util.system.own_python import without_working_folder
 from robotraj.replay_page.live.event_log import EventLog
 from robotraj.replay_page.live.page_server import PageServer
 

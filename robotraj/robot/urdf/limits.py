@@ -71,7 +71,7 @@ def stated_limits(root: Element) -> StatedLimits:
         if limit is None:
             continue
         for quantity in MADE_OF:
-            text = _attribute(limit, quantity)
+            text = next((text for key, text in limit.attrib.items() if local(key) == quantity), None)
             if text is not None:
                 pairs.setdefault(quantity, {})[name] = (-float(text), float(text))
         if joint.get("type") in BOUNDED and not {"lower", "upper"} & limit.attrib.keys():
@@ -146,11 +146,6 @@ def _soft(joint: Element) -> Pair | None:
 
 def _in_degrees(limit: Element) -> bool:
     return any(TURNS < abs(float(limit.get(side, "0"))) <= DEGREES for side in ("lower", "upper"))
-
-
-def _attribute(element: Element, name: str) -> str | None:
-    """Return an attribute without or with a namespace."""
-    return next((text for key, text in element.attrib.items() if local(key) == name), None)
 
 
 def local(key: str) -> str:

@@ -7,7 +7,6 @@ the exported positions at the controller's period, with the robot at rest before
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +17,8 @@ from robotraj._util.values import dataclass
 from robotraj.problem.constraints.base import Where
 from robotraj.robot.limits import Limits
 from robotraj.solution.export.set_points import SetPoints, set_points
+from robotraj.solution.planned import Planned
 from robotraj.solution.proof import Goals
-
-if TYPE_CHECKING:
-    from robotraj.solution.planned import Planned
-
 
 HELD = 3
 """Number of periods at rest before and after the motion: a jerk needs four positions."""

@@ -8,7 +8,6 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,7 @@ from robotraj._util.paths import output_path
 from robotraj._util.system.whole_files import WholeFile
 from robotraj.solution.export.set_points import SetPoints, set_points
 from robotraj.solution.export.times import cell, yaml_text
-
-if TYPE_CHECKING:
-    from robotraj.solution.planned import Planned
+from robotraj.solution.planned import Planned
 
 SECOND = 10**9
 """Nanoseconds."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
@@ -11,9 +9,7 @@ from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of
 from robotraj.solution.export.times import sample_times
-
-if TYPE_CHECKING:
-    from robotraj.solution.planned import Planned
+from robotraj.solution.planned import Planned
 
 
 @dataclass(frozen=True, eq=False)

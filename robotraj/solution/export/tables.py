@@ -7,7 +7,6 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +17,7 @@ from robotraj._util.system.whole_files import WholeFile
 from robotraj._util.values import dataclass
 from robotraj.solution.columns import values_of, variables_of
 from robotraj.solution.export.times import cell, sample_times
-
-if TYPE_CHECKING:
-    from robotraj.solution.planned import Planned
+from robotraj.solution.planned import Planned
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat")
 """Suffixes of tables of CSV: a file of another kind would not open."""

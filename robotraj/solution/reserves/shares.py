@@ -6,7 +6,7 @@ A plan that uses all of them leaves nothing to a controller: seven proved gaits 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 import pinocchio as pin
@@ -15,17 +15,13 @@ from numpy.typing import NDArray
 from robotraj._util.arrays import Array
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
-from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.contacts.force_measure import GRAVITY
 from robotraj.dynamics.design.binding import realised
 from robotraj.dynamics.point import FramePoint
+from robotraj.problem.phase import Phase
 from robotraj.robot.limits import Limits
+from robotraj.robot.robot import Robot
 from robotraj.solution.sample import Sample
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.robot.robot import Robot
-
 
 KINDS = ("cone", "sole", "torque", "speed")
 PLACES = 9
@@ -151,18 +147,13 @@ def _of_contacts(planned: LoadedPhase, sample: Sample[Any], times: Array) -> Ite
         point = _Placed(robot, data)
         for contact in contacts:
             forces = [float(np.asarray(sample.z[force.name])[i]) for force in contact.forces]
-            if _normal(contact, forces) < LOADED * weight:
+            if float(contact.vector(forces)[2]) < LOADED * weight:
                 continue
             shares = contact.shares(cast("FramePoint", point), forces, planned.parameters)
             for kind, share in shares.items():
                 found.setdefault((kind, contact.name), np.zeros(len(times)))[i] = share
     for (kind, name), values in found.items():
         yield kind, name, values
-
-
-def _normal(contact: BoundContact, forces: Sequence[float]) -> float:
-    """Return the vertical part of a contact's force [N]."""
-    return float(contact.vector(forces)[2])
 
 
 def _of_joints(planned: LoadedPhase, sample: Sample[Any]) -> Iterator[tuple[str, str, Array]]:

@@ -6,11 +6,12 @@ stored safely. A problem loaded without them is enough to look at, sample and pl
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TypeVar
 
-from robotraj._util.errors import InputError
+from robotraj._util.errors import InputError, UnknownName, warn
 from robotraj.dynamics.contacts.base import Contact
 from robotraj.dynamics.system import MissingEquations, System
 from robotraj.dynamics.terrain.base import Ground
@@ -18,13 +19,14 @@ from robotraj.dynamics.variable import Variable
 from robotraj.problem.objectives.base import Objective, Sum
 from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
-from robotraj.robot.loading.geometry import unread_shapes
+from robotraj.robot.known_robots.catalogue import catalogue, find
+from robotraj.robot.loading.geometry import Geometry, NoGeometry, UrdfGeometry, unread_shapes
+from robotraj.robot.loading.joined import JoinedGeometry
 from robotraj.robot.robot import Robot
 from robotraj.solution.storage.classes import mismatch
 from robotraj.solution.storage.missing_contact import MissingContact
 from robotraj.solution.storage.packing import Packer
 from robotraj.solution.storage.plain_data import Damaged, Json, NotPlainData
-from robotraj.solution.storage.shapes import pack_robot, with_shapes
 from robotraj.solution.storage.unpacking import Unpacker
 
 T = TypeVar("T")
@@ -239,3 +241,39 @@ def _printed(value: object) -> str:
         weight, term = value
         return _printed(term) if weight == 1 else f"{weight:g} {_printed(term)}"
     return repr(value)
+
+
+def pack_robot(robot: Robot, packer: Packer, path: str) -> tuple[Json, list[str]]:
+    """Write a robot; also return the names of shapes that are not plain data, which are not written."""
+    try:
+        return packer.pack(robot, path), []
+    except NotPlainData:
+        bare = replace(robot, geometry=NoGeometry())
+        return packer.pack(bare, path), [f"the shapes of robot {robot.name!r}, which came with its model"]
+
+
+def with_shapes(robot: Robot) -> Robot:
+    """Find a robot's shapes again: in the URDF they were read from, else in the catalogue's of its name.
+
+    A file widens no path: folders that it names are not searched, and meshes outside the folders of a URDF are trusted
+    where it belongs to the catalogue, whatever the file claims. This holds for the parts of a joined robot too.
+    """
+    return replace(robot, geometry=_found_again(robot.geometry, robot.name))
+
+
+def _found_again(geometry: Geometry, name: str) -> Geometry:
+    if isinstance(geometry, JoinedGeometry):
+        parts = tuple(
+            replace(part, geometry=_found_again(part.geometry, str(part.model.name))) for part in geometry.parts
+        )
+        return replace(geometry, parts=parts)
+    if not isinstance(geometry, UrdfGeometry):
+        return geometry
+    known = geometry.urdf in {entry.urdf for entry in catalogue()}
+    if known or os.path.isfile(geometry.urdf):
+        return UrdfGeometry(geometry.urdf, (), trust_paths=known)
+    try:
+        return UrdfGeometry(find(name).urdf, (), trust_paths=True)
+    except UnknownName:
+        warn(f"The URDF of {name!r} is gone ({geometry.urdf}): its shapes are missing, nothing else.")
+        return NoGeometry()

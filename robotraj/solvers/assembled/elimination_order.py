@@ -12,16 +12,12 @@ Source: George, Nested dissection of a regular finite element mesh, SIAM J. Nume
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.arrays import Indices
 from robotraj.solvers.stagewise.order import EVER, allowed_stages, with_stages
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.nlp import Nlp
 
 
 def elimination_groups(nlp: Nlp, free: Indices, rows: Indices, columns: Indices, count: int) -> NDArray[np.int32]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,10 +28,7 @@ from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.function_parts import solved_for
 from robotraj.transcription.assembly.point_functions import PointFunctions
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
-
+from robotraj.transcription.nlp import Nlp
 
 _SOLVED: StageCache[PointFunctions] = StageCache()
 

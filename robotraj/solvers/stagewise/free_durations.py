@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -28,11 +27,8 @@ from robotraj.solvers.stagewise.matrices import entries, entries_of, summed
 from robotraj.solvers.stagewise.stage_cache import StageCache
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
+from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.mesh import MovingMesh
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
-
 
 _STRETCHED: StageCache[PointFunctions] = StageCache()
 

@@ -7,7 +7,6 @@ Columns are recovered from their expressions, and multipliers from stationarity.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,10 +22,8 @@ from robotraj.solvers.stagewise.program import with_values as program_with_value
 from robotraj.solvers.stagewise.redundant_rows import remove_repeated_rows, remove_satisfied_rows
 from robotraj.solvers.stagewise.slots import Slots, make_slots
 from robotraj.solvers.stagewise.slots import with_values as slots_with_values
+from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.schemes.onestep import OneStep
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
 
 
 class NotStagewise(Exception):

@@ -8,7 +8,6 @@ systems then takes hundreds of iterations instead of twenty.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -18,9 +17,7 @@ from robotraj._util.precision import MET, SAME
 from robotraj.solvers.stagewise.form import Form
 from robotraj.solvers.stagewise.matrices import entries
 from robotraj.transcription.assembly.block import Block
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
+from robotraj.transcription.nlp import Nlp
 
 
 def remove_satisfied_rows(form: Form, nlp: Nlp) -> Form:

@@ -11,7 +11,6 @@ shortfall is allowed to decrease to zero within ``RECOVERY``.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,12 +26,9 @@ from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.clearance.clearance_rows import SLACK, with_distances
 from robotraj.transcription.clearance.distance_functions import DistanceFunction, function_of, key_of
 from robotraj.transcription.clearance.nearest_planes import NearestPlanes
+from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.nlp import Nlp
 from robotraj.transcription.scalar_table import Entry, ScalarTable
-
-if TYPE_CHECKING:
-    from robotraj.transcription.layout import PhaseLayout
-
 
 NEAREST = 2
 """Number of pairs of a joint's shapes, with obstacles or shapes of another joint, that have rows at a knot."""

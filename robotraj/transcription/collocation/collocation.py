@@ -41,7 +41,7 @@ from robotraj.transcription.collocation.symbols import interval_scalars, point_s
 from robotraj.transcription.exact_motion import is_exact
 from robotraj.transcription.interval_limits.bernstein_bounds import impose_on_states
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
-from robotraj.transcription.layout import PhaseLayout, Run, Scalar, entries_of
+from robotraj.transcription.layout import PhaseLayout, Scalar, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.collocation import Collocation
 from robotraj.transcription.schemes.gauss import GaussLegendre
@@ -265,7 +265,7 @@ if TYPE_CHECKING:
 
 def join_accelerations(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
     """Add the rows of the knots between intervals of joined schemes."""
-    joined = [run for run in layout.runs if _is_joined(run)]
+    joined = [run for run in layout.runs if isinstance(run.scheme, GaussLegendre) and run.scheme.joined]
     if not joined or not is_exact(phase, [run.scheme for run in layout.runs]):
         return
     joints = [i for i, variable in enumerate(phase.dae.algebraic) if variable.name.startswith("a.")]
@@ -277,7 +277,3 @@ def join_accelerations(phase: Phase, index: int, layout: PhaseLayout, rows: Scal
         for node, (last, first) in enumerate(zip(before, after, strict=True)):
             linear.spread(at, run.algebraic[:-1, node][:, joints], last)
             linear.spread(at, run.algebraic[1:, node][:, joints], -first)
-
-
-def _is_joined(run: Run) -> bool:
-    return isinstance(run.scheme, GaussLegendre) and run.scheme.joined

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import accumulate, pairwise
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -13,12 +12,10 @@ import numpy as np
 from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.collocation.symbols import column_of, phase_scalars, shared_symbols
 from robotraj.transcription.layout import PhaseLayout
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True, eq=False)

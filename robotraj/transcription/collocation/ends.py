@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -18,6 +17,8 @@ from robotraj.dynamics.variable import Named
 from robotraj.problem.augmentation import Augmented
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.links.base import BoundLink, Ends
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
@@ -45,10 +46,6 @@ from robotraj.transcription.collocation.symbols import (
 )
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
 
 
 def mayer_block(phase: Phase, layout: PhaseLayout, as_tapes: bool) -> Block | None:

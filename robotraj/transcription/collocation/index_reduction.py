@@ -17,7 +17,6 @@ Practical Methods for Optimal Control (2010), section 4.12.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -27,16 +26,13 @@ from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.bounds import Bounds
+from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
+from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.scalar_table import Entry, ScalarTable
-
-if TYPE_CHECKING:
-    from robotraj.problem.links.base import BoundLink
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.layout import PhaseLayout
-    from robotraj.transcription.schemes.collocation import Scheme
-
+from robotraj.transcription.schemes.collocation import Scheme
 
 HIGHEST = 4
 """Highest order that is reduced. Expressions of higher rates grow, and robots have no such equalities."""

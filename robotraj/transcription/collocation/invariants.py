@@ -7,25 +7,22 @@ at a start that a link equates to an end with the same invariants.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.arrays import Mask
+from robotraj.dynamics.contacts.base import BoundContact
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import symbols_of
+from robotraj.problem.constraints.bounds import Bounds
 from robotraj.problem.links.base import BoundLink
+from robotraj.problem.phase import Phase
 from robotraj.problem.rows import RowTable
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.layout import PhaseLayout, entries_of
 from robotraj.transcription.scalar_table import ScalarTable
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.contacts.base import BoundContact
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.constraints.bounds import Bounds
-    from robotraj.problem.phase import Phase
 
 
 def impose_invariants(

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import accumulate, count, pairwise
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
 from robotraj._util.values import dataclass
+from robotraj.problem.phase import Phase
 from robotraj.transcription.layout import PhaseLayout, Scalar
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True, eq=False)

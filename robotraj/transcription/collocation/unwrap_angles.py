@@ -7,15 +7,10 @@ direction at every point, but polynomials that rotate by whole turns in between.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
-
-if TYPE_CHECKING:
-    from robotraj.transcription.nlp import Nlp
-
+from robotraj.transcription.nlp import Nlp
 
 TURN = 2.0 * np.pi
 SAME = 1e-9

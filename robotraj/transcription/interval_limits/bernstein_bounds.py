@@ -17,24 +17,21 @@ import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import groupby
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array, Indices, Mask
 from robotraj._util.curves.polynomials import basis, integrals
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.constraints.base import Where
 from robotraj.problem.feasibility import SLACK
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.methods import ConstraintGeneration
 from robotraj.transcription.layout import PhaseLayout, Run
 from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.phase import Phase
 
 
 def impose_on_states(

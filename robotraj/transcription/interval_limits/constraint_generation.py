@@ -9,13 +9,14 @@ Source: Hettich and Kortanek, Semi-infinite programming, SIAM Review 35 (1993), 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.arrays import Indices
 from robotraj._util.curves.polynomials import integrals
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.triplets import Triplets
@@ -27,9 +28,6 @@ from robotraj.transcription.interval_limits.row_places import AddedRow
 from robotraj.transcription.layout import IntervalLayout, PhaseLayout, entries_of
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 def add_rows(

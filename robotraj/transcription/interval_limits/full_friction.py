@@ -14,22 +14,16 @@ The smooth law is kept where an integral is minimised: joints that stick to save
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from robotraj._util.arrays import Array
+from robotraj._util.arrays import Array, Indices
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.objectives.base import Integral
+from robotraj.problem.phase import Phase
 from robotraj.transcription.driven_motion import DrivenInputs
-
-if TYPE_CHECKING:
-    from robotraj._util.arrays import Indices
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-
+from robotraj.transcription.extract import PhaseTrajectory
 
 STILL = 1e-3
 """Speed below which a joint rests, relative to the speed of the smooth friction."""

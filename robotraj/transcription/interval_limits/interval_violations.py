@@ -13,15 +13,16 @@ differ in their variables and in the allowed violation:
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.arrays import Array, Indices
 from robotraj._util.values import dataclass
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import FRICTIONLESS
 from robotraj.problem.constraints.motors.rates import RateLimit
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.driven_motion import DefinedInputs, DrivenInputs, Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
@@ -36,11 +37,6 @@ from robotraj.transcription.interval_limits.row_values import (
     Rates,
     RowValues,
 )
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.phase import Phase
-
 
 PLACES = np.linspace(0.0, 1.0, 49)
 """Places of an interval at which rows are evaluated.

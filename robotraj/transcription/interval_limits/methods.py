@@ -12,7 +12,6 @@ Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Com
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -22,12 +21,10 @@ from robotraj._util.errors import InputError
 from robotraj._util.printing import OneLine
 from robotraj._util.values import dataclass
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.dynamics.variable import Variable
 from robotraj.problem.augmentation import inputs_of
 from robotraj.problem.constraints.base import symbols_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.variable import Variable
-    from robotraj.problem.phase import Phase
+from robotraj.problem.phase import Phase
 
 
 @dataclass(frozen=True)

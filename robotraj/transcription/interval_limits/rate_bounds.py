@@ -14,22 +14,19 @@ fixed.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array, Indices
 from robotraj._util.curves.polynomials import basis, differentiation
 from robotraj._util.errors import InputError
+from robotraj.problem.phase import Phase
+from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.interval_limits.bernstein_bounds import from_values
 from robotraj.transcription.layout import PhaseLayout, Run
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.problem.phase_row import PhaseRow
 
 
 def impose_on_rates(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:

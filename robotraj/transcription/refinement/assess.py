@@ -10,6 +10,7 @@ import numpy as np
 from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis
 from robotraj._util.precision import SAME
+from robotraj.dynamics.path_body import ACCELERATION, SPEED
 from robotraj.robot.size.state_sizes import WINDOWS, error_window
 from robotraj.transcription.driven_motion import inputs_of, is_driven
 from robotraj.transcription.exact_motion import is_exact
@@ -17,7 +18,6 @@ from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.base import Assessment
 from robotraj.transcription.refinement.error import interval_errors, residuals_of, sizes_of
 from robotraj.transcription.refinement.integrals import integral_errors
-from robotraj.transcription.refinement.path_bends import path_bends
 from robotraj.transcription.refinement.path_violations import beyond_limits, broken_rows
 from robotraj.transcription.refinement.simulation_errors import errors_of_simulations, errors_of_windows
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
@@ -133,3 +133,26 @@ def _decays(trajectory: PhaseTrajectory) -> Array:
         moving = coefficients[1:].max(axis=0) > 1e-10 * scale
         decays.append(float(np.min(-slopes[moving], initial=np.inf)))
     return np.array(decays)
+
+
+if TYPE_CHECKING:
+    from robotraj.problem.phase import Phase
+    from robotraj.transcription.extract import PhaseTrajectory
+
+
+LASTING = 20.0
+"""Number of intervals for which a missing s'' lasts, chosen so that the loss is not underestimated."""
+
+
+def path_bends(phase: Phase, trajectory: PhaseTrajectory) -> Array:
+    """Return the time lost on every interval [s], (K,)."""
+    lengths, count = np.diff(trajectory.x.breaks), len(trajectory.x.values)
+    ends = trajectory.u.inside(np.array([0.0, 1.0]))[:, :, 0]
+    slopes = (ends[:, 1] - ends[:, 0]) / lengths
+    bends = np.zeros(count + 1)
+    bends[1:-1] = np.abs(np.diff(slopes))
+    states = [state.name for state in phase.dae.states]
+    speed = states.index(SPEED)
+    fastest = np.abs(trajectory.x.inside(np.array([0.0, 1.0]))[:, :, speed]).max(axis=1)
+    missed = LASTING * lengths if ACCELERATION in states else 1.0
+    return missed * lengths**3 * (bends[1:] + bends[:-1]) / (32.0 * np.maximum(fastest, np.finfo(float).tiny))

@@ -26,7 +26,7 @@ Sources: Betts, Practical Methods for Optimal Control (2010), section 4.7.4; Kel
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,14 +34,11 @@ from robotraj._util.arrays import Array, Indices
 from robotraj._util.curves.polynomials import gauss
 from robotraj._util.precision import ROUND_OFF, SAME
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.problem.phase import Phase
 from robotraj.problem.sizes.motion_sizes import units_of_states
 from robotraj.robot.size.state_sizes import ROUNDING, state_sizes
 from robotraj.transcription.driven_motion import Inputs, MotionEquations, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
 
 NEWTON_STEPS = 4
 """Newton steps for g = 0 from the interpolated z; one is exact where g is linear in z, as for rigid bodies.

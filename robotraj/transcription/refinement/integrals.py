@@ -12,19 +12,15 @@ control that oscillates from node to node may satisfy the sum but not the constr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss
 from robotraj._util.curves.trajectory import PiecewisePolynomial
+from robotraj.problem.phase import Phase
 from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
 
 MORE = 8
 """Number of points of the finer rule beyond those of the scheme, for integrands of controls that alternate."""

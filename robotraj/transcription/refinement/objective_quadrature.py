@@ -12,7 +12,7 @@ minimises the sum with its own values. They are larger by its barrier, and by th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -21,20 +21,13 @@ import numpy as np
 from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss
 from robotraj.problem.objectives.base import Integral
+from robotraj.problem.phase import Phase
 from robotraj.problem.rows import phase_symbols
-from robotraj.transcription.driven_motion import PlannedInputs
-from robotraj.transcription.schemes.collocation import Collocation
+from robotraj.transcription.driven_motion import Inputs, PlannedInputs
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.smoothness.alternation import alternation_cost
 from robotraj.transcription.smoothness.smoothing import smoothing_weights
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.driven_motion import Inputs
-    from robotraj.transcription.extract import PhaseTrajectory
-    from robotraj.transcription.schemes.collocation import Scheme
-
 
 MORE = 3
 """Number of points of Gauss's rule beyond those of the scheme."""

@@ -6,13 +6,13 @@ Constraint generation treats rows of the state alone, and Bernstein bounds treat
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj.dynamics.contacts.force_measure import FORCE_SAMPLES, GRAVITY, measure
 from robotraj.dynamics.rigid_body import InverseRigidBody
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.driven_motion import Inputs, PlannedInputs
 from robotraj.transcription.extract import PhaseTrajectory
@@ -23,10 +23,6 @@ from robotraj.transcription.interval_limits.interval_violations import (
     variable_violations,
 )
 from robotraj.transcription.interval_limits.row_values import Expressions
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
 
 FORCE_PLACES = 0.5 * (1.0 + np.cos(np.linspace(-np.pi, 0.0, FORCE_SAMPLES)))
 """Places of an interval at which forces of held contacts are measured."""

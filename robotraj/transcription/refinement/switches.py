@@ -15,18 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
+from robotraj.problem.phase import Phase
+from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.schemes.lobatto import HermiteSimpson
 from robotraj.transcription.schemes.mesh import Mesh
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-
 
 FLAT, JUMP = 1e-3, 0.02
 """Largest change of a constant rate on an interval, and least jump, relative to the limit.

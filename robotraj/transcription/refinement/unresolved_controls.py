@@ -10,22 +10,17 @@ is h |c_d|^2 / (2 d + 1) for l = |u|^2, the contribution of the highest degree t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import gauss, legendre_sum
+from robotraj.problem.phase import Phase
+from robotraj.transcription.driven_motion import Inputs
+from robotraj.transcription.extract import PhaseTrajectory
 from robotraj.transcription.refinement.objective_quadrature import MORE, rate_of
-from robotraj.transcription.schemes.collocation import Collocation
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.driven_motion import Inputs
-    from robotraj.transcription.extract import PhaseTrajectory
-    from robotraj.transcription.schemes.collocation import Scheme
+from robotraj.transcription.schemes.collocation import Collocation, Scheme
 
 
 def unresolved(phase: Phase, trajectory: PhaseTrajectory, schemes: Sequence[Scheme], inputs: Inputs) -> Array:

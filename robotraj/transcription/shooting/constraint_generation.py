@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -13,6 +12,7 @@ from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import basis, lobatto_sites
 from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind, PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -21,9 +21,6 @@ from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.scalar_table import ScalarTable
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.shooting.shooting import IntervalSymbols, Rate, interval_columns, interval_constants
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 Added = tuple[int, float, int]
 """Interval, tau and row number."""

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj.dynamics.rigid_body_forms import ForwardDynamics, InverseDynamics
 from robotraj.problem.constraints.base import Where
+from robotraj.problem.phase import Phase
 from robotraj.problem.problem import Problem
 from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.schemes.shooting import Shooting, SingleShooting
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 def explicit(problem: Problem, meshes: Sequence[Mesh]) -> Problem:

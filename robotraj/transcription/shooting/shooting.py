@@ -11,7 +11,7 @@ rows at knots depend on unknowns of the knots alone and form another block.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -22,6 +22,7 @@ from robotraj._util.sparse import csr_array
 from robotraj._util.values import dataclass
 from robotraj.dynamics.expression_values import as_rows
 from robotraj.dynamics.row import Row
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import PhaseRow
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
@@ -32,9 +33,6 @@ from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.scalar_table import Entry, ScalarTable
 from robotraj.transcription.schemes.mesh import MovingMesh
 from robotraj.transcription.schemes.onestep import OneStep
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 Symbols: TypeAlias = ca.SX | ca.MX
 

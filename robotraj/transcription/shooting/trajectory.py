@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.curves.polynomials import lobatto_sites
 from robotraj._util.curves.trajectory import PiecewisePolynomial
+from robotraj.problem.phase import Phase
 from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.shooting.shooting import Rate
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
 
 
 def shot_polynomials(

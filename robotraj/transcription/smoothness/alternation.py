@@ -17,7 +17,6 @@ a share d of the limit count as d^2, and smooth torques as nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
@@ -27,18 +26,15 @@ import pinocchio as pin
 from robotraj._util.arrays import Array
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.problem.augmentation import free_of
+from robotraj.problem.phase import Phase
 from robotraj.transcription.assembly.block import Block
 from robotraj.transcription.assembly.point_functions import PointFunctions
 from robotraj.transcription.assembly.triplets import Triplets
 from robotraj.transcription.exact_motion import is_exact
+from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.transcription.layout import PhaseLayout
 from robotraj.transcription.schemes.collocation import Collocation, Scheme
 from robotraj.transcription.smoothness.smoothing import weight_of_duration
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-    from robotraj.transcription.layout import PhaseLayout
-
 
 ALTERNATING = 1.0
 """Weight of squares of alternating torques relative to that of squares of torques.

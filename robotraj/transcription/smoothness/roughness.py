@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.curves.teeth import WINDOW, heights
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.driven_motion import Inputs
-    from robotraj.transcription.extract import PhaseTrajectory
+from robotraj.problem.phase import Phase
+from robotraj.transcription.driven_motion import Inputs
+from robotraj.transcription.extract import PhaseTrajectory
 
 
 def roughness(phase: Phase, trajectory: PhaseTrajectory, inputs: Inputs) -> Array:

@@ -19,19 +19,15 @@ Limits of single variables, which are bounds of the program, are not among these
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
 
 from robotraj._util.arrays import Array
+from robotraj.problem.phase import Phase
 from robotraj.problem.phase_row import Kind
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.robot.robot import Robot
-
+from robotraj.robot.robot import Robot
 
 STARTS = 12.0
 """Accelerations of a speed in units of its square, over 1 rad or 1 m."""

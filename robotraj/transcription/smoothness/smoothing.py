@@ -13,19 +13,14 @@ satisfies T* <= T <= (1 + epsilon) T*. The objective of a solution is that of th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj.problem.objectives.duration import Duration
+from robotraj.problem.phase import Phase
 from robotraj.transcription.smoothness.shared_limits import acceleration_sizes
 from robotraj.transcription.smoothness.sticking import acceleration_weights
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
 
 SMOOTHING = 5e-3
 """The weight epsilon of a proved plan. The loss is of second order: see benchmarks/smoothness.md."""

@@ -18,19 +18,15 @@ free one twice the least that speed limits allow. The objective of a solution is
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
 
 from robotraj._util.arrays import Array
+from robotraj.problem.phase import Phase
 from robotraj.robot.limits import Limits
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.robot.robot import Robot
-
+from robotraj.robot.robot import Robot
 
 PRICE = 0.01
 """Cost of the accelerations of the plain motion, relative to ``epsilon`` of that of dry friction.

@@ -36,7 +36,6 @@ from robotraj._util.values import dataclass
 from robotraj.dynamics.design.binding import realised
 from robotraj.robot.size.state_sizes import error_window
 from robotraj.robot.tangent import velocities
-from robotraj.witness.checks.joint_error import JointError
 from robotraj.witness.checks.residual import TORQUE_UNITS
 from robotraj.witness.checks.stored_inputs import stored_off
 from robotraj.witness.contacts.stance import Stance, forces_in
@@ -51,6 +50,29 @@ SHARE = 1e-2
 """Least load of a joint relative to the largest among joints of its unit."""
 ROUNDING = 1e-6
 """Least load relative to the largest of all, in SI units: rounding errors of joints without a load are no errors."""
+
+
+@dataclass(frozen=True)
+class JointError(OneLine):
+    """An error of one joint in a phase.
+
+    Attributes
+    ----------
+    joint, phase, unit : str
+    amount, size : float
+        The error, and what it is relative to [unit].
+    """
+
+    joint: str
+    phase: str
+    unit: str
+    amount: float
+    size: float
+
+    @property
+    def relative(self) -> float:
+        """``amount`` / ``size``."""
+        return self.amount / self.size
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from robotraj._util.arrays import Array
 from robotraj.guess.from_solution import FromSolution
@@ -19,6 +18,7 @@ from robotraj.solution.phase_solution import PhaseSolution, alike
 from robotraj.solution.solution import Solution
 from robotraj.solvers.base import Outcome
 from robotraj.solvers.interior_point import InteriorPoint
+from robotraj.transcription.clearance.clearance_rows import Clearances
 from robotraj.transcription.clearance.links_along import LinksAlong
 from robotraj.transcription.clearance.supporting_planes import motion_of
 from robotraj.transcription.clearance.surface_rows import with_surface_rows
@@ -36,10 +36,6 @@ from robotraj.transcription.schemes.mesh import Mesh
 from robotraj.transcription.schemes.onestep import OneStep
 from robotraj.transcription.smoothness.smoothing import SMOOTHING
 from robotraj.transcription.transcribe import transcribe
-
-if TYPE_CHECKING:
-    from robotraj.transcription.clearance.clearance_rows import Clearances
-
 
 FINER = 2.0
 """Growth of the number of intervals."""

@@ -97,7 +97,7 @@ def mujoco_robot(
         joint = compiled.joint(name)
         joint.stiffness[...] = stiffness
         compiled.qpos_spring[joint.qposadr[0]] = rest
-    losses = _losses(robot)
+    losses = np.array([np.broadcast_to(value, robot.nv) for value in (robot.damping, robot.friction)], dtype=float)
     compiled.dof_armature[coordinates.dofs] = model.armature
     compiled.dof_damping[coordinates.dofs] = losses[0]
     compiled.dof_frictionloss[coordinates.dofs] = losses[1]
@@ -154,11 +154,6 @@ def _principal(inertia: pin.Inertia) -> tuple[Array, Array]:
     moments, axes = np.linalg.eigh(inertia.inertia)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     return moments, axes
-
-
-def _losses(robot: RobotLike) -> Array:
-    """Return damping and Coulomb friction, (2, nv)."""
-    return np.array([np.broadcast_to(value, robot.nv) for value in (robot.damping, robot.friction)], dtype=float)
 
 
 def _limit(mujoco: ModuleType, spec: mujoco.MjSpec, limits: Limits) -> None:

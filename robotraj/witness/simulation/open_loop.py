@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -108,9 +108,5 @@ def handed_on(
         return own
     held = {joint for name, joint in rows if name == "continuity"}
     if impact:
-        held |= set(_velocities(plant.names))
+        held |= {name for name in plant.names if name.startswith("v.")}
     return reached + np.where([name in held for name in plant.names], 0.0, own - planned)
-
-
-def _velocities(names: Sequence[str]) -> list[str]:
-    return [name for name in names if name.startswith("v.")]

@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 
 from robotraj._util.curves.trajectory import PiecewisePolynomial
-from robotraj.applications.programs.hermite import SITES, hermite
 from robotraj.applications.programs.tool_curves import ToolBlend, arc, line, twist_rates
+from robotraj.applications.programs.tool_joints import SITES, hermite
 
 RNG = np.random.default_rng(5)
 

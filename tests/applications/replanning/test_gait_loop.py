@@ -9,8 +9,7 @@ import pinocchio as pin
 import pytest
 
 import robotraj as rt
-from robotraj.applications.replanning.gait_ticks import cycle_of, ticks_of
-from robotraj.applications.replanning.touching import touching
+from robotraj.applications.replanning.gait_ticks import cycle_of, ticks_of, touching
 from robotraj.guess.legs.stance import BalancedStance
 
 PERIOD = 0.175

@@ -6,8 +6,8 @@ import coal
 import numpy as np
 import pytest
 
+from robotraj.problem.clearance.link_parts import support
 from robotraj.robot.collision.solids import Solid
-from robotraj.robot.collision.support import support
 
 SHAPES = {
     "sphere": coal.Sphere(0.3),

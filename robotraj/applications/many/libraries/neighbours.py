@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.applications.many.one_of_many import continued, planned
+from robotraj.applications.many.options import GuessedChoices
 from robotraj.guess.from_solution import FromSolution
 from robotraj.problem.problem import Problem
 from robotraj.solution.proof import Goals
@@ -25,9 +25,6 @@ from robotraj.solvers.compiled import CompiledOrigin, origin_of
 from robotraj.solvers.kept_multipliers import KeptMultipliers
 from robotraj.transcription.extract import extract
 from robotraj.transcription.transcribe import start_of
-
-if TYPE_CHECKING:
-    from robotraj.applications.many.options import GuessedChoices
 
 Case = Mapping[str, float]
 

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.objectives.weights import WeightsLike, weights_of
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -9,22 +9,19 @@ is free unless it is given.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.rigid_body import InverseRigidBody
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import AtEnd, AtStart, BoundConstraint, Constraint, Where, robot_of
-from robotraj.problem.constraints.bounds import BoundsLike, between
+from robotraj.problem.constraints.bounds import Bounds, BoundsLike, between
 from robotraj.problem.constraints.joint_limits import JointAcceleration
 from robotraj.problem.constraints.motors.rates import JointJerk, JointTorqueRate, RateLimit
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.constraints.bounds import Bounds
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -11,16 +10,13 @@ import pinocchio as pin
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
-from robotraj.dynamics.point import symbolic_model
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint, symbolic_model
 from robotraj.dynamics.row import Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
+from robotraj.problem.scalars import Scalar
 from robotraj.robot.carried_body import CarriedBody, carrying
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

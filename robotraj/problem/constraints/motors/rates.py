@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.dynamics.path_body import PathBody
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Row
 from robotraj.problem.augmentation import FrictionlessTorques, body_of, has
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, Where, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds, as_limits
 from robotraj.problem.rates_as_variables import with_control_rates
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
-    from robotraj.robot.robot import Robot
+from robotraj.problem.scalars import Scalar
+from robotraj.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Angle, Row
 from robotraj.dynamics.variable import Column
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
+from robotraj.problem.scalars import Scalar
 from robotraj.robot.loading.other_units import in_other_unit
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)

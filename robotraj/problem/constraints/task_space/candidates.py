@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from robotraj._util.errors import InputError
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
 from robotraj.problem.constraints.base import BoundConstraint, Constraint
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
 
 
 @dataclass(frozen=True)

@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
+from robotraj.dynamics.dae import Dynamics
+from robotraj.dynamics.point import RobotPoint
 from robotraj.dynamics.row import Angle, Row
 from robotraj.problem.constraints.base import BoundConstraint, Constraint, robot_of
 from robotraj.problem.constraints.bounds import BoundsLike, as_bounds
 from robotraj.problem.constraints.frame_pose import AXES, PoseLike, as_pose, check_metres, own_pose
 from robotraj.problem.constraints.task_space.axis import dot, perpendicular, turned, unit_vector
+from robotraj.problem.scalars import Scalar
 from robotraj.robot.loading.other_units import in_other_unit, seems_other
 from robotraj.robot.size.reach import reach
-
-if TYPE_CHECKING:
-    from robotraj.dynamics.dae import Dynamics
-    from robotraj.dynamics.point import RobotPoint
-    from robotraj.problem.scalars import Scalar
 
 
 @dataclass(frozen=True)
