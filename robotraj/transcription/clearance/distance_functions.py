@@ -83,15 +83,16 @@ def function_of(
     return known[key]
 
 
-def function_of_links(robot: Robot, joint: int, other: int) -> DistanceFunction:
-    """Return the function of two points on joints, which is built once for each robot: n' (p - q) - offset [m].
+def function_of_links(robot: Robot, joint: int, other: int, count: int) -> DistanceFunction:
+    """Return the function of pairs of points on joints, which is built once for each robot: n' (p - q) - offset [m].
 
-    Its constants are p and q in the frames of the joints, n and the offset. Joints that move both are neutral in n.
+    Its constants are p and q in the frames of the joints, n and the offset, of one of the ``count`` pairs after the
+    other. Joints that move both are neutral in n.
     """
     known = _FUNCTIONS.setdefault(robot, {})
-    key = joint, other
+    key = joint, other, count
     if key not in known:
-        known[key] = _of_links(robot, joint, other)
+        known[key] = _of_links(robot, joint, other, count)
     return known[key]
 
 
@@ -122,7 +123,7 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> Distan
     joint = int(spheres.joint[pairs.first[pair]])
     q = ca.SX.sym("q", robot.nq)
     if pair >= pairs.against:
-        return _of_links(robot, joint, int(spheres.joint[pairs.second[pair]]))
+        return _of_links(robot, joint, int(spheres.joint[pairs.second[pair]]), 1)
     obstacle = pairs.obstacles[pairs.second[pair]]
     if plane or not obstacle.moves:
         c = ca.SX.sym("c", 7)
@@ -137,10 +138,13 @@ def _made(pairs: ClearancePairs, pair: int, free: Clocks, plane: bool) -> Distan
     return _stage(robot, distance, q, clock, c, (joint,))
 
 
-def _of_links(robot: Robot, joint: int, other: int) -> DistanceFunction:
-    q, c = ca.SX.sym("q", robot.nq), ca.SX.sym("c", 10)
-    apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
-    return _stage(robot, ca.dot(c[6:9], apart) - c[9], q, None, c, (joint, other))
+def _of_links(robot: Robot, joint: int, other: int, count: int) -> DistanceFunction:
+    q, every = ca.SX.sym("q", robot.nq), ca.SX.sym("c", 10, count)
+    distances = []
+    for c in ca.horzsplit(every):
+        apart = _world(robot, joint, q, c[:3]) - _world(robot, other, q, c[3:6])
+        distances.append(ca.dot(c[6:9], apart) - c[9])
+    return _stage(robot, ca.vertcat(*distances), q, None, ca.vec(every), (joint, other))
 
 
 def _stage(
