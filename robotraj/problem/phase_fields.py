@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TypedDict, TypeVar
 
 from robotraj._util.errors import InputError, warn
+from robotraj._util.printing import brief
 from robotraj._util.values import own
 from robotraj.dynamics.contacts.base import BoundContact, Contact
 from robotraj.dynamics.design.quantity import Quantity
@@ -61,10 +62,17 @@ def check_kinds(phase: str, subject: object, start: object, end: object, objecti
         An integral such as the effort has a negative weight.
     """
     if not isinstance(subject, Robot | System):
-        raise InputError(f"A phase moves a robot of rt.load(...) or an rt.System; got {type(subject).__name__}.")
+        robot = f"rt.load({subject!r})" if isinstance(subject, str) else "robot"
+        raise InputError(
+            f"A phase moves a robot of rt.load(...) or an rt.System; got {type(subject).__name__} {brief(subject)}. "
+            f"Write rt.Phase({robot}, duration, ...)."
+        )
     for which, given in (("start", start), ("end", end)):
         if not isinstance(given, State | None):
-            raise InputError(f"The {which} of phase {phase!r} must be an rt.State or None; got {given!r}.")
+            raise InputError(
+                f"The {which} of phase {phase!r} must be an rt.State or None, such as rt.State(q=..., v=0); "
+                f"got {given!r}."
+            )
     if objective is not None and not isinstance(objective, Objective):
         advice = ""
         if isinstance(objective, list | tuple):

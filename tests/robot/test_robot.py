@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -331,6 +332,13 @@ BAD_LOADS = {
     ),
     "unknown link": (lambda path: rt.load(write(path, parent="uper")), ["'uper'", "'upper'", "'elbow'"]),
 }
+
+
+def test_a_saved_solution_is_no_urdf(tmp_path: Path) -> None:
+    (tmp_path / "plan.npz").write_bytes(b"PK")
+    with pytest.raises(rt.InputError, match=r"read by rt\.load_solution"):
+        rt.load(tmp_path / "plan.npz")
+
 
 FILES = {
     "no XML": ("<robot", "no well-formed XML"),

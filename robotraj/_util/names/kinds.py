@@ -186,6 +186,7 @@ def _written(kind: Any) -> str:
         return "a dict"
     if issubclass(cls, collections.abc.Iterable) and cls.__module__ in ("builtins", "collections.abc"):
         of = _written(inner[0]) if inner else ""
-        return "numbers" if of in ("a number", "a whole number") else f"a list{of and ': each '}{of}"
+        count = f"{len(inner)} " if len(inner) > 1 and inner[-1] is not Ellipsis else "a list of "
+        return f"{count}numbers" if of in ("a number", "a whole number") else f"a list{of and ': each '}{of}"
     source = SOURCES.get(cls.__name__, "")
     return f"{'an' if cls.__name__[0] in 'AEIOU' else 'a'} {cls.__name__}{source and ' as returned by '}{source}"

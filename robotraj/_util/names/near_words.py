@@ -56,6 +56,7 @@ _MEANINGS = tuple(
     load load_urdf load_robot from_urdf
     replay visualize visualise animate show view display
     validate verify simulate
+    box cube cuboid block
     panda franka emika fr3
     iiwa kuka
     solo12 solo

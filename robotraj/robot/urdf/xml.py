@@ -90,7 +90,9 @@ def _parsed(data: bytes, path: Path) -> ElementTree.Element:
     try:
         return parsed(data)
     except ValueError as error:
-        raise InputError(f"{str(path)!r} is no well-formed XML: {error}. Correct the file.") from error
+        saved = path.suffix.lower() == ".npz"
+        advice = "A saved solution is read by rt.load_solution(path)." if saved else "Correct the file."
+        raise InputError(f"{str(path)!r} is no well-formed XML: {error}. {advice}") from error
 
 
 def read_model(root: ElementTree.Element, path: Path) -> pin.Model:

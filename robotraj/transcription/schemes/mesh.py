@@ -61,7 +61,7 @@ class Mesh(OneLine):
         knots = self.knots
         if len(knots) < 2 or knots[0] != 0.0 or knots[-1] != 1.0 or not np.all(np.diff(knots) > 0):
             raise InputError(f"The knots of a mesh must ascend from 0 to 1; got {knots.tolist()}.")
-        schemes: list[object] = list(self.scheme) if isinstance(self.scheme, Sequence) else [self.scheme]
+        schemes: list[object] = list(self.scheme) if isinstance(self.scheme, list | tuple) else [self.scheme]
         for scheme in schemes:
             if not isinstance(scheme, Scheme):
                 shown = f"the class {scheme.__name__}" if isinstance(scheme, type) else repr(scheme)

@@ -126,7 +126,7 @@ OTHER_KINDS = {
     "'lift' has a bound that is 'low'": lambda: move_with(rt.PathConstraint(lambda p: p.q[0], "low", name="lift")),
     "axis= of FrameAxis must be numbers": lambda: rt.constraints.FrameAxis("tip", axis="z"),
     "first= of LinearPath must be numbers": lambda: rt.constraints.LinearPath("tip", ["0", 0, 0], (1, 0, 0)),
-    "axis= of Turning must be numbers": lambda: rt.gait.Turning(axis="y"),
+    "axis= of Turning must be 3 numbers": lambda: rt.gait.Turning(axis="y"),
     "duration= of StraightLine must be a number": lambda: rt.guess.StraightLine("2 s"),
     "angular= of CentroidalMomentum must be numbers": lambda: rt.objectives.CentroidalMomentum(angular="x"),
     "terminal pose of frame 'tip' must be": lambda: rt.objectives.TerminalPose("tip", None).check(MOVE.body, ()),

@@ -20,12 +20,12 @@ WRONG: dict[str, Callable[[], object]] = {
     "robot= of rt.gait.walk must be a Robot as returned by rt.load; got 'talos'": lambda: rt.gait.walk("talos"),
     "robot= of rt.gait.feet_of must be a Robot": lambda: rt.gait.feet_of(3, None),
     "solution= of rt.override must be a Solution as returned by rt.plan; got <Phase": lambda: rt.override(MOVE, 0.5),
-    "travel= of rt.robot.on_rail must be numbers; got 0.1": lambda: rt.robot.on_rail(ARM, 9.0, 0.1, 1.0, 9.0),
+    "travel= of rt.robot.on_rail must be 2 numbers; got 0.1": lambda: rt.robot.on_rail(ARM, 9.0, 0.1, 1.0, 9.0),
     "control= of HermiteSimpson must be a Control": lambda: rt.plan(MOVE, rt.Mesh(3, rt.HermiteSimpson(control=2))),
     "candidates= of OneOf must be a list: each a Constraint": lambda: rt.constraints.OneOf(np.array([1, 2])),
     "level= of Flat must be a number; got Fraction": lambda: rt.terrain.Flat(level=Fraction(1, 3)),
     "level= of Flat must be a number; got SX": lambda: rt.terrain.Flat(level=ca.SX.sym("h")),
-    "axis= of Turning must be numbers; got {'z': 1}": lambda: rt.gait.Turning(axis={"z": 1}),
+    "axis= of Turning must be 3 numbers; got {'z': 1}": lambda: rt.gait.Turning(axis={"z": 1}),
     "model= of Limits.of must be a Model": lambda: ARM.limits.of("arm.urdf"),
     "of Guess named 'tme'": lambda: rt.Guess(tme=[0, 1]),
 }
@@ -58,3 +58,18 @@ def test_entries_and_fields_inside_are_looked_at() -> None:
     broken = rt.constraints.MotorPower(limit=3.0)
     object.__setattr__(broken, "limit", object)
     assert "limit= of MotorPower must be" in misfit(takes, "takes", {"value": [1, {"a": (broken,)}]})
+
+
+ANSWERS: dict[str, Callable[[], object]] = {
+    r"got str 'ur5'\. Write rt\.Phase\(rt\.load\('ur5'\), duration, \.\.\.\)": lambda: rt.Phase("ur5", 2.0),
+    r"got float 2\.0\. Write rt\.Phase\(robot, duration, \.\.\.\)": lambda: rt.Phase(2.0, ARM),
+    r"such as rt\.State\(q=\.\.\., v=0\); got \[0, 1\]": lambda: rt.Phase(ARM, 2.0, [0, 1]),
+    r"got 'hermite'": lambda: rt.Mesh(10, "hermite"),
+    r"named 'Cube'\. Did you mean 'Box'": lambda: rt.obstacles.Cube,
+}
+
+
+@pytest.mark.parametrize("text", ANSWERS)
+def test_a_mistake_of_the_first_hour_is_answered_by_what_to_write(text: str) -> None:
+    with pytest.raises(rt.InputError, match=text):
+        ANSWERS[text]()
