@@ -16,9 +16,9 @@ from robotraj.dynamics.terrain.flat import Flat
 from robotraj.dynamics.terrain.function import GroundFunction, as_ground
 from robotraj.dynamics.variable import Scalar
 from robotraj.gait.bounds.margins import checked_margin
-from robotraj.gait.capability.leg_reach import check_step
+from robotraj.gait.capability.leg_reach import check_step, leg_length
 from robotraj.gait.capability.leg_samples import greatest_friction
-from robotraj.gait.capability.leg_speed import check_speed, standing_shares
+from robotraj.gait.capability.leg_speed import MODEST_STEP, check_speed, standing_shares
 from robotraj.gait.capability.swing_time import check_swing_time
 from robotraj.gait.capability.weight import check_weight
 from robotraj.gait.checks import check_free_root, check_ground_repeats, check_options
@@ -133,8 +133,12 @@ def _check_legs(
     for foot, share in standing_shares(phases, parts, sides).items():
         way, air = 2.0 * half * abs(length), 2.0 * half * time * (1.0 - share)
 
-        def remedy(enough: float, air: float = air) -> str:
-            return f"step_length={length / steps:.2g} with duration={time / steps * enough / air:.2g}"
+        modest = min(MODEST_STEP * leg_length(robot, foot) * steps / max(abs(length), 1e-9), 1.0)
+
+        def remedy(enough: float, air: float = air, modest: float = modest) -> str:
+            # At the same acceleration a part of the way takes the square root of that part of the time.
+            longer = float(np.sqrt(modest)) * enough / air
+            return f"step_length={modest * length / steps:.2g} with duration={time / steps * longer:.2g}"
 
         if air > 0.0:
             check_swing_time(robot, posture, {foot: way}, air, margin, remedy, impact)

@@ -83,3 +83,13 @@ def test_the_swing_that_would_do_is_planned(name: str) -> None:
     swing = float(re.search(r"swing=([\d.]+) would do", str(refusal.value))[1])  # type: ignore[index]
     solution = rt.plan(rt.gait.sidestep(robot, distance=0.1, swing=swing), progress=False)
     assert solution.proof is not None and solution.proof.holds
+
+
+def test_a_run_that_is_named_is_proved() -> None:
+    """A longer time alone left a step of 1 m, in which the shin passes through the torso."""
+    robot = rt.load("five_link", root="planar")
+    with pytest.raises(rt.InputError, match="would do") as refusal:
+        rt.gait.run(robot, step_length=1.0, duration=0.1)
+    length, duration = (float(x) for x in re.findall(r"step_length=(\S+) with duration=(\S+) ", str(refusal.value))[0])
+    solution = rt.plan(rt.gait.run(robot, step_length=length, duration=duration), check=False)
+    assert solution.success and solution.proof is not None and solution.proof.holds
