@@ -67,7 +67,10 @@ def _by_trimesh(data: bytes, suffix: str) -> MeshArrays:
     for numbers in re.findall(rb"<float_array[^>]*>([^<]*)", data) if suffix == ".dae" else ():
         if re.search(rb"[^-+.0-9eE\s]", numbers):
             raise ValueError("a coordinate is no number")
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=suffix[1:], process=False)
+    try:
+        scene = trimesh.load_scene(io.BytesIO(data), file_type=suffix[1:], process=False)
+    except ModuleNotFoundError as error:  # it looks for a package that guesses encodings
+        raise ValueError("its text is not UTF-8") from error
     vertices, triangles, count, total = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0, 0
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]

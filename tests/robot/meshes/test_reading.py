@@ -92,6 +92,10 @@ REFUSED = {
         b"glTF" + struct.pack("<IIII", 2, 52, 32, 0x4E4F534A) + b'{"meshes":[{"primitives":1}]}   ',
         "damaged",
     ),
+    "encoding.glb": (
+        b"glTF" + struct.pack("<IIII", 2, 48, 28, 0x4E4F534A) + b'{"asset":{"version":"\xff\xfe"}} ',
+        "not UTF-8",
+    ),
     "vertices.ply": (b"ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n0\n", ""),
     "other.gltf": (b"{}", "format .gltf is none of"),
     "other.blend": (b"BLENDER_v277", "format .blend is none of"),
