@@ -145,6 +145,19 @@ def test_the_problem_of_a_robot_survives_whole(cartpole: rt.Solution, tmp_path: 
     assert phase.robot.visual_model.ngeoms == known.robot.visual_model.ngeoms > 0
 
 
+def test_a_force_without_unknowns_that_a_file_does_not_hold_leaves_the_samples(tmp_path: Path) -> None:
+    push = rt.ExternalForce("tip", lambda place: [0.0, 2.0, 0.0])
+    ends = rt.State(q=[0, 0.3], v=0), rt.State(q=[0.4, -0.2], v=0)
+    phase = rt.Phase(rt.load("two_link_arm"), 2.0, *ends, rt.Effort(), contacts=[push], limits=None)
+    solution = rt.plan(phase, rt.Mesh(6), progress=False)
+    with pytest.warns(UserWarning, match="ExternalForce"):
+        loaded = rt.load_solution(solution.save(tmp_path / "pushed.npz"))
+    assert np.array_equal(loaded.at(0.5).q, solution.at(0.5).q)
+    assert np.array_equal(loaded.at(0.5).forces["tip"], np.zeros(3))
+    with pytest.raises(rt.InputError, match="ExternalForce.* are Python functions, which a file does not hold"):
+        rt.validate(loaded)
+
+
 def test_a_loaded_solution_warm_starts_and_proves_like_the_first(cartpole: rt.Solution, tmp_path: Path) -> None:
     loaded = rt.load_solution(cartpole.save(tmp_path / "swing.npz"))
     again = rt.plan(loaded.problem, loaded.phases[0].mesh, guess=loaded)

@@ -52,6 +52,7 @@ class MissingContact(Contact):
         bound = contact.bound_to(robot)
         unit = np.eye(len(bound.forces)).tolist()
         columns = [[float(part) for part in bound.vector(forces)] for forces in unit]
+        parts = len(bound.vector([0.0] * len(unit)))
         return cls(
             repr(contact),
             bound.name,
@@ -59,7 +60,7 @@ class MissingContact(Contact):
             bound.touching.offset,
             bound.forces,
             bound.anchors,
-            np.array(columns).T,
+            np.reshape(columns, (len(unit), parts)).T,
             float(contact.friction),
             ground,
         )
