@@ -20,7 +20,8 @@ from robotraj._util.system.interrupts import undisturbed
 ALIKE = 0.85
 """Least ratio of equal letters of a name in another package that a message names."""
 
-_guarded: dict[FunctionType, object] = {}
+_guarded: dict[tuple[FunctionType, str], object] = {}
+"""Public functions; one of two packages has two, so that messages name it as it was called."""
 
 
 def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
@@ -48,9 +49,9 @@ def attach_stub(package: str, file: str) -> tuple[Callable[[str], object], Calla
         if isinstance(found, type):
             guard(found)
         elif isinstance(found, FunctionType):
-            if found not in _guarded:
-                _guarded[found] = guarded(found, package)
-            found = _guarded[found]
+            if (found, package) not in _guarded:
+                _guarded[found, package] = guarded(found, package)
+            found = _guarded[found, package]
             if name in vars(sys.modules[package]):
                 setattr(sys.modules[package], name, found)
         return found
