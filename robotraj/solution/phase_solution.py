@@ -88,10 +88,30 @@ class PhaseSolution(OneLine):
         """Whether the plan satisfies its equations of motion at any time (``transcription.exact_motion``)."""
         return is_exact(self.phase, self.mesh.given)
 
+    @property
+    def _fitting(self) -> PhaseTrajectory:
+        """The trajectory, whose variables are those of the phase.
+
+        Raises
+        ------
+        InputError
+            It is that of another phase.
+        """
+        dae, path = self.phase.dae, self.trajectory
+        kinds = ((path.x, dae.states, "states"), (path.z, dae.algebraic, "algebraic variables"))
+        for found, variables, what in (*kinds, (path.u, dae.controls, "controls")):
+            count = found.values[0].shape[-1]
+            if count != len(variables):
+                raise InputError(
+                    f"The trajectory has {count} {what}, but phase {self.phase.name!r} has {len(variables)}. A motion "
+                    "belongs to the phase that it was planned for, with its contacts and objective."
+                )
+        return path
+
     @cached_property
     def inputs(self) -> Inputs:
         """Algebraic variables and controls along the motion: by the equations of motion where these give them."""
-        return inputs_of(self.phase, self.trajectory, self.mesh.schemes)
+        return inputs_of(self.phase, self._fitting, self.mesh.schemes)
 
     @cached_property
     def joint_states(self) -> PiecewisePolynomial:

@@ -133,3 +133,13 @@ def test_the_costs_integral_is_the_objective(swing: rt.Solution) -> None:
     values = swing.at(phase.points).tau[:, 0] ** 2
     h = 2.0 / 20
     assert h / 6 * (values[:-1:2] + 4 * values[1::2] + values[2::2]).sum() == pytest.approx(swing.objective, rel=1e-9)
+
+
+def test_a_motion_of_other_variables_than_those_of_its_phase_is_refused(swing: rt.Solution) -> None:
+    """Swapped phases and dropped contacts would end in errors of arrays wherever the motion is read."""
+    part, other = swing.phases[0], rt.Phase(BLOCK, 2.0, rt.State([0, 0]), rt.State([1, 0]), rt.Effort(), name="block")
+    swapped = replace(part, phase=other)
+    for read in (lambda: swapped.at(0.5), lambda: rt.validate(replace(swing, phases=(swapped,)))):
+        with pytest.raises(rt.InputError, match="The trajectory has 4 states, but phase 'block' has 2"):
+            read()
+    assert replace(part, phase=part.phase.with_(name="renamed")).at(0.5).t == 0.5
