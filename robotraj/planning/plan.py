@@ -163,12 +163,15 @@ def plan(
 
     Notes
     -----
-    Settings that are left open. The first rule of a setting whose conditions hold applies:
+    Settings that are left open. The first rule of a setting applies whose conditions, between commas, hold together.
+    All robots are *fully actuated* where each joint has a motor, and *arms* if their roots are fixed too. *Friction* is
+    dry, and matters for the objective. A cost is *kinked* where absolute values matter. Rates are *free* without limits
+    of jerk or torque rate. A program has *stages* where these have few variables.
 
     ===============  ========================================  =====================================================
     setting          where                                     choice
     ===============  ========================================  =====================================================
-    goals            no mesh                                   Goals()
+    goals            no mesh, no tolerance                     Goals()
     mesh             a path                                    MeshesOnPaths()
                      goals, arms, friction, free rates         Mesh of 16 intervals, RadauIIA()
                      goals, fully actuated, a kinked cost      MeshesOfLines()
@@ -291,7 +294,11 @@ def plan(
 
 
 def _method(settings: Settings) -> Callable[..., Solution]:
-    """Return the function that plans by these settings. A process imports only the one that it needs."""
+    """Return the function that plans by these settings. A process imports only the one that it needs.
+
+    On a given mesh, and to a tolerance, solves with softer friction come first (``from_softer``); the loop of ``prove``
+    has its own.
+    """
     if settings.goals is not None:
         from robotraj.planning.proving.prove import prove
 

@@ -141,7 +141,9 @@ def _has_passive_joints(phase: Phase) -> bool:
 
 ALWAYS = Condition("otherwise", lambda case: True)
 TOLERANCE = Condition("tolerance", lambda case: case.settled["tolerance"] is not None)
-OPEN_MESH = Condition("no mesh", lambda case: "mesh" not in case.settled and case.settled["tolerance"] is None)
+OPEN_MESH = Condition(
+    "no mesh, no tolerance", lambda case: "mesh" not in case.settled and case.settled["tolerance"] is None
+)
 EXACT = Condition(
     "fully actuated",
     lambda case: all(is_exact(phase, (HermiteSimpson(),)) for phase in case.problem.phases),

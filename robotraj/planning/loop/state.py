@@ -115,8 +115,8 @@ class MeasuredMotion:
         return self.solution.proof
 
     @property
-    def holds(self) -> bool:
-        """Whether it is a motion within its limits."""
+    def motion_holds(self) -> bool:
+        """Whether it is a motion within its limits, settled or not."""
         return self.proof.motion_holds
 
     def with_unsettled(self, share: float) -> MeasuredMotion:
@@ -266,7 +266,7 @@ class PlanState:
             assert self.failed is not None
             return replace(self.failed, refinement=self.steps)
         status = best.solution.status
-        if status is Status.SOLVED and not best.holds:
+        if status is Status.SOLVED and not best.motion_holds:
             status = Status.NOT_PROVED
         return replace(best.solution, status=status, refinement=self.steps)
 

@@ -30,9 +30,12 @@ from robotraj.solvers.status import Status
 def prove(
     problem: Problem, guess: InitialGuess | Solution | None, settings: Settings, progress: Progress | None = None
 ) -> Solution:
-    """Plan on finer and finer meshes until ``settings.goals`` hold, and by Coulomb's law.
+    """Plan on finer and finer meshes until ``settings.goals`` hold, then correct what their rows do not state.
 
-    Plans whose links overlap or are below the ground are made again.
+    Corrections come in this order: links that overlap (``KeptApart``), links below the ground (``AboveGround``), and
+    friction that the smooth law leaves out (``SharpFriction``). Each plans again until it has nothing left to try, and
+    its plan replaces the one before it only where it is better and no other correction refuses it. What is left is in
+    the proof, which then does not hold.
 
     Nothing is solved where the ground has less friction than every motion needs, where links overlap at a fixed end,
     or where a state must cross a zone that its rows forbid: on every mesh a motion may jump over it between the points.
@@ -82,7 +85,8 @@ def _from_softest(
         found = soft
     except KeyboardInterrupt:
         found = replace(soft, status=Status.INTERRUPTED)
-    if factor_of(found) == 0.0 or found.status is Status.INTERRUPTED:
+    has_own_friction = factor_of(found) == 0.0
+    if has_own_friction or found.status is Status.INTERRUPTED:
         return found, apart
     return with_effort_of(found, run(problem, soft, settings, progress)), KeptApart(problem, settings)
 

@@ -11,8 +11,9 @@ import pytest
 
 import robotraj as rt
 from robotraj._util.curves.teeth import SMOOTH
+from robotraj.planning.loop.last_solves import MOST_MESHES
 from robotraj.planning.loop.measures import Measured
-from robotraj.planning.loop.respond import ENOUGH, ENOUGH_OF_POWERS, MOST_MESHES, is_limited, respond
+from robotraj.planning.loop.respond import ENOUGH, ENOUGH_OF_POWERS, is_limited, respond
 from robotraj.planning.loop.state import Found, PlanEnd, PlanState, Task, Traits, begin
 from robotraj.planning.proving.soft_friction import factor_of, softened
 from robotraj.planning.settings import resolve
