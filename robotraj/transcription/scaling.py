@@ -78,8 +78,9 @@ def scales(
     unsized : sequence of lists of arrays of int
         Columns that ``rescale_unsized`` may scale, one group after the other.
     """
-    scale, gradients = variable_scale(variables, guess), Gradients(blocks, linear, guess)
+    scale = variable_scale(variables, guess)
     try:
+        gradients = Gradients(blocks, linear, guess)
         for group in unsized:
             columns = np.concatenate([np.zeros(0, dtype=int), *group])
             scale = rescale_unsized(scale, gradients, variables, rows, guess, columns)
