@@ -1,8 +1,7 @@
 """Automatic scaling: unknowns of order one, rows with gradients of order one.
 
-A variable is scaled by its bounds if both are finite, but by at most ``PLACEHOLDER`` times its guess, or times the size
-that the rows give it where the guess is zero: limits may be placeholders far from the motion. Else it is scaled by the
-guess. All its instances share the scale. Variables
+A variable is scaled by its bounds if both are finite, but by at most ``PLACEHOLDER`` times its guess: limits may be
+placeholders far from the motion. Else it is scaled by the guess. All its instances share the scale. Variables
 of joints and contacts with the same quantity and unit, in all phases, share the scale of the guess. An acceleration
 that is nearly zero in the guess need not stay small, and scales of very different size double the iterations of legged
 problems. Variables that are zero in the guess keep SI units.
@@ -20,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robotraj._util.arrays import Array
-from robotraj._util.lazy_values import cached_property
 from robotraj._util.sparse import csr_array
 from robotraj._util.time_left import LimitReached
 from robotraj.transcription.assembly.block import Block
@@ -35,6 +33,8 @@ PLACEHOLDER = 1e3
 """Bounds above this multiple of the guess are placeholders that do not measure the motion."""
 ROUNDING = 1e-10
 """Guesses up to this share of the largest one, or of an SI unit, are rounding errors, and no sizes."""
+TIGHT = 1e3
+"""Largest bound by which a variable is scaled."""
 PLAIN = 1e2
 """Sizes from 1 / PLAIN to PLAIN SI units count as one unit."""
 STIFF = 1e2
@@ -46,19 +46,20 @@ ALIKE = frozenset({"position", "velocity", "acceleration", "jerk", "effort", "co
 def variable_scale(variables: Scalars, guess: Array) -> Array:
     """Return the scale of every column, (n_w,)."""
     meaning, low, high = variables.meaning, variables.lower, variables.upper
-    entries, by_bounds, by_guess = variables.entries, _bounds(variables), np.zeros(len(variables.entries))
+    entries, count = variables.entries, len(variables.entries)
+    both = np.isfinite(low) & np.isfinite(high) & (high > low)
+    by_bounds, by_guess = np.zeros(count), np.zeros(count)
+    np.maximum.at(by_bounds, meaning[both], np.maximum(np.abs(low[both]), np.abs(high[both])))
     np.maximum.at(by_guess, meaning, np.abs(guess))
     fixed = np.isfinite(low) & (low == high)
     np.maximum.at(by_guess, meaning[fixed], np.abs(low[fixed]))
-    family = _families(entries, by_guess)
-    by_guess = np.where(by_guess > 0.0, np.maximum(by_guess, family), 0.0)
+    by_guess = _shared(entries, by_guess)
     durations = _durations(variables)
-    bounded = (by_bounds > 0) & ~durations
+    bounded = (by_bounds > 0) & (by_bounds <= TIGHT) & ~durations
     largest = min(1.0, float(by_guess[~durations].max(initial=0.0)))
     noise = (by_guess > 0.0) & (by_guess <= ROUNDING * largest)
     by_guess = np.where(noise, LEAST * largest, by_guess)
-    measured = np.where(noise, 0.0, np.maximum(by_guess, family))
-    known = np.where(measured > 0.0, PLACEHOLDER * measured, np.inf)
+    known = np.where((by_guess > 0.0) & ~noise, PLACEHOLDER * by_guess, np.inf)
     size = np.where(bounded, np.minimum(by_bounds, known), by_guess)
     return np.where(size > 0, np.minimum(size, GREATEST), 1.0)[meaning]
 
@@ -80,10 +81,9 @@ def scales(
     """
     scale = variable_scale(variables, guess)
     try:
-        gradients = Gradients(blocks, linear, guess)
         for group in unsized:
             columns = np.concatenate([np.zeros(0, dtype=int), *group])
-            scale = rescale_unsized(scale, gradients, variables, rows, guess, columns)
+            scale = rescale_unsized(scale, blocks, linear, variables, rows, guess, columns)
         return scale, row_scale(blocks, linear, variables, rows, scale, guess)
     except LimitReached:
         # Without the time for derivatives there is no solve, and the program is only evaluated at its guess.
@@ -92,55 +92,54 @@ def scales(
 
 def rescale_unsized(
     scale: Array,
-    gradients: Gradients,
+    blocks: Sequence[Block],
+    linear: csr_array,
     variables: Scalars,
     rows: Scalars,
     guess: Array,
     columns: NDArray[np.int_],
 ) -> Array:
-    """Rescale variables that are zero in the guess, (n_w,).
+    """Rescale variables without tight bounds that are zero in the guess, if their size is far from an SI unit, (n_w,).
 
     Such a variable gets the size at which its terms are as large as the others in some kind of row:
 
-        s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the other variables k of known size,
+        s_j = 1 / max_i (n_i J_ij / r_i),    r_i = max_k J_ik s_k over the variables k of known size,
 
     where J_ij is the largest |dg/dw| of row kind i by variable j at the guess. n_i is the number of rows of a kind of
     defect, since a variable acts over the whole phase, and 1 for other kinds. The defect of a state itself is excluded,
     since it compares the change of the state over an interval. A torque that moves 1e-4 kg or 1e8 kg is scaled in this
-    way, and so is a speed in a motion of 1e6 s. Where both bounds are finite, they scale the variable, up to
-    ``PLACEHOLDER`` times that size. Without them a size within ``PLAIN`` of the SI unit does not change the scale.
+    way, and so is a speed in a motion of 1e6 s. A size within ``PLAIN`` of the SI unit does not change the scale.
 
     Parameters
     ----------
     columns : ndarray of int
         Columns of the states of systems, or of controls, impulses and other unknowns of links.
     """
-    chosen = np.zeros(len(variables.entries), dtype=bool)
+    unsized = ~_sized(variables, guess)
+    chosen = np.zeros(len(unsized), dtype=bool)
     chosen[variables.meaning[columns]] = True
-    unguessed, by_bounds = chosen.copy(), _bounds(variables)
-    unguessed[variables.meaning[guess != 0.0]] = False
-    unknown = ~_sized(variables, guess)[variables.meaning] & (scale == 1.0)
+    unknown = np.flatnonzero(unsized & chosen)
+    if not unknown.size:
+        return scale
 
     def largest(scale: Array) -> Array:
         """Return the largest term of every kind of row."""
-        return _by_kind(rows, gradients.magnitudes(scale))
+        found = np.zeros(len(rows.entries))
+        magnitudes = row_magnitudes(blocks, linear, scale, guess)
+        np.maximum.at(found, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
+        return found
 
     defects = np.array([entry.name == "defect" for entry in rows.entries], dtype=bool)
     count = np.where(defects, np.bincount(rows.meaning, minlength=len(defects)), 1)
+    others = largest(np.where(unsized[variables.meaning] & (scale == 1.0), 0.0, scale))
     out = scale.copy()
-    for kind in np.flatnonzero(unguessed):
-        itself = variables.meaning == kind
-        others = largest(np.where(unknown | itself, 0.0, scale))
-        own, entry = count * largest(np.where(itself, 1.0, 0.0)), variables.entries[kind]
-        change = [(row.phase, row.label) == (entry.phase, entry.label) for row in rows.entries]
-        compared = (others > 0.0) & (own > 0.0) & ~(defects & change)
-        if not compared.any():
-            continue
-        size, bound = float(1.0 / np.max(own[compared] / others[compared])), by_bounds[kind]
-        if bound > 0.0 and PLACEHOLDER * size > ROUNDING * bound:
-            out[itself] = min(bound, PLACEHOLDER * size)
-        elif bound == 0.0 and not 1.0 / PLAIN <= size <= PLAIN:
-            out[itself] = size
+    for kind in unknown:
+        own, entry = count * largest(np.where(variables.meaning == kind, 1.0, 0.0)), variables.entries[kind]
+        itself = [(row.phase, row.label) == (entry.phase, entry.label) for row in rows.entries]
+        compared = (others > 0.0) & (own > 0.0) & ~(defects & itself)
+        size = float(1.0 / np.max(own[compared] / others[compared], initial=0.0)) if compared.any() else 1.0
+        if not 1.0 / PLAIN <= size <= PLAIN:
+            out[variables.meaning == kind] = size
     return out
 
 
@@ -149,29 +148,21 @@ def _durations(variables: Scalars) -> NDArray[np.bool_]:
     return np.array([entry.name == "duration" for entry in variables.entries], dtype=bool)
 
 
-def _bounds(variables: Scalars) -> Array:
-    """Return the largest absolute value that finite bounds allow every entry, 0 without two of them, (entries,)."""
-    low, high, found = variables.lower, variables.upper, np.zeros(len(variables.entries))
-    both = np.isfinite(low) & np.isfinite(high) & (high > low)
-    np.maximum.at(found, variables.meaning[both], np.maximum(np.abs(low[both]), np.abs(high[both])))
-    return found
-
-
 def _sized(variables: Scalars, guess: Array) -> NDArray[np.bool_]:
     """Return the entries whose size ``variable_scale`` knows from bounds or from the guess, (entries,)."""
     reach = np.maximum(np.abs(variables.lower), np.abs(variables.upper))
     sized = np.zeros(len(variables.entries), dtype=bool)
-    np.logical_or.at(sized, variables.meaning, ((reach > 0.0) & np.isfinite(reach)) | (guess != 0.0))
+    np.logical_or.at(sized, variables.meaning, ((reach > 0.0) & (reach <= TIGHT)) | (guess != 0.0))
     return sized
 
 
-def _families(entries: Sequence[Entry], sizes: Array) -> Array:
-    """Return the largest size among the entries of the quantity and unit of each, 0 for what is not ``ALIKE``."""
+def _shared(entries: Sequence[Entry], sizes: Array) -> Array:
+    """Return for each entry that is not zero in the guess the largest size among entries of its quantity and unit."""
     families: dict[tuple[str, str], list[int]] = {}
     for i, entry in enumerate(entries):
-        if entry.name in ALIKE and entry.unit:
+        if sizes[i] > 0 and entry.name in ALIKE and entry.unit:
             families.setdefault((entry.name, entry.unit), []).append(i)
-    out = np.zeros(len(entries))
+    out = sizes.copy()
     for members in families.values():
         out[members] = np.max(sizes[members])
     return out
@@ -189,7 +180,10 @@ def row_scale(
 
     def largest_at(w: Array) -> Array:
         """Return the largest gradient of every kind of row."""
-        return _by_kind(rows, Gradients(blocks, linear, w).magnitudes(scale))
+        magnitudes = row_magnitudes(blocks, linear, scale, w)
+        found = np.zeros(len(rows.entries))
+        np.maximum.at(found, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
+        return found
 
     largest = largest_at(guess)
     of_motion = scale[~_durations(variables)[variables.meaning]].max(initial=0.0)
@@ -212,60 +206,35 @@ def row_scale(
     return 1.0 / np.clip(np.where(largest > 0, largest, 1.0), least, greatest)[rows.meaning]
 
 
-class Gradients:
-    """The derivatives of blocks and of a linear part at one point, evaluated once for any scales.
+def row_magnitudes(blocks: Sequence[Block], linear: csr_array, scale: Array, w: Array) -> Array:
+    """Return the largest absolute term of every row of the Jacobian by w / scale at w, (n_g,).
 
-    Parameters
-    ----------
-    blocks : sequence of Block
-    linear : sparse array (n_g, n_w)
-    w : ndarray (n_w,)
+    A term is a product of one entry of S, J and G each. Terms of the same entry of the Jacobian are not added.
     """
-
-    def __init__(self, blocks: Sequence[Block], linear: csr_array, w: Array) -> None:
-        self._blocks = [block for block in blocks if block.scatter.nnz and block.stage.jacobian_pattern[0].size]
-        self._linear, self._w = linear, w
-
-    @cached_property
-    def _evaluated(self) -> list[tuple[NDArray[np.int_], Array]]:
-        """The places that each block reads, and the absolute derivatives there (nonzeros, places)."""
-        found = []
-        for block in self._blocks:
-            read = np.flatnonzero(np.bincount(block.scatter.indices // block.stage.outputs))
-            places, constants = block.places(self._w)[:, read], block.constants[:, read]
-            found.append((read, np.abs(block.stage.evaluate("jacobian", places, constants)).T))
-        return found
-
-    def magnitudes(self, scale: Array) -> Array:
-        """Return the largest absolute term of every row of the Jacobian by w / scale, (n_g,).
-
-        A term is a product of one entry of S, J and G each. Terms of the same entry of the Jacobian are not added.
-        """
-        linear = self._linear
-        largest = _largest(linear, np.abs(linear.data) * scale[linear.indices])
-        for block, (read, nonzeros) in zip(self._blocks, self._evaluated, strict=True):
-            stage = block.stage
-            rows, columns = stage.jacobian_pattern
-            reach = _largest(block.gather, np.abs(block.gather.data) * scale[block.gather.indices])
-            reach = reach.reshape(block.count, stage.inputs)[read][:, columns]
-            # Expressions that are not defined at the guess are NaN; their rows are not scaled.
-            with np.errstate(invalid="ignore"):
-                terms = np.where(reach > 0.0, nonzeros * reach, 0.0)
-                outputs = np.zeros((block.count, stage.outputs))
-                by_row = rows.argsort(kind="stable")
-                ranked = rows[by_row]
-                first = np.append(0, np.flatnonzero(ranked[1:] > ranked[:-1]) + 1)
-                outputs[read[:, None], ranked[first]] = np.maximum.reduceat(terms[:, by_row], first, axis=1)
-                values = np.abs(block.scatter.data) * outputs.ravel()[block.scatter.indices]
-            largest = np.maximum(largest, _largest(block.scatter, values))
-        return largest
-
-
-def _by_kind(rows: Scalars, magnitudes: Array) -> Array:
-    """Return the largest finite magnitude of every kind of row, (entries,)."""
-    found = np.zeros(len(rows.entries))
-    np.maximum.at(found, rows.meaning, np.where(np.isfinite(magnitudes), magnitudes, 0.0))
-    return found
+    largest = _largest(linear, np.abs(linear.data) * scale[linear.indices])
+    for block in blocks:
+        if not block.scatter.nnz:
+            continue
+        stage = block.stage
+        rows, columns = stage.jacobian_pattern
+        if not rows.size:
+            continue
+        read = np.flatnonzero(np.bincount(block.scatter.indices // stage.outputs))
+        reach = _largest(block.gather, np.abs(block.gather.data) * scale[block.gather.indices])
+        reach = reach.reshape(block.count, stage.inputs)[read][:, columns]
+        places, constants = block.places(w)[:, read], block.constants[:, read]
+        nonzeros = stage.evaluate("jacobian", places, constants).T
+        # Expressions that are not defined at the guess are NaN; their rows are not scaled.
+        with np.errstate(invalid="ignore"):
+            terms = np.where(reach > 0.0, np.abs(nonzeros) * reach, 0.0)
+            outputs = np.zeros((block.count, stage.outputs))
+            by_row = rows.argsort(kind="stable")
+            ranked = rows[by_row]
+            first = np.append(0, np.flatnonzero(ranked[1:] > ranked[:-1]) + 1)
+            outputs[read[:, None], ranked[first]] = np.maximum.reduceat(terms[:, by_row], first, axis=1)
+            values = np.abs(block.scatter.data) * outputs.ravel()[block.scatter.indices]
+        largest = np.maximum(largest, _largest(block.scatter, values))
+    return largest
 
 
 def _largest(matrix: csr_array, values: Array) -> Array:
