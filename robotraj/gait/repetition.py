@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError, warn
 from robotraj._util.values import dataclass
 from robotraj.dynamics.contacts.base import Contact, copied, has_field
@@ -37,8 +37,6 @@ from robotraj.problem.links.periodic import Mirror, Periodic
 from robotraj.problem.links.touchdown import Touchdown
 from robotraj.problem.problem import Problem
 from robotraj.robot.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def repeating(

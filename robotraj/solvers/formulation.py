@@ -44,6 +44,9 @@ the conflicts of an infeasible flight were not found with the finer ones.
 """
 SECONDS_OF_BLOCK = 5e-3
 """Processor time of writing one point function of an NLP in stages [s]; hundreds of phases have a thousand."""
+Keys = NDArray[np.int64]
+KINDS = 8
+"""Keys are KINDS * number + kind."""
 
 
 def formulate(nlp: Nlp) -> Formulation:
@@ -125,11 +128,6 @@ def _couples_neighbours(phase: Phase, layout: PhaseLayout) -> bool:
         or phase.rows.integrals
     )
     return not distant
-
-
-Keys = NDArray[np.int64]
-KINDS = 8
-"""Keys are KINDS * number + kind."""
 
 
 def carried_over(known: Reduction, multipliers: Array, new: Reduction) -> Array:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from robotraj.applications.many.options import PlanOptions
+    from robotraj.problem.links.base import Link
     from robotraj.replay_page.options import ReplayOptions
     from robotraj.witness.validation import ValidationOptions
 
@@ -70,10 +71,6 @@ class ProblemFile(OneLine):
     def __str__(self) -> str:
         return str(self.problem)
 
-
-if TYPE_CHECKING:
-    from robotraj.applications.many.options import PlanOptions
-    from robotraj.problem.links.base import Link
 
 TABLES = ("robot", "robots", "define", "phases", "links", "gait", "plan", "validate", "replay", "output")
 OUTPUTS = ("html", "save", "plot")

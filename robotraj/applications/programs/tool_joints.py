@@ -25,6 +25,11 @@ HALVINGS = 10
 BETWEEN = np.array([0.2, 0.5, 0.8])
 """Places of a piece where the tool is compared with its curve."""
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+SITES = np.linspace(0.0, 1.0, 6)
+"""Places of the values of a polynomial in its interval."""
+_POWERS = np.vander(SITES, increasing=True)
+_ENDS = np.array([[1.0, 1.0, 1.0], [3.0, 4.0, 5.0], [6.0, 12.0, 20.0]])
+"""Value and two derivatives at 1 of x^3, x^4 and x^5."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,13 +156,6 @@ def _solved(matrix: Array, right: Array) -> Array | None:
         return np.asarray(np.linalg.solve(matrix, right))
     except np.linalg.LinAlgError:
         return None
-
-
-SITES = np.linspace(0.0, 1.0, 6)
-"""Places of the values of a polynomial in its interval."""
-_POWERS = np.vander(SITES, increasing=True)
-_ENDS = np.array([[1.0, 1.0, 1.0], [3.0, 4.0, 5.0], [6.0, 12.0, 20.0]])
-"""Value and two derivatives at 1 of x^3, x^4 and x^5."""
 
 
 def hermite(first: Array, last: Array, length: float) -> Array:

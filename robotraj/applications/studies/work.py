@@ -27,6 +27,8 @@ from robotraj.solution.released import released
 from robotraj.solution.storage.load import load_solution
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+
     from robotraj.applications.many.options import GuessedChoices
     from robotraj.applications.studies.cases import Case, Cases
     from robotraj.solution.solution import Solution
@@ -36,6 +38,7 @@ Keyed = Sequence[tuple[str, "Case"]]
 
 ATTEMPTS, PAUSE = 12, 5.0
 """Attempts to write a file while the disk is full, and the time between two [s]."""
+Shared = tuple[Path, "Callable[[Case], Any] | None"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,14 +171,6 @@ def _validated(solution: Solution) -> Row:
 
     report = validate(solution)
     return {"validated": report.passed, "drift": drift_of(report)}
-
-
-if TYPE_CHECKING:
-    import pyarrow as pa
-
-    from robotraj.applications.studies.cases import Case
-
-Shared = tuple[Path, "Callable[[Case], Any] | None"]
 
 
 def validated(store: Store, make: Callable[[Case], Any] | None, executor: Executor | None) -> pa.Table:

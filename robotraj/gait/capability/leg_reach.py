@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robotraj._util.arrays import Array
 from robotraj._util.errors import InputError
 from robotraj.dynamics.contacts.base import BoundContact
 from robotraj.dynamics.terrain.function import as_ground
@@ -22,8 +22,6 @@ from robotraj.gait.feet import foot_contact
 from robotraj.gait.supports import GaitTerms, Support
 from robotraj.robot.robot import Robot
 from robotraj.robot.root import root_of
-
-Array = NDArray[np.float64]
 
 LONGER = 1.02
 """Ratio of the length of a leg to the greatest one of its samples, at most."""

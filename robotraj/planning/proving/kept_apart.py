@@ -195,7 +195,8 @@ class KeptApart:
         if solution.success:
             motions = [motion_of(part) for part in solution.phases]
             hit = [self._overlaps.sampled(number, motion) for number, motion in enumerate(motions)]
-            search = search.respond(solution, motions, hit, held_back(solution, self._overlaps.bodies))
+            cost = np.inf if any(hit) else held_back(solution, self._overlaps.bodies)
+            search = search.respond(solution, motions, hit, cost)
             if stage.left and not search.is_over:
                 further = stage._replace(search=search, left=stage.left - 1)
                 return self._on_coarse(further, OVERLAPS if any(hit) else "", "rows along the free motion")

@@ -36,6 +36,10 @@ WALL_COLOR = (0.80, 0.82, 0.78, 0.4)
 """A wall may stand between the camera and the robot."""
 STILL = 1e-9
 """Change of a pose [m, and unitless quaternion] below which a joint has no track."""
+COLLISION_COLOR: Color = (0.84, 0.37, 0.0, 0.35)
+SPHERES_COLOR: Color = (0.35, 0.20, 0.75, 0.22)
+MOST_TRIANGLES = 1500
+"""Largest number of triangles of a drawn collision mesh; vertices of a larger one are merged in cells."""
 
 
 def scenes_of(
@@ -232,23 +236,17 @@ def _trace(
     }
 
 
-COLOR: Color = (0.84, 0.37, 0.0, 0.35)
-SPHERES_COLOR: Color = (0.35, 0.20, 0.75, 0.22)
-MOST = 1500
-"""Largest number of triangles of a drawn collision mesh; vertices of a larger one are merged in cells."""
-
-
 def collision_shapes(geometry: pin.GeometryModel | None) -> tuple[Visual, ...]:
     """Return the shapes that Pinocchio's collision model has, each fixed to its joint; unknown kinds are left out."""
     found = []
     for thing in geometry.geometryObjects if geometry is not None else ():
         placement = np.array(thing.placement.homogeneous)
         try:
-            part = shape_part(thing.geometry, MOST)
+            part = shape_part(thing.geometry, MOST_TRIANGLES)
         except LookupError:
             continue
         if part is not None:
-            found.append(Visual(int(thing.parentJoint), str(thing.name), placement, ((part, COLOR),)))
+            found.append(Visual(int(thing.parentJoint), str(thing.name), placement, ((part, COLLISION_COLOR),)))
     return tuple(found)
 
 

@@ -28,6 +28,12 @@ DEFAULT_COLOR: Color = (0.75, 0.77, 0.80, 1.0)
 LINK_COLOR: Color = (0.36, 0.45, 0.56, 1.0)
 UNNAMED_COLOR: Color = (0.9, 0.9, 0.9, 1.0)
 """Pinocchio's own default, which marks geometry that the URDF gives no colour."""
+SECONDS, PER_BYTE = 4.0, 3e-7
+"""Processor time for a file [s], and for each of its bytes."""
+MOST_BYTES = 32 * 10**6
+"""Largest size of the parts of a file, above that of as many triangles as a page shows."""
+VERSION = 1
+"""Version of the cached files."""
 
 
 @dataclass(frozen=True)
@@ -128,13 +134,6 @@ def skeleton(model: pin.Model) -> tuple[Visual, ...]:
             found.append(Visual(joint, f"{model.names[joint]} link", np.eye(4), colored))
     return tuple(found)
 
-
-SECONDS, PER_BYTE = 4.0, 3e-7
-"""Processor time for a file [s], and for each of its bytes."""
-MOST_BYTES = 32 * 10**6
-"""Largest size of the parts of a file, above that of as many triangles as a page shows."""
-VERSION = 1
-"""Version of the cached files."""
 
 Parts = tuple[Part, ...]
 

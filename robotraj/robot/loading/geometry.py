@@ -40,6 +40,18 @@ UNREADABLE = "mesh(es) not readable and skipped: {}. Export them again as STL, O
 IMPOSSIBLE = "shape(s) of impossible size, skipped: {}. Correct the URDF."
 
 _closed: ContextVar[bool] = ContextVar("closed", default=False)
+HEAD = 65_536
+"""Bytes at the beginning of a file in which the unit stands."""
+UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']\s*([0-9.eE+-]+)\s*[\"']")
+LARGE, SMALL = 30.0, 1e-3
+"""Sizes of a mesh relative to the reach of the robot above and below which it is doubted."""
+SIZES: Mapping[str, Sequence[tuple[str, int]]] = {
+    "box": (("size", 3),),
+    "sphere": (("radius", 1),),
+    "cylinder": (("radius", 1), ("length", 1)),
+    "capsule": (("radius", 1), ("length", 1)),
+}
+"""Attributes that are sizes [m], and the number of their numbers."""
 
 
 class ShapesUnread(InputError):
@@ -200,13 +212,6 @@ class NoGeometry:
         return Counter()
 
 
-HEAD = 65_536
-"""Bytes at the beginning of a file in which the unit stands."""
-UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']\s*([0-9.eE+-]+)\s*[\"']")
-LARGE, SMALL = 30.0, 1e-3
-"""Sizes of a mesh relative to the reach of the robot above and below which it is doubted."""
-
-
 def unit_of(path: Path) -> float:
     """Return the length of the unit of a mesh file [m]: that of COLLADA files, 1 for others."""
     if path.suffix.lower() != ".dae":
@@ -239,15 +244,6 @@ def doubted_sizes(model: pin.Model, shapes: pin.GeometryModel) -> list[str]:
         if np.isfinite(size) and not SMALL * span <= size <= LARGE * span:
             found.append(f"{model.frames[shape.parentFrame].name} ({size:.3g} m)")
     return found
-
-
-SIZES: Mapping[str, Sequence[tuple[str, int]]] = {
-    "box": (("size", 3),),
-    "sphere": (("radius", 1),),
-    "cylinder": (("radius", 1), ("length", 1)),
-    "capsule": (("radius", 1), ("length", 1)),
-}
-"""Attributes that are sizes [m], and the number of their numbers."""
 
 
 def impossible_size(shape: Element) -> str | None:

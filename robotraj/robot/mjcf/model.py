@@ -33,6 +33,8 @@ from robotraj.robot.urdf.numbers import numbers
 from robotraj.robot.urdf.xml import MAX_BYTES
 
 FLUID = ("density", "viscosity")
+COMPOSITE = "Composite_"
+"""Pinocchio's name of the joints of a body is this and the name of the first one."""
 
 
 @dataclass(frozen=True)
@@ -165,10 +167,6 @@ def _built(
 
 def _root(path: Path) -> Element:
     return parsed(contents(path, MAX_BYTES, "The MJCF file"))
-
-
-COMPOSITE = "Composite_"
-"""Pinocchio's name of the joints of a body is this and the name of the first one."""
 
 
 def with_single_axes(

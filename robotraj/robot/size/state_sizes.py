@@ -29,6 +29,12 @@ ROUNDING = 1e-6
 """Least size of a state relative to the largest range of all."""
 NOTHING = 1e-15
 """Ranges up to this are no motion: a pendulum that hangs still moves by 1e-21 rad in the solver's arithmetic."""
+WINDOW = 0.05
+"""Window of robots of ``SIZE`` or larger [s]: long enough to show an error, too short for gravity to amplify it."""
+WINDOWS = 40
+"""Number of windows of the whole motion of a System."""
+SIZE = 0.35
+"""Reach below which windows are shorter [m]."""
 
 
 def state_sizes(units: Sequence[str], values: Array) -> Array:
@@ -54,14 +60,6 @@ def state_sizes(units: Sequence[str], values: Array) -> Array:
         alike = np.array([each == unit for each in units], dtype=bool)
         sizes[alike] = np.maximum(sizes[alike], SHARE * ranges[alike].max())
     return np.where(sizes > NOTHING, sizes, 1.0)
-
-
-WINDOW = 0.05
-"""Window of robots of ``SIZE`` or larger [s]: long enough to show an error, too short for gravity to amplify it."""
-WINDOWS = 40
-"""Number of windows of the whole motion of a System."""
-SIZE = 0.35
-"""Reach below which windows are shorter [m]."""
 
 
 def error_window(robot: Robot) -> float:

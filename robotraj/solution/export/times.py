@@ -15,6 +15,8 @@ MOST = 2_000_000
 """Largest number of samples of a file: half an hour of a controller at 1 kHz."""
 SHORTEST = 1e-3
 """Length relative to the other periods below which a last period is joined to the one before it."""
+FORMULAS = ("=", "+", "-", "@", "\t", "\r")
+"""First letters at which a spreadsheet takes a cell for a formula, which may start programs."""
 
 
 def sample_times(start: float, end: float, samples: int | Sequence[float], rate: float | None = None) -> Array:
@@ -46,10 +48,6 @@ def sample_times(start: float, end: float, samples: int | Sequence[float], rate:
             raise InputError(f"samples= is a number of samples or a list of times [s]; got {brief(samples)}.")
         return times
     return np.linspace(start, end, whole("samples", samples, 2, MOST))
-
-
-FORMULAS = ("=", "+", "-", "@", "\t", "\r")
-"""First letters at which a spreadsheet takes a cell for a formula, which may start programs."""
 
 
 def cell(text: str) -> str:

@@ -259,10 +259,6 @@ def tie_intervals(mesh: MovingMesh, index: int, layout: PhaseLayout, rows: Scala
     subtract(most, layout.duration, mesh.most * shares)
 
 
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-
-
 def join_accelerations(phase: Phase, index: int, layout: PhaseLayout, rows: ScalarTable, linear: Triplets) -> None:
     """Add the rows of the knots between intervals of joined schemes."""
     joined = [run for run in layout.runs if isinstance(run.scheme, GaussLegendre) and run.scheme.joined]

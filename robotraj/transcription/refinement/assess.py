@@ -24,6 +24,10 @@ from robotraj.transcription.schemes.mesh import Mesh, MovingMesh
 
 if TYPE_CHECKING:
     from robotraj.problem.phase import Phase
+    from robotraj.transcription.extract import PhaseTrajectory
+
+LASTING = 20.0
+"""Number of intervals for which a missing s'' lasts, chosen so that the loss is not underestimated."""
 
 
 def assess(phase: Phase, trajectory: PhaseTrajectory, mesh: Mesh, settled: bool) -> Assessment:
@@ -133,15 +137,6 @@ def _decays(trajectory: PhaseTrajectory) -> Array:
         moving = coefficients[1:].max(axis=0) > 1e-10 * scale
         decays.append(float(np.min(-slopes[moving], initial=np.inf)))
     return np.array(decays)
-
-
-if TYPE_CHECKING:
-    from robotraj.problem.phase import Phase
-    from robotraj.transcription.extract import PhaseTrajectory
-
-
-LASTING = 20.0
-"""Number of intervals for which a missing s'' lasts, chosen so that the loss is not underestimated."""
 
 
 def path_bends(phase: Phase, trajectory: PhaseTrajectory) -> Array:
